@@ -1,0 +1,41 @@
+//! Frequency-aware photon beams.
+//!
+//! # Conventions
+//!
+//! - **Local light field** around a central ray: `l(x, y, u, v)`. `x, y` are offsets perpendicular to the ray
+//!   in metres, `u, v` direction slopes along the same axes in radians. The frame `(x, y, z)` is right-handed
+//!   and `z` is the direction of propagation.
+//! - **Fourier kernel** `exp(-i 2π ω·q)`: frequencies in cycles/m and cycles/rad.
+//! - **Covariance** Σ is the second moment of the spectrum, normalised by its integral (thesis Eq 5.12), so that
+//!   `Hess f(p) = -4π² f(p) Σ`. A Gaussian of standard deviation `w` has Σ = 1/(4π²w²).
+//! - **Units**: any unit of length will do (the docs say metre); powers are watts per colour channel.
+//! - **cos θ** of a scattering event is dot(incoming propagation, outgoing propagation): forward is +1.
+//!
+//! Section and equation numbers without a source refer to L. Belcour, *A Frequency Analysis of Light Transport:
+//! from Theory to Implementation* (2012).
+#![no_std]
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+
+#[cfg(feature = "bvh")]
+extern crate std;
+
+mod beam;
+#[cfg(feature = "bvh")]
+mod beam_map;
+mod fluence;
+mod grid;
+mod kernel;
+mod light_field;
+mod medium;
+
+pub use glam::{Vec2, Vec3};
+
+pub use beam::{Beam, Crossing, EyeRay, Gathered, cross};
+#[cfg(feature = "bvh")]
+pub use beam_map::BeamMap;
+pub use fluence::FluenceSpectrum;
+pub use grid::{CovarianceGrid, FluenceCell, FluenceGrid, GridCell, GridError, GridLayout};
+pub use kernel::{Kernel, KernelRadius, error_bound, progressive_radius};
+pub use light_field::{Curvature, LightField};
+pub use medium::{Medium, PhaseFunction, PhaseKind};

@@ -1,0 +1,152 @@
+//! What a scene is: objects, lights, media, camera and the defaults of a render.
+
+use crate::camera::Camera;
+use crate::mesh::Mesh;
+use covbeam::Medium;
+use glam::Vec3;
+
+/// Index into [`Scene::media`].
+pub type MediumId = u32;
+
+/// A whole scene, validated: nothing in it is NaN, infinite, degenerate or out of range.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Shapes with their materials.
+    pub objects: Vec<Object>,
+    /// At least one.
+    pub lights: Vec<Light>,
+    /// Scattering media.
+    pub media: Vec<Medium>,
+    /// The medium outside all closed dielectric objects; None = vacuum.
+    pub outside: Option<MediumId>,
+    /// Where the picture is taken from.
+    pub camera: Camera,
+    /// Box of the covariance grid and its resolution.
+    pub grid: covbeam::GridLayout,
+    /// Defaults of a render.
+    pub settings: Settings,
+}
+
+/// A shape with what it is made of.
+#[derive(Clone, Debug)]
+pub struct Object {
+    /// For messages.
+    pub name: String,
+    /// Geometry.
+    pub shape: Shape,
+    /// What light does there.
+    pub material: Material,
+    /// The medium inside a closed dielectric; None = clear.
+    pub inside: Option<MediumId>,
+}
+
+/// Geometry of an object.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// Normal points outwards.
+    Sphere {
+        /// Centre.
+        center: Vec3,
+        /// > 0.
+        radius: f32,
+    },
+    /// The parallelogram `corner + a edge_u + b edge_v`, a, b in [0, 1]; normal along edge_u x edge_v.
+    Rectangle {
+        /// One corner.
+        corner: Vec3,
+        /// First edge.
+        edge_u: Vec3,
+        /// Second edge.
+        edge_v: Vec3,
+    },
+    /// Axis-aligned box; normal points outwards. Hit from inside and from outside.
+    Box {
+        /// Lower corner.
+        min: Vec3,
+        /// Upper corner.
+        max: Vec3,
+    },
+    /// Triangles.
+    Mesh(Mesh),
+}
+
+/// What light does at a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Material {
+    /// Smooth glass or water; only on closed shapes (sphere, box, closed mesh).
+    Dielectric {
+        /// Index of refraction inside, > 0; outside is the surrounding dielectric or 1.
+        index: f32,
+    },
+    /// Perfect mirror.
+    Mirror {
+        /// Per channel, 0..=1.
+        reflectance: Vec3,
+    },
+    /// Ideal diffuse, two-sided.
+    Lambert {
+        /// Per channel, 0..=1.
+        albedo: Vec3,
+    },
+    /// Absorbs everything.
+    Black,
+}
+
+/// A light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Light {
+    /// Isotropic point light.
+    Point {
+        /// Where.
+        position: Vec3,
+        /// W/sr per channel.
+        intensity: Vec3,
+    },
+    /// Cone; intensity falls smoothly (smoothstep in the angle) from `inner_angle` to 0 at `outer_angle`.
+    Spot {
+        /// Where.
+        position: Vec3,
+        /// Axis, unit.
+        direction: Vec3,
+        /// W/sr per channel on the axis.
+        intensity: Vec3,
+        /// Half-angle of the full cone [rad], >= 0.
+        inner_angle: f32,
+        /// Half-angle where light ends [rad], > inner_angle, < π/2.
+        outer_angle: f32,
+    },
+    /// One-sided diffuse disk emitting towards `normal`.
+    Disk {
+        /// Centre.
+        center: Vec3,
+        /// Unit.
+        normal: Vec3,
+        /// > 0.
+        radius: f32,
+        /// W/(m² sr) per channel.
+        radiance: Vec3,
+    },
+}
+
+/// Defaults of a render; the command line overrides them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Passes.
+    pub passes: u32,
+    /// Light paths a pass.
+    pub photons: u32,
+    /// Seed.
+    pub seed: u32,
+    /// Initial kernel radius r_1 [scene unit] of beams and of surface photons.
+    pub radius: f32,
+    /// α of progressive photon beams, in (0, 1).
+    pub alpha: f32,
+    /// ε_1: accepted relative bias of the adaptive radius in the first pass.
+    pub error: f32,
+    /// Largest adaptive radius [scene unit], >= radius.
+    pub max_radius: f32,
+    /// Share of the photons that carry a light field, in (0, 1].
+    pub light_field_share: f32,
+    /// Kernel shape.
+    pub kernel: covbeam::Kernel,
+}
