@@ -1,20 +1,31 @@
-//! stub
-use crate::{FluenceSpectrum, LightField};
-use glam::Vec3;
+//! The covariance grid: voxels that collect the spectra of the light crossing them, and the look-up of their means.
+//!
+//! The cells belong to the caller. Accumulation (`CovarianceGrid`) and look-up (`FluenceGrid`) are two types over two
+//! slices: sums in f64 that 10⁹ deposits do not stall, and compact f32 means for the gather.
 
-/// Box and resolution of a grid.
+use core::fmt;
+
+use glam::{Vec3, Vec4};
+use libm::expf;
+
+use crate::{FluenceSpectrum, LightField};
+
+/// Largest number of voxels that a grid may have.
+const MAX_CELLS: usize = 1 << 24;
+
+/// Box and resolution of a grid. Voxels are stored x first, then y, then z.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridLayout {
-    /// Lower corner.
+    /// Lower corner \[m\].
     pub min: Vec3,
-    /// Upper corner.
+    /// Upper corner \[m\], above `min` on every axis.
     pub max: Vec3,
-    /// Voxels along x, y, z.
+    /// Voxels along x, y, z, each >= 1; at most 2²⁴ in all.
     pub cells: [u32; 3],
 }
 
-/// Accumulator of one voxel.
+/// Accumulator of one voxel (56 bytes). All zero = empty.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GridCell {
@@ -24,81 +35,459 @@ pub struct GridCell {
     pub weight: f64,
 }
 
-/// One voxel ready for look-up: the mean spectrum; `weight` 0 = no data.
+/// One voxel ready for look-up (28 bytes): the mean spectrum.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FluenceCell {
-    /// Mean.
+    /// Flux-weighted mean of what was deposited.
     pub spectrum: FluenceSpectrum,
-    /// Σ w.
+    /// Σ w; 0 = no data.
     pub weight: f32,
 }
 
 /// Why a grid was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GridError {
-    /// A corner is not finite or min >= max, or a resolution is 0 or too large.
+    /// A corner or the size of a voxel is not finite, min >= max, or a resolution is 0 or too large.
     Layout,
     /// The slice's length is not `layout.cell_count()`.
     Length,
 }
 
-impl GridLayout {
-    /// Number of voxels.
-    pub fn cell_count(&self) -> usize {
-        todo!()
+impl fmt::Display for GridError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            GridError::Layout => {
+                "the grid's box is empty or not finite, or its resolution is 0 or above 2^24 voxels"
+            }
+            GridError::Length => "the slice of cells does not have the grid's number of voxels",
+        })
     }
 }
 
-/// Accumulating side.
+impl core::error::Error for GridError {}
+
+impl GridLayout {
+    /// Number of voxels, which is the length of the slices that a grid takes (saturating at the largest `usize`).
+    pub fn cell_count(&self) -> usize {
+        self.cells.iter().fold(1_usize, |count, &n| count.saturating_mul(n as usize))
+    }
+
+    /// Voxels per metre along each axis, if the layout is sound.
+    fn scale(&self) -> Result<Vec3, GridError> {
+        let count = self.cell_count();
+        let scale = self.resolution() / (self.max - self.min);
+        let sound = self.min.is_finite()
+            && self.max.is_finite()
+            && self.min.cmplt(self.max).all()
+            && scale.is_finite()
+            && scale.min_element() > 0.0
+            && (1..=MAX_CELLS).contains(&count);
+        if sound { Ok(scale) } else { Err(GridError::Layout) }
+    }
+
+    fn resolution(&self) -> Vec3 {
+        Vec3::new(self.cells[0] as f32, self.cells[1] as f32, self.cells[2] as f32)
+    }
+
+    #[inline]
+    fn contains(&self, position: Vec3) -> bool {
+        position.cmpge(self.min).all() && position.cmple(self.max).all()
+    }
+
+    fn index(&self, [x, y, z]: [u32; 3]) -> usize {
+        (z as usize * self.cells[1] as usize + y as usize) * self.cells[0] as usize + x as usize
+    }
+}
+
+/// The accumulating side of a grid, over the caller's cells. One per thread; merge them in a fixed order and the
+/// result does not depend on the number of threads.
+#[derive(Debug)]
 pub struct CovarianceGrid<'a> {
     layout: GridLayout,
+    scale: Vec3,
     cells: &'a mut [GridCell],
 }
 
 impl<'a> CovarianceGrid<'a> {
-    /// Wraps the caller's cells.
+    /// Wraps the caller's cells, which keep what they hold: zero them for an empty grid.
+    ///
+    /// - `cells`: `layout.cell_count()` of them.
     pub fn new(layout: GridLayout, cells: &'a mut [GridCell]) -> Result<Self, GridError> {
-        Ok(Self { layout, cells })
+        let scale = layout.scale()?;
+        if cells.len() != layout.cell_count() {
+            return Err(GridError::Length);
+        }
+        Ok(Self { layout, scale, cells })
     }
-    /// One deposit; points outside and weights that are not finite and positive are ignored.
+
+    /// Adds a spectrum to the voxel around `position`.
+    ///
+    /// - `position` \[m\]: outside the box (its faces belong to it) or NaN, the deposit is ignored.
+    /// - `spectrum` \[cycles²/m²\]: ignored unless all of it is finite.
+    /// - `weight`: the contribution to the fluence, power x length; ignored unless finite and above 0.
+    ///
+    /// Guarantee: cells never become NaN; sums are f64, so 10⁹ equal deposits keep their mean to 1e-7.
+    ///
+    /// Source: thesis 5.3.1, Eq 5.14 and 5.15.
     pub fn deposit(&mut self, position: Vec3, spectrum: &FluenceSpectrum, weight: f32) {
-        let _ = (position, spectrum, weight, self.layout, &self.cells);
-        todo!()
+        if !self.layout.contains(position) {
+            return;
+        }
+        let cell = (position - self.layout.min) * self.scale;
+        let at = |axis: usize| (cell[axis] as u32).min(self.layout.cells[axis] - 1);
+        let index = self.layout.index([at(0), at(1), at(2)]);
+        add(&mut self.cells[index], spectrum, weight);
     }
-    /// Deposits along a segment. `field` is the light field at `origin`; weight in each voxel =
-    /// power x ∫ exp(-extinction s) ds over the piece of the segment inside.
-    pub fn deposit_segment(&mut self, origin: Vec3, length: f32, field: &LightField, power: f32, extinction: f32) {
-        let _ = (origin, length, field, power, extinction);
-        todo!()
+
+    /// Adds the spectra along a segment of a beam: to each voxel on the way, the spectrum at the middle of the piece
+    /// inside it.
+    ///
+    /// The weight in a voxel is `power` x ∫ exp(-`extinction` s) ds over that piece, s from `origin`.
+    ///
+    /// - `origin` \[m\]: where the segment starts, in or out of the box. It runs along `field.direction`.
+    /// - `length` \[m\] > 0; infinity reaches the end of the box.
+    /// - `field`: the light field at `origin`; it is travelled from there.
+    /// - `power` \[W\] > 0 at `origin`.
+    /// - `extinction` \[1/m\] >= 0; 0 costs no exponential.
+    ///
+    /// Anything not finite, or out of range, deposits nothing.
+    ///
+    /// Guarantee: the pieces partition the part of the segment inside the box, so the weights add up to the closed
+    /// form over it. Error: 1e-5 over hundreds of voxels (test
+    /// `the_weights_of_a_segment_add_up_to_the_closed_form_over_it`). Cost: 0.1 µs a voxel.
+    ///
+    /// Source: thesis 5.3.1, Eq 5.14 and 5.15; the march after Amanatides and Woo (1987).
+    ///
+    /// ```
+    /// use covbeam::{CovarianceGrid, GridCell, GridLayout, LightField, Vec3};
+    /// let layout = GridLayout { min: Vec3::ZERO, max: Vec3::ONE, cells: [1, 1, 2] };
+    /// let mut cells = [GridCell::default(); 2];
+    /// let mut grid = CovarianceGrid::new(layout, &mut cells)?;
+    /// let lamp = LightField::point(Vec3::Z, 0.1);
+    /// grid.deposit_segment(Vec3::new(0.5, 0.5, -1.0), 1.75, &lamp, 4.0, 0.0);
+    /// assert_eq!([cells[0].weight, cells[1].weight], [2.0, 1.0]);
+    /// # Ok::<(), covbeam::GridError>(())
+    /// ```
+    pub fn deposit_segment(
+        &mut self,
+        origin: Vec3,
+        length: f32,
+        field: &LightField,
+        power: f32,
+        extinction: f32,
+    ) {
+        let sound = origin.is_finite()
+            && field.direction.is_finite()
+            && field.direction != Vec3::ZERO
+            && length > 0.0
+            && power > 0.0
+            && power.is_finite()
+            && extinction >= 0.0;
+        if !sound {
+            return;
+        }
+        let Some(mut march) = March::new(&self.layout, origin, field.direction, length) else {
+            return;
+        };
+        let mut field = *field;
+        let mut travelled = 0.0_f64;
+        let (_, mut flux) = attenuate(extinction * march.position as f32);
+        flux *= power;
+        while let Some((cell, from, to)) = march.next_piece() {
+            let middle = 0.5 * (from + to);
+            field.travel((middle - travelled) as f32);
+            travelled = middle;
+            let step = (to - from) as f32;
+            let (mean, left) = attenuate(extinction * step);
+            let index = self.layout.index(cell);
+            add(&mut self.cells[index], &field.fluence(), flux * mean * step);
+            flux *= left;
+        }
     }
-    /// Adds another grid's cells.
+
+    /// Adds the cells of another grid of the same layout, in the order of the cells.
+    ///
+    /// - `other`: as many cells as this grid has; otherwise `GridError::Length` and nothing changes.
+    ///
+    /// Guarantee: merging grids in a fixed order gives the same bits whichever threads filled them.
     pub fn merge(&mut self, other: &[GridCell]) -> Result<(), GridError> {
-        let _ = other;
-        todo!()
+        if other.len() != self.cells.len() {
+            return Err(GridError::Length);
+        }
+        for (cell, more) in self.cells.iter_mut().zip(other) {
+            for (sum, term) in cell.sum.iter_mut().zip(more.sum) {
+                *sum += term;
+            }
+            cell.weight += more.weight;
+        }
+        Ok(())
     }
-    /// Writes the means.
+
+    /// Writes the mean spectrum of every voxel; voxels without deposits are marked as such by weight 0.
+    ///
+    /// - `out`: as many cells as this grid has; otherwise `GridError::Length` and nothing changes.
+    ///
+    /// Guarantee: finite. A voxel whose sums are not (cells not written by a grid) has no data.
     pub fn resolve(&self, out: &mut [FluenceCell]) -> Result<(), GridError> {
-        let _ = out;
-        todo!()
+        if out.len() != self.cells.len() {
+            return Err(GridError::Length);
+        }
+        for (out, cell) in out.iter_mut().zip(self.cells.iter()) {
+            let spectrum = FluenceSpectrum::from_array(cell.sum.map(|sum| (sum / cell.weight) as f32));
+            let has_data = cell.weight > 0.0 && is_finite(&spectrum);
+            *out = if has_data {
+                FluenceCell { spectrum, weight: cell.weight.min(f64::from(f32::MAX)) as f32 }
+            } else {
+                FluenceCell::default()
+            };
+        }
+        Ok(())
     }
 }
 
-/// Look-up side.
+#[inline]
+fn add(cell: &mut GridCell, spectrum: &FluenceSpectrum, weight: f32) {
+    if !(weight > 0.0 && weight.is_finite() && is_finite(spectrum)) {
+        return;
+    }
+    let weight = f64::from(weight);
+    for (sum, value) in cell.sum.iter_mut().zip(spectrum.to_array()) {
+        *sum += weight * f64::from(value);
+    }
+    cell.weight += weight;
+}
+
+#[inline]
+fn is_finite(spectrum: &FluenceSpectrum) -> bool {
+    spectrum.to_array().iter().all(|value| value.is_finite())
+}
+
+/// Mean of exp(-s) over [0, depth], and exp(-depth).
+#[inline]
+fn attenuate(depth: f32) -> (f32, f32) {
+    if depth < 0.5 {
+        // (1 - exp(-x))/x cancels here: its series instead, whose ninth term is below 1.1e-8.
+        const SERIES: [f32; 8] = [
+            1.0,
+            -1.0 / 2.0,
+            1.0 / 6.0,
+            -1.0 / 24.0,
+            1.0 / 120.0,
+            -1.0 / 720.0,
+            1.0 / 5040.0,
+            -1.0 / 40320.0,
+        ];
+        let mean = SERIES.iter().rev().fold(0.0, |sum, term| sum * depth + term);
+        (mean, 1.0 - depth * mean)
+    } else {
+        let left = expf(-depth);
+        ((1.0 - left) / depth, left)
+    }
+}
+
+/// A walk over the voxels that a segment crosses, in f64: planes are computed afresh at each step, so nothing drifts.
+struct March {
+    /// The segment in units of voxels: `start + s slope`.
+    start: [f64; 3],
+    inverse_slope: [f64; 3],
+    /// Distance along the segment of the next plane on each axis.
+    next: [f64; 3],
+    cell: [u32; 3],
+    /// Distance along the segment that the walk has reached, and where it ends.
+    position: f64,
+    end: f64,
+    done: bool,
+}
+
+impl March {
+    /// None where the segment misses the box. `direction` is not zero.
+    fn new(layout: &GridLayout, origin: Vec3, direction: Vec3, length: f32) -> Option<Self> {
+        let mut march = Self {
+            start: [0.0; 3],
+            inverse_slope: [0.0; 3],
+            next: [f64::INFINITY; 3],
+            cell: [0; 3],
+            position: 0.0,
+            end: f64::from(length),
+            done: false,
+        };
+        let mut slope = [0.0; 3];
+        for axis in 0..3 {
+            let min = f64::from(layout.min[axis]);
+            let count = f64::from(layout.cells[axis]);
+            let scale = count / (f64::from(layout.max[axis]) - min);
+            let start = (f64::from(origin[axis]) - min) * scale;
+            slope[axis] = f64::from(direction[axis]) * scale;
+            march.start[axis] = start;
+            if slope[axis] == 0.0 {
+                if !(0.0..=count).contains(&start) {
+                    return None;
+                }
+                continue;
+            }
+            let inverse = 1.0 / slope[axis];
+            march.inverse_slope[axis] = inverse;
+            let (low, high) = (-start * inverse, (count - start) * inverse);
+            march.position = march.position.max(low.min(high));
+            march.end = march.end.min(low.max(high));
+        }
+        if march.position >= march.end {
+            return None;
+        }
+        for (axis, slope) in slope.iter().enumerate() {
+            let entry = march.start[axis] + march.position * slope;
+            march.cell[axis] = (entry as u32).min(layout.cells[axis] - 1);
+            march.update_next(axis);
+        }
+        Some(march)
+    }
+
+    fn update_next(&mut self, axis: usize) {
+        let inverse = self.inverse_slope[axis];
+        if inverse != 0.0 {
+            let plane = f64::from(self.cell[axis]) + if inverse > 0.0 { 1.0 } else { 0.0 };
+            self.next[axis] = (plane - self.start[axis]) * inverse;
+        }
+    }
+
+    /// The next piece of positive length: its voxel, and where it starts and ends along the segment.
+    fn next_piece(&mut self) -> Option<([u32; 3], f64, f64)> {
+        while !self.done {
+            let [x, y, z] = self.next;
+            let axis = if x <= y && x <= z {
+                0
+            } else if y <= z {
+                1
+            } else {
+                2
+            };
+            let cell = self.cell;
+            let from = self.position;
+            let to = self.next[axis].min(self.end);
+            // The border's plane is computed as `end` was, so this also stops the walk at the border.
+            if to >= self.end {
+                self.done = true;
+                return (to > from).then_some((cell, from, to));
+            }
+            let forward = self.inverse_slope[axis] > 0.0;
+            self.cell[axis] = if forward { self.cell[axis] + 1 } else { self.cell[axis] - 1 };
+            self.update_next(axis);
+            if to > from {
+                self.position = to;
+                return Some((cell, from, to));
+            }
+        }
+        None
+    }
+}
+
+/// The look-up side of a grid, over resolved cells.
 #[derive(Clone, Copy, Debug)]
 pub struct FluenceGrid<'a> {
     layout: GridLayout,
+    /// Voxels per metre.
+    scale: Vec3,
+    /// Index of the last voxel on each axis.
+    last: Vec3,
+    /// Steps to the next voxel on each axis; 0 where there is but one.
+    strides: [usize; 3],
     cells: &'a [FluenceCell],
 }
 
 impl<'a> FluenceGrid<'a> {
-    /// Wraps resolved cells.
+    /// Wraps cells that [`CovarianceGrid::resolve`] wrote.
+    ///
+    /// - `cells`: `layout.cell_count()` of them.
     pub fn new(layout: GridLayout, cells: &'a [FluenceCell]) -> Result<Self, GridError> {
-        Ok(Self { layout, cells })
+        let scale = layout.scale()?;
+        if cells.len() != layout.cell_count() {
+            return Err(GridError::Length);
+        }
+        let [nx, ny, nz] = layout.cells.map(|n| n as usize);
+        let stride = |count: usize, stride: usize| if count > 1 { stride } else { 0 };
+        Ok(Self {
+            layout,
+            scale,
+            last: layout.resolution() - 1.0,
+            strides: [stride(nx, 1), stride(ny, nx), stride(nz, nx * ny)],
+            cells,
+        })
     }
-    /// Trilinear between voxel centres, over the voxels that have data; None = no data.
+
+    /// The spectrum of the fluence around a point: trilinear between the centres of the voxels that have data.
+    ///
+    /// - `position` \[m\]. Within half a voxel of the border the border's value holds.
+    ///
+    /// None outside the box, for NaN, and where none of the voxels that would count has data.
+    ///
+    /// Guarantee: exact on a field that is linear in position, where all voxels have data (test
+    /// `look_ups_reproduce_a_linear_field_and_hold_it_at_the_border`); always a convex combination, so positive
+    /// semi-definite where the cells are. Cost: 20 ns.
+    ///
+    /// Source: theory section 4.
+    ///
+    /// ```
+    /// use covbeam::{FluenceCell, FluenceGrid, GridLayout, Vec3};
+    /// let layout = GridLayout { min: Vec3::ZERO, max: Vec3::ONE, cells: [2, 1, 1] };
+    /// let mut cells = [FluenceCell::default(); 2];
+    /// cells[0].spectrum.xx = 3.0;
+    /// cells[0].weight = 1.0;
+    /// let grid = FluenceGrid::new(layout, &cells)?;
+    /// // The voxel without data does not dilute its neighbour, and says nothing of its own.
+    /// assert_eq!(grid.look_up(Vec3::splat(0.5)).map(|spectrum| spectrum.xx), Some(3.0));
+    /// assert_eq!(grid.look_up(Vec3::new(0.9, 0.5, 0.5)), None);
+    /// # Ok::<(), covbeam::GridError>(())
+    /// ```
+    #[inline]
     pub fn look_up(&self, position: Vec3) -> Option<FluenceSpectrum> {
-        let _ = (position, self.layout, self.cells);
-        todo!()
+        if !self.layout.contains(position) {
+            return None;
+        }
+        let at = ((position - self.layout.min) * self.scale - 0.5).clamp(Vec3::ZERO, self.last);
+        // The last centre is reached with weight 1 from the voxel before it.
+        let corner = at.min(self.last - 1.0).max(Vec3::ZERO);
+        let [x, y, z] = [corner.x as u32, corner.y as u32, corner.z as u32];
+        let high = at - Vec3::new(x as f32, y as f32, z as f32);
+        let low = Vec3::ONE - high;
+        let [dx, dy, dz] = self.strides;
+        let base = x as usize * dx + y as usize * dy + z as usize * dz;
+
+        let mut sum = Sum { first: Vec4::ZERO, last: Vec4::ZERO };
+        for (plane, wz) in [(base, low.z), (base + dz, high.z)] {
+            for (row, wyz) in [(plane, low.y * wz), (plane + dy, high.y * wz)] {
+                sum.add(&self.cells[row], low.x * wyz);
+                sum.add(&self.cells[row + dx], high.x * wyz);
+            }
+        }
+        sum.mean()
+    }
+}
+
+/// Running sum of weighted cells: (xx, yy, zz, xy) and (xz, yz, weight, 0), as two SIMD registers.
+struct Sum {
+    first: Vec4,
+    last: Vec4,
+}
+
+impl Sum {
+    #[inline(always)]
+    fn add(&mut self, cell: &FluenceCell, weight: f32) {
+        let weight = if cell.weight > 0.0 { weight } else { 0.0 };
+        let s = &cell.spectrum;
+        self.first += Vec4::new(s.xx, s.yy, s.zz, s.xy) * weight;
+        self.last += Vec4::new(s.xz, s.yz, 1.0, 0.0) * weight;
+    }
+
+    #[inline(always)]
+    fn mean(self) -> Option<FluenceSpectrum> {
+        let weight = self.last.z;
+        if weight > 0.0 {
+            let [xx, yy, zz, xy] = (self.first / weight).to_array();
+            let [xz, yz, ..] = (self.last / weight).to_array();
+            Some(FluenceSpectrum { xx, yy, zz, xy, xz, yz })
+        } else {
+            None
+        }
     }
 }

@@ -1,49 +1,123 @@
-//! stub
+//! Blur kernels, the radius that keeps their bias below a bound, and how radii and bounds shrink over passes.
+
+use core::f32::consts::PI;
+
+use glam::Vec3;
+use libm::{pow, sqrtf};
+
 use crate::FluenceGrid;
 
-/// 1D kernels, normalised over [-r, r].
+/// Shape of the one-dimensional blur kernel K_r(d), normalised: its integral over [-r, r] is 1. With q = d/r:
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Kernel {
     /// 1/(2r).
     Box = 0,
-    /// 3/(4r)(1-q²).
+    /// 3/(4r) (1-q²).
     #[default]
     Epanechnikov = 1,
-    /// 15/(16r)(1-q²)².
+    /// 15/(16r) (1-q²)².
     Biweight = 2,
 }
 
 impl Kernel {
-    /// K_r(d) \[1/m\]; 0 for d >= r.
+    /// K_r(d) \[1/m\].
+    ///
+    /// - `distance` d \[m\], of either sign.
+    /// - `radius` r \[m\] > 0.
+    ///
+    /// Guarantee: 0 where |d| >= r, for r <= 0, and where either is NaN.
+    #[inline]
     pub fn evaluate(self, distance: f32, radius: f32) -> f32 {
-        let _ = (distance, radius);
-        todo!()
+        let distance = distance.abs();
+        if distance < radius {
+            let q = distance / radius;
+            let bump = 1.0 - q * q;
+            let shape = match self {
+                Kernel::Box => 0.5,
+                Kernel::Epanechnikov => 0.75 * bump,
+                Kernel::Biweight => 0.9375 * bump * bump,
+            };
+            shape / radius
+        } else {
+            0.0
+        }
     }
-    /// μ₂ for r = 1.
+
+    /// Second moment μ₂ of the kernel of radius 1 (that of radius r is μ₂ r²).
+    #[inline]
     pub fn second_moment(self) -> f32 {
-        todo!()
+        match self {
+            Kernel::Box => 1.0 / 3.0,
+            Kernel::Epanechnikov => 1.0 / 5.0,
+            Kernel::Biweight => 1.0 / 7.0,
+        }
     }
-    /// r_σ = sqrt(ε/(2π² μ₂ σ²)); infinite at σ² = 0.
+
+    /// The radius r_σ \[m\] at which blurring a signal of this spectrum costs a relative bias of `error`, to second
+    /// order: sqrt(ε / (2π² μ₂ σ²)).
+    ///
+    /// - `error` ε > 0.
+    /// - `variance` σ² of the spectrum along the kernel's axis \[cycles²/m²\], >= 0; 0 gives infinity.
+    ///
+    /// Guarantee: falls as `variance` grows, without overflow between.
+    ///
+    /// Source: theory section 5; thesis 5.3.4.
+    ///
+    /// ```
+    /// use covbeam::Kernel;
+    /// let r = Kernel::Box.radius_from_error(0.01, 4.0);
+    /// let bias = 2.0 * std::f32::consts::PI.powi(2) / 3.0 * 4.0 * r * r;
+    /// assert!((bias - 0.01).abs() < 1e-8);
+    /// ```
+    #[inline]
     pub fn radius_from_error(self, error: f32, variance: f32) -> f32 {
-        let _ = (error, variance);
-        todo!()
+        sqrtf(error / (2.0 * PI * PI * self.second_moment()) / variance)
     }
 }
 
-/// r_i of plain progressive photon beams, `pass` counted from 1: r_{i+1} = r_i (i+α)/(i+1).
+/// The radius r_i of plain progressive photon beams: r_1 = `initial`, r_{i+1} = r_i (i+α)/(i+1).
+///
+/// - `initial` r_1 \[m\] > 0.
+/// - `alpha` α in (0, 1); r_i falls as i^(α-1). 1 keeps the radius.
+/// - `pass` i, counted from 1 (0 is taken as 1). The cost grows with it, a few ns a pass.
+///
+/// Guarantee: depends on `pass` alone, so passes may run in any order. The product is taken in f64: its error stays
+/// below the last digit of an f32 up to 10⁸ passes.
+///
+/// Source: theory section 5.
+///
+/// ```
+/// // (1 + 1/2)/2, then (2 + 1/2)/3.
+/// assert_eq!(covbeam::progressive_radius(1.0, 0.5, 3), 0.625);
+/// ```
 pub fn progressive_radius(initial: f32, alpha: f32, pass: u32) -> f32 {
-    let _ = (initial, alpha, pass);
-    todo!()
+    let alpha = f64::from(alpha);
+    let mut radius = f64::from(initial);
+    for i in 1..pass {
+        let i = f64::from(i);
+        radius *= (i + alpha) / (i + 1.0);
+    }
+    radius as f32
 }
 
-/// ε_i = ε_1 i^(-2/5), `pass` counted from 1.
+/// The bound on the relative bias in pass i: ε_i = ε_1 i^(-2/5), so that r_σ falls as i^(-1/5).
+///
+/// - `initial` ε_1 > 0.
+/// - `pass` i, counted from 1 (0 is taken as 1).
+///
+/// Guarantee: the bias of the mean over passes goes to 0, which a fixed bound does not achieve.
+///
+/// Source: theory section 5.
+///
+/// ```
+/// assert_eq!(covbeam::error_bound(0.02, 32), 0.005);
+/// ```
 pub fn error_bound(initial: f32, pass: u32) -> f32 {
-    let _ = (initial, pass);
-    todo!()
+    (f64::from(initial) * pow(f64::from(pass.max(1)), -0.4)) as f32
 }
 
-/// How wide each pair is gathered in this pass: d < max(r_i, r_σ).
+/// How wide each pair of beam and eye ray is gathered in this pass: d < max(r_i, min(ceiling, r_σ)).
 #[derive(Clone, Copy, Debug)]
 pub struct KernelRadius<'a> {
     /// Shape.
@@ -56,4 +130,25 @@ pub struct KernelRadius<'a> {
     pub error: f32,
     /// Where σ² comes from; None = plain progressive photon beams.
     pub grid: Option<FluenceGrid<'a>>,
+}
+
+impl KernelRadius<'_> {
+    /// The radius \[m\] of a pair, and σ \[cycles/m\] along its kernel's axis (0 where the grid has no data).
+    ///
+    /// - `position`: where the spectrum is looked up; the closest point on the *eye ray* (looked up on the beam, the
+    ///   steps of the grid print into the image).
+    /// - `axis`: the kernel's axis, unit: perpendicular to beam and eye ray.
+    ///
+    /// Guarantee: never below `progressive`; never above `ceiling`, unless `progressive` is.
+    ///
+    /// Source: theory section 5.
+    #[inline]
+    pub fn at(&self, position: Vec3, axis: Vec3) -> (f32, f32) {
+        let Some(spectrum) = self.grid.and_then(|grid| grid.look_up(position)) else {
+            return (self.progressive, 0.0);
+        };
+        let variance = spectrum.variance_along(axis);
+        let wanted = self.kernel.radius_from_error(self.error, variance);
+        (wanted.min(self.ceiling).max(self.progressive), sqrtf(variance))
+    }
 }

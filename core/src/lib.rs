@@ -24,18 +24,22 @@ mod beam;
 #[cfg(feature = "bvh")]
 mod beam_map;
 mod fluence;
+mod frame;
 mod grid;
 mod kernel;
 mod light_field;
 mod medium;
+mod surface;
+mod triangular;
 
 pub use glam::{Vec2, Vec3};
 
-pub use beam::{Beam, Crossing, EyeRay, Gathered, cross};
+pub use beam::{BLOCK, Beam, BeamBlock, Crossing, EyeRay, Gathered, PARALLEL_SINE, cross, gather_pair};
 #[cfg(feature = "bvh")]
-pub use beam_map::BeamMap;
+pub use beam_map::{BeamMap, GatherScratch};
 pub use fluence::FluenceSpectrum;
 pub use grid::{CovarianceGrid, FluenceCell, FluenceGrid, GridCell, GridError, GridLayout};
 pub use kernel::{Kernel, KernelRadius, error_bound, progressive_radius};
-pub use light_field::{Curvature, LightField};
+pub use light_field::LightField;
 pub use medium::{Medium, PhaseFunction, PhaseKind};
+pub use surface::Curvature;

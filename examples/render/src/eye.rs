@@ -1,1 +1,161 @@
-//! (contract stub)
+//! Eye paths: from the camera through specular surfaces to the first diffuse or black one.
+
+use crate::geometry::Hit;
+use crate::optics::{Boundary, Interior, facing_normal, reflect};
+use crate::random::{Random, mix};
+use crate::scene::{Material, Scene};
+use crate::surface::SurfaceMap;
+use covbeam::EyeRay;
+use glam::Vec3;
+use std::f32::consts::FRAC_1_PI;
+
+/// Both branches of a dielectric are followed this many times in a row, then one is drawn at random.
+const SPLITS: u32 = 4;
+
+/// Paths lighter than this play roulette.
+const LIGHT_PATH: f32 = 0.02;
+
+/// A straight piece of an eye path inside a medium.
+#[derive(Clone, Copy, Debug)]
+pub struct EyeSegment {
+    /// The piece.
+    pub ray: EyeRay,
+    /// Its medium.
+    pub medium: u32,
+    /// What the camera sees of radiance that arrives at the piece's start.
+    pub throughput: Vec3,
+    /// The pixel it belongs to, as the caller numbers them.
+    pub pixel: u32,
+    /// Equal for paths that have met the same surfaces in the same way.
+    pub signature: u64,
+}
+
+/// Follows eye paths of one scene.
+pub struct EyeTracer<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// What the camera is inside of.
+    pub interior: Interior,
+    /// Light on diffuse surfaces.
+    pub surfaces: &'a SurfaceMap,
+}
+
+/// A branch of an eye path still to be followed.
+struct Branch {
+    origin: Vec3,
+    direction: Vec3,
+    throughput: Vec3,
+    interior: Interior,
+    depth: u32,
+    signature: u64,
+}
+
+impl EyeTracer<'_> {
+    /// Follows the path that starts along `direction`, appends its pieces in media to `segments` and returns the
+    /// radiance that it sees on surfaces.
+    pub fn trace(&self, direction: Vec3, pixel: u32, random: &mut Random, segments: &mut Vec<EyeSegment>) -> Vec3 {
+        let scene = self.scene;
+        let mut radiance = Vec3::ZERO;
+        let mut branches = smallvec::SmallVec::<[Branch; 8]>::new();
+        branches.push(Branch {
+            origin: scene.camera.position,
+            direction,
+            throughput: Vec3::ONE,
+            interior: self.interior,
+            depth: 0,
+            signature: 0,
+        });
+        while let Some(mut branch) = branches.pop() {
+            let weight = branch.throughput.max_element();
+            if weight < LIGHT_PATH {
+                if random.next() * LIGHT_PATH >= weight {
+                    continue;
+                }
+                branch.throughput *= LIGHT_PATH / weight;
+            }
+            let hit = scene.intersect(branch.origin, branch.direction, f32::INFINITY);
+            let length = hit.map_or(f32::INFINITY, |hit| hit.distance);
+            if let Some(id) = branch.interior.medium(scene) {
+                let medium = &scene.media[id as usize];
+                segments.push(EyeSegment {
+                    ray: EyeRay { origin: branch.origin, direction: branch.direction, length },
+                    medium: id,
+                    throughput: branch.throughput,
+                    pixel,
+                    signature: branch.signature,
+                });
+                branch.throughput *= medium.transmittance(length);
+            }
+            let Some(hit) = hit else { continue };
+            if branch.throughput == Vec3::ZERO {
+                continue;
+            }
+            match scene.objects[hit.object as usize].material {
+                Material::Black => {}
+                Material::Lambert { albedo } => {
+                    radiance += branch.throughput * self.reflected(&hit, &branch, albedo, random);
+                }
+                Material::Mirror { reflectance } => {
+                    let normal = facing_normal(&hit, branch.direction);
+                    let direction = reflect(branch.direction, normal);
+                    branches.push(branch.next(&hit, direction, reflectance, branch.interior, 1));
+                }
+                Material::Dielectric { .. } => {
+                    let boundary = Boundary::new(scene, &hit, branch.direction, &branch.interior);
+                    let reflectance = boundary.reflectance;
+                    // Radiance over the squared index is what refraction keeps.
+                    let scale = boundary.eta * boundary.eta;
+                    let through = boundary.refracted.map(|direction| {
+                        let weight = Vec3::splat((1.0 - reflectance) * scale);
+                        branch.next(&hit, direction, weight, boundary.beyond, 2)
+                    });
+                    let back = branch.next(&hit, boundary.reflected, Vec3::splat(reflectance), branch.interior, 1);
+                    match through {
+                        None => branches.push(back),
+                        Some(through) if branch.depth < SPLITS => branches.extend([back, through]),
+                        Some(mut through) => {
+                            let mut back = back;
+                            if random.next() < reflectance {
+                                back.throughput /= reflectance;
+                                branches.push(back);
+                            } else {
+                                through.throughput /= 1.0 - reflectance;
+                                branches.push(through);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        radiance
+    }
+
+    /// Radiance leaving a diffuse surface: direct light and the photons that came any other way.
+    fn reflected(&self, hit: &Hit, branch: &Branch, albedo: Vec3, random: &mut Random) -> Vec3 {
+        let normal = facing_normal(hit, branch.direction);
+        let start = hit.leave(normal);
+        let medium = branch.interior.medium(self.scene).map(|id| &self.scene.media[id as usize]);
+        let mut irradiance = self.surfaces.irradiance(hit.position, normal);
+        for light in &self.scene.lights {
+            let (direct, from) = light.irradiance(hit.position, normal, random);
+            if direct.max_element() > 0.0 && !self.scene.occluded(start, from) {
+                let distance = start.distance(from);
+                irradiance += direct * medium.map_or(Vec3::ONE, |medium| medium.transmittance(distance));
+            }
+        }
+        albedo * irradiance * FRAC_1_PI
+    }
+}
+
+impl Branch {
+    fn next(&self, hit: &Hit, direction: Vec3, weight: Vec3, interior: Interior, kind: u64) -> Self {
+        Self {
+            origin: hit.leave(direction),
+            direction,
+            throughput: self.throughput * weight,
+            interior,
+            depth: self.depth + 1,
+            signature: mix(self.signature ^ (u64::from(hit.object) << 2) ^ kind),
+        }
+    }
+}

@@ -1,8 +1,13 @@
-//! Where a ray meets the scene. (contract stub: the real one is being written)
+//! Where a ray meets the scene.
+//!
+//! Spheres, rectangles and boxes are intersected in f64 and rounded once at the end, so nothing here depends on
+//! the scene's size or on its distance from the origin beyond what f32 positions can say.
 
-use crate::scene::Scene;
 use covbeam::Curvature;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
+
+use crate::mesh::MeshHit;
+use crate::scene::{Material, Object, Scene, Shape};
 
 /// Where a ray meets a surface.
 #[derive(Clone, Copy, Debug)]
@@ -19,26 +24,70 @@ pub struct Hit {
     pub curvature: Curvature,
     /// Index into `Scene::objects`.
     pub object: u32,
+    /// How far [`Hit::leave`] moves off the surface [scene unit]: more than rounding can have moved `position`.
+    pub offset: f32,
 }
 
 impl Scene {
     /// Nearest hit with distance in (0, max_distance). Self-intersection is avoided by the caller starting at
-    /// [`Hit::leave`].
+    /// [`Hit::leave`]. `direction` is unit.
     pub fn intersect(&self, origin: Vec3, direction: Vec3, max_distance: f32) -> Option<Hit> {
-        let _ = (origin, direction, max_distance);
-        todo!()
+        let (from, along) = (origin.as_dvec3(), direction.as_dvec3());
+        let mut nearest = f64::from(max_distance);
+        let mut found = None;
+        for (object, index) in self.objects.iter().zip(0u32..) {
+            let (distance, mesh_hit) = match &object.shape {
+                Shape::Mesh(mesh) => match mesh.intersect(from, direction, nearest) {
+                    Some(hit) => (hit.distance, Some(hit)),
+                    None => continue,
+                },
+                shape => match intersect_simple(shape, from, along, nearest) {
+                    Some(distance) => (distance, None),
+                    None => continue,
+                },
+            };
+            if distance < nearest {
+                nearest = distance;
+                found = Some((object, index, mesh_hit));
+            }
+        }
+        found.map(|(object, index, mesh_hit)| {
+            describe(object, index, from + along * nearest, nearest, mesh_hit)
+        })
     }
 
-    /// True if anything lies strictly between the two points (shadow ray).
+    /// True if anything lies strictly between the two points (shadow ray). Ends on surfaces should be moved off
+    /// them with [`Hit::leave`].
     pub fn occluded(&self, from: Vec3, to: Vec3) -> bool {
-        let _ = (from, to);
-        todo!()
+        let (start, end) = (from.as_dvec3(), to.as_dvec3());
+        let distance = (end - start).length();
+        if distance == 0.0 {
+            return false;
+        }
+        let along = (end - start) / distance;
+        let direction = along.as_vec3();
+        self.objects.iter().any(|object| match &object.shape {
+            Shape::Mesh(mesh) => mesh.occluded(start, direction, distance),
+            shape => intersect_simple(shape, start, along, distance).is_some(),
+        })
     }
 
-    /// The closed dielectric objects that contain `point`, outermost first.
+    /// The closed dielectric objects that contain `point`, outermost (largest) first.
     pub fn containing(&self, point: Vec3) -> Vec<u32> {
-        let _ = point;
-        todo!()
+        let point = point.as_dvec3();
+        let holds = |object: &Object| {
+            matches!(object.material, Material::Dielectric { .. }) && contains(&object.shape, point)
+        };
+        let mut found: Vec<u32> = self
+            .objects
+            .iter()
+            .zip(0u32..)
+            .filter(|(object, _)| holds(object))
+            .map(|(_, index)| index)
+            .collect();
+        let volume = |index: &u32| self.objects[*index as usize].shape.volume();
+        found.sort_by(|a, b| volume(b).total_cmp(&volume(a)));
+        found
     }
 }
 
@@ -46,7 +95,196 @@ impl Hit {
     /// A start point for a ray that leaves this surface along `direction`, offset just enough that it cannot
     /// hit the same surface again at distance ~0.
     pub fn leave(&self, direction: Vec3) -> Vec3 {
-        let _ = direction;
-        todo!()
+        let side = if direction.dot(self.geometric_normal) < 0.0 { -self.offset } else { self.offset };
+        self.position + side * self.geometric_normal
     }
+}
+
+impl Shape {
+    /// Lower and upper corner of the bounding box.
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        match self {
+            Self::Sphere { center, radius } => (*center - *radius, *center + *radius),
+            Self::Rectangle { corner, edge_u, edge_v } => {
+                let opposite = *corner + *edge_u + *edge_v;
+                let (a, b) = (*corner + *edge_u, *corner + *edge_v);
+                (corner.min(opposite).min(a).min(b), corner.max(opposite).max(a).max(b))
+            }
+            Self::Box { min, max } => (*min, *max),
+            Self::Mesh(mesh) => mesh.bounds(),
+        }
+    }
+
+    /// True if the shape separates an inside from an outside.
+    pub fn is_closed(&self) -> bool {
+        match self {
+            Self::Sphere { .. } | Self::Box { .. } => true,
+            Self::Rectangle { .. } => false,
+            Self::Mesh(mesh) => mesh.is_closed(),
+        }
+    }
+
+    /// Enclosed volume \[scene unit³\]; 0 for a rectangle.
+    fn volume(&self) -> f64 {
+        match self {
+            Self::Sphere { radius, .. } => 4.0 / 3.0 * std::f64::consts::PI * f64::from(*radius).powi(3),
+            Self::Rectangle { .. } => 0.0,
+            Self::Box { min, max } => (max.as_dvec3() - min.as_dvec3()).element_product(),
+            Self::Mesh(mesh) => mesh.volume(),
+        }
+    }
+}
+
+fn contains(shape: &Shape, point: DVec3) -> bool {
+    match shape {
+        Shape::Sphere { center, radius } => {
+            (point - center.as_dvec3()).length_squared() < f64::from(*radius) * f64::from(*radius)
+        }
+        Shape::Rectangle { .. } => false,
+        Shape::Box { min, max } => point.cmpgt(min.as_dvec3()).all() && point.cmplt(max.as_dvec3()).all(),
+        Shape::Mesh(mesh) => mesh.is_closed() && mesh.contains(point),
+    }
+}
+
+/// Distance in (0, max_distance) to a shape that is not a mesh.
+fn intersect_simple(shape: &Shape, origin: DVec3, direction: DVec3, max_distance: f64) -> Option<f64> {
+    let (near, far) = match shape {
+        Shape::Sphere { center, radius } => {
+            intersect_sphere(center.as_dvec3(), f64::from(*radius), origin, direction)?
+        }
+        Shape::Rectangle { corner, edge_u, edge_v } => {
+            let edges = (edge_u.as_dvec3(), edge_v.as_dvec3());
+            let distance = intersect_rectangle(corner.as_dvec3(), edges, origin, direction)?;
+            (distance, distance)
+        }
+        Shape::Box { min, max } => intersect_box(min.as_dvec3(), max.as_dvec3(), origin, direction)?,
+        Shape::Mesh(_) => return None,
+    };
+    let distance = if near > 0.0 { near } else { far };
+    (distance > 0.0 && distance < max_distance).then_some(distance)
+}
+
+fn intersect_sphere(center: DVec3, radius: f64, origin: DVec3, direction: DVec3) -> Option<(f64, f64)> {
+    let offset = origin - center;
+    // f32 directions are unit only to 1e-7.
+    let a = direction.length_squared();
+    let half_b = offset.dot(direction);
+    // The distance of the line from the centre: no difference of large squares.
+    let aside = offset - half_b / a * direction;
+    let discriminant = radius * radius - aside.length_squared();
+    if discriminant < 0.0 {
+        return None;
+    }
+    let away = offset.length();
+    let c = (away - radius) * (away + radius);
+    // The root of larger magnitude first, the other from their product.
+    let q = -(half_b + half_b.signum() * (a * discriminant).sqrt());
+    if q == 0.0 {
+        return None;
+    }
+    let (one, other) = (q / a, c / q);
+    Some((one.min(other), one.max(other)))
+}
+
+fn intersect_rectangle(
+    corner: DVec3,
+    (edge_u, edge_v): (DVec3, DVec3),
+    origin: DVec3,
+    direction: DVec3,
+) -> Option<f64> {
+    let normal = edge_u.cross(edge_v);
+    let distance = (corner - origin).dot(normal) / direction.dot(normal);
+    // Not finite where the ray is parallel to the plane.
+    if !distance.is_finite() {
+        return None;
+    }
+    let from_corner = origin + distance * direction - corner;
+    let area = normal.length_squared();
+    let u = from_corner.cross(edge_v).dot(normal) / area;
+    let v = edge_u.cross(from_corner).dot(normal) / area;
+    ((0.0..=1.0).contains(&u) && (0.0..=1.0).contains(&v)).then_some(distance)
+}
+
+fn intersect_box(min: DVec3, max: DVec3, origin: DVec3, direction: DVec3) -> Option<(f64, f64)> {
+    let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
+    for axis in 0..3 {
+        let (o, d) = (origin[axis], direction[axis]);
+        if d == 0.0 {
+            // Division would give NaN for an origin on the plane.
+            if o < min[axis] || o > max[axis] {
+                return None;
+            }
+            continue;
+        }
+        let (a, b) = ((min[axis] - o) / d, (max[axis] - o) / d);
+        near = near.max(a.min(b));
+        far = far.min(a.max(b));
+    }
+    (near <= far).then_some((near, far))
+}
+
+/// The outward normal of the box face that `point` is nearest to, and the point moved onto it but at least
+/// `margin` away from the other faces: a ray that leaves an edge must not start beyond the face next to it.
+fn box_face(min: DVec3, max: DVec3, point: DVec3, margin: f64) -> (DVec3, Vec3) {
+    let size = max - min;
+    let margin = margin.min(0.25 * size.min_element());
+    let gaps = [(point - min) / size, (max - point) / size];
+    let (mut best, mut nearest) = ((0, 0), f64::INFINITY);
+    for (side, gap) in gaps.iter().enumerate() {
+        for axis in 0..3 {
+            if gap[axis] < nearest {
+                (best, nearest) = ((side, axis), gap[axis]);
+            }
+        }
+    }
+    let (side, axis) = best;
+    let (mut moved, mut normal) = (point.clamp(min + margin, max - margin), Vec3::ZERO);
+    moved[axis] = [min, max][side][axis];
+    normal[axis] = [-1.0, 1.0][side];
+    (moved, normal)
+}
+
+/// Everything about a hit at `point` = origin + distance * direction.
+fn describe(object: &Object, index: u32, point: DVec3, distance: f64, mesh_hit: Option<MeshHit>) -> Hit {
+    let flat = |normal: Vec3| Curvature { tangent: normal.any_orthonormal_vector(), ..Curvature::default() };
+    let (min, max) = object.shape.bounds();
+    let mesh_error = if let Shape::Mesh(mesh) = &object.shape { mesh.position_error() } else { 0.0 };
+    // The rounding of a point to f32, the mesh's own f32 arithmetic, and far below them the f64 arithmetic of
+    // large shapes near the origin, where the point itself is exact.
+    let error =
+        f32::EPSILON * point.abs().max_element() as f32 + mesh_error + 1e-12 * (max - min).max_element();
+    let offset = 4.0 * error;
+    let (position, geometric_normal, normal, curvature) = match &object.shape {
+        Shape::Sphere { center, radius } => {
+            let outward = (point - center.as_dvec3()).normalize();
+            let position = center.as_dvec3() + f64::from(*radius) * outward;
+            let normal = outward.as_vec3().normalize();
+            let tangent = normal.any_orthonormal_vector();
+            (
+                position,
+                normal,
+                normal,
+                Curvature { tangent, along: 1.0 / radius, across: 1.0 / radius, twist: 0.0 },
+            )
+        }
+        Shape::Rectangle { corner, edge_u, edge_v } => {
+            let outward = edge_u.as_dvec3().cross(edge_v.as_dvec3()).normalize();
+            let position = point - outward * (point - corner.as_dvec3()).dot(outward);
+            let normal = outward.as_vec3().normalize();
+            (position, normal, normal, flat(normal))
+        }
+        Shape::Box { min, max } => {
+            let (position, normal) = box_face(min.as_dvec3(), max.as_dvec3(), point, f64::from(offset));
+            (position, normal, normal, flat(normal))
+        }
+        Shape::Mesh(mesh) => match mesh_hit {
+            Some(hit) => {
+                let surface = mesh.surface(&hit);
+                (surface.position, surface.geometric_normal, surface.normal, surface.curvature)
+            }
+            None => unreachable!("a mesh is only hit with a MeshHit"),
+        },
+    };
+    let (distance, position) = (distance as f32, position.as_vec3());
+    Hit { distance, position, geometric_normal, normal, curvature, object: index, offset }
 }

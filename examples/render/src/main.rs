@@ -1,1 +1,56 @@
-fn main(){}
+//! `covbeam`: renders a scene, or compares two pictures.
+
+mod cli;
+mod render_command;
+
+use clap::Parser;
+use cli::{Cli, Command, CompareArgs, RenderArgs};
+use covbeam_render::compare::{Comparison, compare};
+use covbeam_render::output::read_picture;
+use std::error::Error;
+use std::fmt::Write as _;
+use std::io::{Write as _, stdout};
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// How long a render without any argument takes, on a fast machine and on a slow one.
+const FIRST_LOOK: Duration = Duration::from_secs(30);
+
+/// Wrong usage exits with 2 (clap), a failure with 1, a render stopped by a signal with 130.
+fn main() -> ExitCode {
+    let first_look = RenderArgs { time: Some(FIRST_LOOK), ..RenderArgs::default() };
+    let done = match Cli::parse().command.unwrap_or(Command::Render(first_look)) {
+        Command::Render(args) => render_command::run(&args),
+        Command::Compare(args) => run_compare(&args),
+    };
+    done.unwrap_or_else(|error| {
+        eprintln!("error: {error}");
+        ExitCode::FAILURE
+    })
+}
+
+fn run_compare(args: &CompareArgs) -> Result<ExitCode, Box<dyn Error>> {
+    let picture = read_picture(&args.picture)?;
+    let reference = read_picture(&args.reference)?;
+    let mut table =
+        format!("{:<24} {:>10} {:>10} {:>12} {:>12}\n", "region", "relMSE", "bias", "mean", "reference");
+    let mut row = |name: &str, found: Comparison| {
+        let Comparison { rel_mse, bias, mean, reference_mean } = found;
+        let bias = format!("{:+.3} %", 100.0 * bias);
+        writeln!(table, "{name:<24} {rel_mse:>10.3e} {bias:>10} {mean:>12.5e} {reference_mean:>12.5e}")
+    };
+    row("whole", compare(&picture, &reference, |_, _| true)?)?;
+    for named in &args.regions {
+        let region = named.region;
+        if region.x1 > picture.width || region.y1 > picture.height {
+            let (width, height) = (picture.width, picture.height);
+            return Err(format!(
+                "the region {region} reaches beyond the picture of {width} x {height} pixels"
+            )
+            .into());
+        }
+        row(&named.name, compare(&picture, &reference, |x, y| region.contains(x, y))?)?;
+    }
+    stdout().write_all(table.as_bytes())?;
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,1 +1,255 @@
-//! (contract stub)
+//! Picture files: EXR with layers, a PNG preview, and writing that never leaves half a file.
+
+use crate::compare::luminance;
+use crate::exr_format;
+use crate::film::Picture;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+/// What is written beside the pixels of an EXR, as attributes `method`, `passes`, `photons`, `seed`, `scene`;
+/// `software` says which version of covbeam wrote it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RenderInfo {
+    /// `ppb`, `adaptive` or `light-trace`.
+    pub method: String,
+    /// Passes in the picture.
+    pub passes: u32,
+    /// Light paths a pass.
+    pub photons: u32,
+    /// Seed.
+    pub seed: u32,
+    /// Name of the scene.
+    pub scene: String,
+}
+
+/// Why a file cannot be written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// The folder is missing.
+    #[error("cannot write '{path}': the folder '{folder}' does not exist; create it or choose another --out")]
+    NoFolder {
+        /// The file.
+        path: PathBuf,
+        /// Its folder.
+        folder: PathBuf,
+    },
+    /// Something that cannot be replaced by a file.
+    #[error("cannot write '{0}': it exists and is not a regular file; choose another --out")]
+    NotAFile(PathBuf),
+    /// The operating system refused.
+    #[error("cannot write '{path}': {source}; {remedy}")]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// The picture cannot be encoded.
+    #[error("cannot encode '{path}': {message}")]
+    Encode {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        message: String,
+    },
+    /// The picture cannot be read.
+    #[error("cannot read '{path}': {message}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why, and what was expected.
+        message: String,
+    },
+}
+
+/// Checks that `path` can be written, by creating and removing a temporary file beside it.
+/// Call it before hours of rendering. A file that is already there stays as it is.
+///
+/// # Errors
+/// The folder is missing or read-only, or `path` is a folder or a device.
+pub fn check_writable(path: &Path) -> Result<(), OutputError> {
+    create_beside(path).map(drop)
+}
+
+/// Writes `path` through a temporary file in the same folder that is renamed once it is complete and on the disk:
+/// whatever fails, `path` holds either what it held before or all of the new content, and nothing else is left.
+///
+/// # Errors
+/// As [`check_writable`], and whatever `write` or the disk reports (full, quota, removed).
+pub fn replace_file(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), OutputError> {
+    let mut file = create_beside(path)?;
+    let written = write(file.as_file_mut()).and_then(|()| file.as_file().sync_all());
+    written.map_err(|source| write_error(path, source))?;
+    file.persist(path).map_err(|refused| write_error(path, refused.error))?;
+    Ok(())
+}
+
+fn create_beside(path: &Path) -> Result<NamedTempFile, OutputError> {
+    // The folder of a bare file name is "", which means the current one.
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        return Err(OutputError::NoFolder { path: path.to_owned(), folder: folder.to_owned() });
+    }
+    // A device such as /dev/null must not be renamed over.
+    if path.exists() && !path.is_file() {
+        return Err(OutputError::NotAFile(path.to_owned()));
+    }
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".covbeam-");
+    #[cfg(unix)]
+    {
+        // A picture is no secret: readable as the user's umask says, not for the owner only.
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder).map_err(|source| write_error(path, source))
+}
+
+fn write_error(path: &Path, source: io::Error) -> OutputError {
+    let remedy = match source.kind() {
+        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+            "choose a folder that you may write to, with --out"
+        }
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge => {
+            "free some space or choose another disk with --out"
+        }
+        _ => "check the folder or choose another with --out",
+    };
+    OutputError::Write { path: path.to_owned(), source, remedy }
+}
+
+/// Writes the picture as EXR: channels R, G, B (linear, Rec. 709 primaries, radiance in W/(m² sr)) and, where the
+/// picture has layers, `radius.Y`, `sigma.Y`, `samples.Y`; all f32, bit for bit, ZIP-compressed. The same picture and
+/// `info` give the same bytes.
+///
+/// # Errors
+/// As [`replace_file`].
+pub fn write_exr(path: &Path, picture: &Picture, info: &RenderInfo) -> Result<(), OutputError> {
+    let bytes = exr_format::encode(picture, info)
+        .map_err(|message| OutputError::Encode { path: path.to_owned(), message })?;
+    replace_file(path, |file| file.write_all(&bytes))
+}
+
+/// Reads the picture of an EXR, of covbeam or of another renderer: channels R, G, B or, if there is no R, Y (grey);
+/// 16-bit, 32-bit float or integer; the layers of [`write_exr`] where they are.
+///
+/// # Errors
+/// No such file, no EXR, no such channels, or a picture that is cropped (its data window is not its display window):
+/// the message says which, and what was expected.
+pub fn read_picture(path: &Path) -> Result<Picture, OutputError> {
+    std::fs::read(path)
+        .map_err(|error| error.to_string())
+        .and_then(|bytes| exr_format::decode(&bytes))
+        .map_err(|message| OutputError::Read { path: path.to_owned(), message })
+}
+
+/// Writes the preview of a picture as PNG (see [`preview`]).
+///
+/// # Errors
+/// As [`replace_file`].
+pub fn write_png(path: &Path, picture: &Picture) -> Result<(), OutputError> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, picture.width, picture.height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    encoder
+        .write_header()
+        .and_then(|mut writer| writer.write_image_data(&preview(picture)))
+        .map_err(|error| OutputError::Encode { path: path.to_owned(), message: error.to_string() })?;
+    replace_file(path, |file| file.write_all(&bytes))
+}
+
+/// The picture as 8-bit sRGB, three bytes a pixel.
+///
+/// Exposure is chosen so that the 99th percentile of luminance (of the pixels that are not black) is shown at 0.9 of
+/// the display's linear range: the same look in every unit. Up to 0.6 the picture is linear; above, a shoulder
+/// `0.6 + 0.4 (1 - exp(-(v - 0.6) / 0.4))`, per channel, lets highlights run out towards white instead of clipping.
+pub fn preview(picture: &Picture) -> Vec<u8> {
+    const KNEE: f32 = 0.6;
+    const ROOM: f32 = 1.0 - KNEE;
+    // The shoulder shows this value at 0.9: KNEE + ROOM ln 4.
+    const SHOWN_AT_90_PERCENT: f32 = 1.154_517_7;
+
+    let mut lit: Vec<f32> = picture.radiance.iter().map(|v| luminance(*v)).filter(|l| *l > 0.0).collect();
+    lit.sort_by(f32::total_cmp);
+    let white = lit.get(lit.len() * 99 / 100).copied().unwrap_or(1.0);
+    let show = |value: f32| {
+        let exposed = value / white * SHOWN_AT_90_PERCENT;
+        let shown =
+            if exposed <= KNEE { exposed } else { KNEE + ROOM * (1.0 - ((KNEE - exposed) / ROOM).exp()) };
+        (255.0 * srgb(shown) + 0.5) as u8
+    };
+    picture.radiance.iter().flat_map(|v| v.to_array().map(show)).collect()
+}
+
+/// The transfer function of IEC 61966-2-1: linear 0..=1 to encoded 0..=1.
+fn srgb(linear: f32) -> f32 {
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    fn picture(width: u32, radiance: Vec<Vec3>) -> Picture {
+        Picture { width, height: radiance.len() as u32 / width, radiance, layers: None }
+    }
+
+    #[test]
+    fn the_preview_shows_the_99th_percentile_at_nine_tenths_in_every_unit() {
+        for unit in [1e-20_f32, 1.0, 1e12] {
+            let ramp = (1..=1000).map(|i| Vec3::splat(i as f32 * unit)).collect();
+            let bytes = preview(&picture(1000, ramp));
+            // sRGB of 0.9 is 0.9547 of 255 = 243.4; index 990 holds value 991.
+            assert_eq!(bytes[990 * 3], 243, "unit {unit}");
+            // The brightest pixel runs into the shoulder, not into white; the darkest is nearly black.
+            assert!(bytes[999 * 3] < 255 && bytes[999 * 3] >= 243);
+            assert!(bytes[0] <= 4);
+        }
+    }
+
+    #[test]
+    fn the_preview_is_linear_below_the_knee() {
+        // 200 pixels: 99th percentile 1, the first one a quarter of it: shown at 0.25 * 1.1545 = 0.2886 linear,
+        // 1.055 * 0.2886^(1/2.4) - 0.055 = 0.5738 of 255 = 146.3.
+        let mut radiance = vec![Vec3::ONE; 200];
+        radiance[0] = Vec3::splat(0.25);
+        assert_eq!(preview(&picture(200, radiance))[0], 146);
+    }
+
+    #[test]
+    fn the_preview_of_a_black_picture_is_black_and_a_single_light_is_seen() {
+        assert_eq!(preview(&picture(2, vec![Vec3::ZERO; 4])), [0; 12]);
+        let mut radiance = vec![Vec3::ZERO; 1000];
+        radiance[7] = Vec3::splat(3.0);
+        assert_eq!(preview(&picture(1000, radiance))[7 * 3], 243);
+    }
+
+    #[test]
+    fn a_png_decodes_to_the_preview() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        let ramp = picture(3, (0..6).map(|i| Vec3::new(i as f32, 1.0, 0.5)).collect());
+        write_png(&path, &ramp).unwrap();
+        let file = std::io::BufReader::new(std::fs::File::open(&path).unwrap());
+        let mut reader = png::Decoder::new(file).read_info().unwrap();
+        let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut bytes).unwrap();
+        assert_eq!((info.width, info.height, info.color_type), (3, 2, png::ColorType::Rgb));
+        assert_eq!(bytes, preview(&ramp));
+    }
+
+    #[test]
+    fn a_device_is_not_replaced_by_a_file() {
+        let error = replace_file(Path::new("/dev/full"), |file| file.write_all(b"x")).unwrap_err();
+        assert!(matches!(error, OutputError::NotAFile(_)), "{error}");
+    }
+}

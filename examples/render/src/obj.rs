@@ -1,0 +1,214 @@
+//! Reads Wavefront OBJ text into indexed triangles.
+//!
+//! `tobj` does the parsing and triangulation; a scan before it finds what `tobj` accepts or reports without a
+//! line number (NaN, index 0, indices beyond the list).
+
+use std::io::Cursor;
+
+use glam::Vec3;
+
+/// More triangles than this are refused.
+pub const MAX_TRIANGLES: usize = 1 << 26;
+
+/// What an OBJ file holds, as far as a renderer of one material needs it: all its groups in one list.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ObjTriangles {
+    /// Vertex positions, finite.
+    pub positions: Vec<Vec3>,
+    /// Vertex normals as written, finite and not zero; empty when the file has none.
+    pub normals: Vec<Vec3>,
+    /// Three vertices a triangle.
+    pub indices: Vec<[u32; 3]>,
+}
+
+/// Why an OBJ text was refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ObjError {
+    /// A line that does not follow the format.
+    #[error("line {line}: found `{found}`, expected {expected}")]
+    Line {
+        /// Counted from 1.
+        line: usize,
+        /// The offending word.
+        found: String,
+        /// What should be there.
+        expected: &'static str,
+    },
+    /// A face refers to something that is not in the file.
+    #[error("line {line}: index {found} is out of range, the file has {available} {kind}")]
+    Index {
+        /// Counted from 1.
+        line: usize,
+        /// As written.
+        found: i64,
+        /// How many there are.
+        available: usize,
+        /// `vertices`, `texture coordinates` or `normals`.
+        kind: &'static str,
+    },
+    /// Some faces have normals and some do not.
+    #[error("some faces have normals and some do not: export normals for all of them or for none")]
+    MixedNormals,
+    /// No face with at least three corners.
+    #[error("no triangles")]
+    NoTriangles,
+    /// More than [`MAX_TRIANGLES`].
+    #[error("{0} triangles, at most {MAX_TRIANGLES} are allowed")]
+    TooManyTriangles(usize),
+    /// Refused by the parser for a reason that the scan does not know.
+    #[error("{0}")]
+    Parser(tobj::LoadError),
+}
+
+/// Reads OBJ text: `v`, `vn` and `f` lines; polygons become triangle fans, so they should be convex. Texture
+/// coordinates, materials, groups, points and lines are ignored.
+///
+/// Errors: every input gives triangles or an [`ObjError`]; test
+/// `a_valid_obj_cut_anywhere_or_with_any_byte_changed_is_read_or_refused`.
+pub fn parse(bytes: &[u8]) -> Result<ObjTriangles, ObjError> {
+    // Names in other encodings than UTF-8 are harmless: nothing here reads names.
+    let text = String::from_utf8_lossy(bytes);
+    let geometry = scan(&text)?;
+    let options =
+        tobj::LoadOptions { triangulate: true, single_index: true, ignore_points: true, ignore_lines: true };
+    let no_materials = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
+    let (models, _) =
+        tobj::load_obj_buf(&mut Cursor::new(geometry), &options, no_materials).map_err(ObjError::Parser)?;
+    // The scan keeps no line that starts a second model.
+    let Some(mesh) = models.into_iter().map(|model| model.mesh).find(|mesh| !mesh.indices.is_empty()) else {
+        return Err(ObjError::NoTriangles);
+    };
+    if !mesh.normals.is_empty() && mesh.normals.len() != mesh.positions.len() {
+        return Err(ObjError::MixedNormals);
+    }
+    let triangles = mesh.indices.len() / 3;
+    if triangles > MAX_TRIANGLES {
+        return Err(ObjError::TooManyTriangles(triangles));
+    }
+    let to_vectors = |values: &[f32]| values.chunks_exact(3).map(Vec3::from_slice).collect::<Vec<_>>();
+    Ok(ObjTriangles {
+        positions: to_vectors(&mesh.positions),
+        normals: to_vectors(&mesh.normals),
+        indices: mesh.indices.chunks_exact(3).map(|i| [i[0], i[1], i[2]]).collect(),
+    })
+}
+
+/// How many of each the file has so far, and the largest index used with the line that uses it.
+#[derive(Default)]
+struct Counted {
+    count: usize,
+    largest: usize,
+    largest_line: usize,
+}
+
+impl Counted {
+    /// Checks one index as written: 1 is the first, -1 the latest so far.
+    fn check(&mut self, word: &str, line: usize, kind: &'static str) -> Result<(), ObjError> {
+        let malformed = || ObjError::Line {
+            line,
+            found: word.to_owned(),
+            expected: "a face corner v, v/vt, v//vn or v/vt/vn",
+        };
+        let index: i64 = word.parse().map_err(|_| malformed())?;
+        let out_of_range = ObjError::Index { line, found: index, available: self.count, kind };
+        if index == 0 || (index < 0 && index.unsigned_abs() > self.count as u64) {
+            return Err(out_of_range);
+        }
+        if index > 0 && index as usize > self.largest {
+            (self.largest, self.largest_line) = (index as usize, line);
+        }
+        Ok(())
+    }
+
+    /// Positive indices may point forward, so they are checked against the whole file.
+    fn check_largest(&self, kind: &'static str) -> Result<(), ObjError> {
+        if self.largest > self.count {
+            let (line, found) = (self.largest_line, self.largest as i64);
+            return Err(ObjError::Index { line, found, available: self.count, kind });
+        }
+        Ok(())
+    }
+}
+
+/// Checks every `v`, `vn` and `f` line and returns only those: `tobj` would read an `l` with three points as a
+/// triangle and starts a new model at groups and materials.
+fn scan(text: &str) -> Result<String, ObjError> {
+    let mut geometry = String::with_capacity(text.len());
+    let (mut vertices, mut texture, mut normals) =
+        (Counted::default(), Counted::default(), Counted::default());
+    for (number, content) in text.lines().enumerate() {
+        let line = number + 1;
+        let mut words = content.split_whitespace();
+        match words.next() {
+            Some("v") => {
+                vertices.count += 1;
+                let values = numbers(words, line)?;
+                // x y z, x y z w, x y z r g b.
+                if !matches!(values.len(), 3 | 4 | 6) {
+                    let expected = "3 coordinates (and w, or a colour)";
+                    return Err(ObjError::Line { line, found: content.trim().to_owned(), expected });
+                }
+                let w = if values.len() == 4 { values[3] } else { 1.0 };
+                if !values[..3].iter().all(|value| (value / w).is_finite()) {
+                    let expected = "finite coordinates";
+                    return Err(ObjError::Line { line, found: content.trim().to_owned(), expected });
+                }
+            }
+            Some("vn") => {
+                normals.count += 1;
+                let values = numbers(words, line)?;
+                // Squares must neither overflow nor vanish: the normal is made unit later.
+                let length = values.iter().map(|value| value * value).sum::<f32>();
+                if values.len() != 3 || !length.is_normal() {
+                    let expected = "a normal of 3 numbers that is not zero";
+                    return Err(ObjError::Line { line, found: content.trim().to_owned(), expected });
+                }
+            }
+            Some("vt") => {
+                texture.count += 1;
+                continue;
+            }
+            Some("f") => {
+                let mut corners = 0;
+                for corner in words {
+                    corners += 1;
+                    let mut parts = corner.split('/');
+                    vertices.check(parts.next().unwrap_or(""), line, "vertices")?;
+                    if let Some(part) = parts.next().filter(|part| !part.is_empty()) {
+                        texture.check(part, line, "texture coordinates")?;
+                    }
+                    if let Some(part) = parts.next().filter(|part| !part.is_empty()) {
+                        normals.check(part, line, "normals")?;
+                    }
+                    if parts.next().is_some() {
+                        let expected = "a face corner v, v/vt, v//vn or v/vt/vn";
+                        return Err(ObjError::Line { line, found: corner.to_owned(), expected });
+                    }
+                }
+                if corners < 3 {
+                    let expected = "a face of at least 3 corners";
+                    return Err(ObjError::Line { line, found: content.trim().to_owned(), expected });
+                }
+            }
+            _ => continue,
+        }
+        geometry.push_str(content);
+        geometry.push('\n');
+    }
+    vertices.check_largest("vertices")?;
+    texture.check_largest("texture coordinates")?;
+    normals.check_largest("normals")?;
+    Ok(geometry)
+}
+
+fn numbers<'a>(words: impl Iterator<Item = &'a str>, line: usize) -> Result<Vec<f32>, ObjError> {
+    words
+        .map(|word| {
+            word.parse::<f32>().ok().filter(|value| value.is_finite()).ok_or_else(|| ObjError::Line {
+                line,
+                found: word.to_owned(),
+                expected: "a finite number",
+            })
+        })
+        .collect()
+}

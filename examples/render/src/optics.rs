@@ -1,0 +1,164 @@
+//! What a smooth surface does to a ray: reflection, refraction, Fresnel, and which media a ray is in.
+
+use crate::geometry::Hit;
+use crate::scene::{Material, MediumId, Scene};
+use covbeam::Curvature;
+use glam::Vec3;
+
+/// The closed dielectric objects that a ray is inside of, innermost last.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Interior {
+    objects: [u32; Interior::DEEPEST],
+    depth: usize,
+}
+
+impl Interior {
+    /// Objects nested deeper than this are treated as if entering them changed nothing.
+    pub const DEEPEST: usize = 8;
+
+    /// What a ray that starts at `point` is inside of.
+    pub fn at(scene: &Scene, point: Vec3) -> Self {
+        let mut interior = Self::default();
+        for object in scene.containing(point) {
+            interior.enter(object);
+        }
+        interior
+    }
+
+    /// Steps into an object.
+    pub fn enter(&mut self, object: u32) {
+        if self.depth < Self::DEEPEST {
+            self.objects[self.depth] = object;
+            self.depth += 1;
+        }
+    }
+
+    /// Steps out of an object; does nothing if the ray was not inside.
+    pub fn leave(&mut self, object: u32) {
+        if let Some(place) = self.objects[..self.depth].iter().rposition(|&o| o == object) {
+            self.objects.copy_within(place + 1..self.depth, place);
+            self.depth -= 1;
+        }
+    }
+
+    /// The medium here; None = nothing scatters or absorbs.
+    pub fn medium(&self, scene: &Scene) -> Option<MediumId> {
+        match self.objects[..self.depth].last() {
+            Some(&object) => scene.objects[object as usize].inside,
+            None => scene.outside,
+        }
+    }
+
+    /// The index of refraction here.
+    pub fn index(&self, scene: &Scene) -> f32 {
+        let innermost = self.objects[..self.depth].last();
+        match innermost.map(|&object| scene.objects[object as usize].material) {
+            Some(Material::Dielectric { index }) => index,
+            _ => 1.0,
+        }
+    }
+}
+
+/// A ray at a dielectric boundary.
+#[derive(Clone, Copy, Debug)]
+pub struct Boundary {
+    /// Shading normal, turned against the incoming direction.
+    pub normal: Vec3,
+    /// Share of the flux that is reflected, 0..=1.
+    pub reflectance: f32,
+    /// Index on the incoming side / index on the far side.
+    pub eta: f32,
+    /// Direction of the reflected ray.
+    pub reflected: Vec3,
+    /// Direction of the refracted ray; None = total internal reflection.
+    pub refracted: Option<Vec3>,
+    /// What the ray is inside of once it has gone through.
+    pub beyond: Interior,
+}
+
+/// Fresnel reflectance of unpolarised light at a smooth dielectric.
+pub fn fresnel(cos_i: f32, cos_t: f32, eta: f32) -> f32 {
+    let s = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+    let p = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+    0.5 * (s * s + p * p)
+}
+
+/// Mirror direction.
+pub fn reflect(direction: Vec3, normal: Vec3) -> Vec3 {
+    (direction - 2.0 * direction.dot(normal) * normal).normalize()
+}
+
+/// The shading normal turned against `direction`; the geometric one where smoothing would turn the surface's side.
+pub fn facing_normal(hit: &Hit, direction: Vec3) -> Vec3 {
+    let against = if hit.geometric_normal.dot(direction) > 0.0 { -1.0 } else { 1.0 };
+    let normal = against * hit.normal;
+    if normal.dot(direction) < 0.0 { normal } else { against * hit.geometric_normal }
+}
+
+/// The hit's curvature as seen with `normal`: convex becomes concave on the other side. (The axis normal x tangent
+/// turns round as well, so the off-diagonal entry keeps its sign.)
+pub fn curvature_towards(hit: &Hit, normal: Vec3) -> Curvature {
+    let curvature = hit.curvature;
+    if hit.normal.dot(normal) >= 0.0 {
+        return curvature;
+    }
+    Curvature { along: -curvature.along, across: -curvature.across, ..curvature }
+}
+
+impl Boundary {
+    /// What happens to a ray along `direction` that is inside of `interior` and hits a dielectric.
+    pub fn new(scene: &Scene, hit: &Hit, direction: Vec3, interior: &Interior) -> Self {
+        let normal = facing_normal(hit, direction);
+        let mut beyond = *interior;
+        if hit.geometric_normal.dot(direction) < 0.0 {
+            beyond.enter(hit.object);
+        } else {
+            beyond.leave(hit.object);
+        }
+        let eta = interior.index(scene) / beyond.index(scene);
+        let cos_i = (-direction.dot(normal)).clamp(0.0, 1.0);
+        let cos2_t = 1.0 - eta * eta * (1.0 - cos_i * cos_i);
+        let geometric = hit.geometric_normal * if hit.geometric_normal.dot(direction) > 0.0 { -1.0 } else { 1.0 };
+        // A shading normal may send the ray to the wrong side of the true surface: mirror it back there.
+        let on_side = |d: Vec3, side: f32| {
+            let wrong = side * d.dot(geometric);
+            if wrong < 0.0 { reflect(d, geometric) } else { d }
+        };
+        let reflected = on_side(reflect(direction, normal), 1.0);
+        if cos2_t <= 0.0 {
+            return Self { normal, reflectance: 1.0, eta, reflected, refracted: None, beyond };
+        }
+        let cos_t = cos2_t.sqrt();
+        let refracted = (eta * direction + (eta * cos_i - cos_t) * normal).normalize();
+        let reflectance = fresnel(cos_i, cos_t, eta);
+        Self { normal, reflectance, eta, reflected, refracted: Some(on_side(refracted, -1.0)), beyond }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fresnel_matches_the_textbook_values_of_glass() {
+        // Normal incidence: ((n-1)/(n+1))² = 0.04 for n = 1.5.
+        assert!((fresnel(1.0, 1.0, 1.0 / 1.5) - 0.04).abs() < 1e-6);
+        // Grazing incidence reflects everything.
+        assert!((fresnel(0.0, 0.745_356, 1.0 / 1.5) - 1.0).abs() < 1e-6);
+        // 45° into n = 1.5: R_s = 0.09201, R_p = R_s² = 0.00847 (a property of 45°), mean 0.05024.
+        let cos_i = std::f32::consts::FRAC_1_SQRT_2;
+        let cos_t = (1.0 - 0.5 / 2.25f32).sqrt();
+        assert!((fresnel(cos_i, cos_t, 1.0 / 1.5) - 0.050_24).abs() < 1e-5);
+    }
+
+    #[test]
+    fn leaving_an_object_that_was_never_entered_changes_nothing() {
+        let mut interior = Interior::default();
+        interior.enter(3);
+        interior.leave(5);
+        assert_eq!(interior.objects[..interior.depth], [3]);
+        interior.enter(7);
+        interior.leave(3);
+        assert_eq!(interior.objects[..interior.depth], [7]);
+    }
+}

@@ -1,0 +1,317 @@
+//! `covbeam render`: from a scene file to pictures on the disk, telling the user what happens.
+
+use crate::cli::{MethodName, RenderArgs};
+use covbeam_render::film::Film;
+use covbeam_render::output::{OutputError, RenderInfo, check_writable, write_exr, write_png};
+use covbeam_render::pass::Renderer;
+use covbeam_render::render::{End, Goal, Progress, RenderError, render};
+use covbeam_render::scene::Scene;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::error::Error;
+use std::io::{IsTerminal, Write, stderr, stdout};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// As shells report a program that Ctrl-C stopped.
+const STOPPED: u8 = 130;
+
+/// What is rendered when no scene is named.
+const DEFAULT_SCENE: &str = include_str!("../../scenes/glass-ball.toml");
+const DEFAULT_NAME: &str = "glass-ball";
+
+pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
+    let (scene, name) = match &args.scene {
+        Some(path) => {
+            (Scene::load(path)?, path.file_stem().unwrap_or_default().to_string_lossy().into_owned())
+        }
+        None => (Scene::parse(DEFAULT_SCENE, "built-in scene", Path::new("."))?, DEFAULT_NAME.to_owned()),
+    };
+    let goal = match (args.time, args.passes) {
+        (Some(time), _) => Goal::Time(time),
+        (None, passes) => Goal::Passes(passes.unwrap_or(scene.settings.passes)),
+    };
+    let method = args.method.name();
+    let exr = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{name}-{method}.exr")));
+    let photons = args.photons.unwrap_or(scene.settings.photons);
+    let seed = args.seed.unwrap_or(scene.settings.seed);
+    let info = RenderInfo { method: method.to_owned(), passes: 0, photons, seed, scene: name };
+    let files = Files { png: exr.with_extension("png"), exr, info };
+    check_writable(&files.exr)?;
+    check_writable(&files.png)?;
+
+    let stop = Arc::new(AtomicBool::new(false));
+    let handler_stop = Arc::clone(&stop);
+    ctrlc::set_handler(move || handler_stop.store(true, Ordering::Relaxed))?;
+    let cancelled = || stop.load(Ordering::Relaxed);
+
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads as usize).build()?;
+    let (width, height) = (scene.camera.width, scene.camera.height);
+    eprintln!(
+        "{}: {width} x {height} pixels, method {method}, {photons} light paths a pass, {} threads",
+        files.info.scene,
+        pool.current_num_threads()
+    );
+    let mut renderer = pool.install(|| Renderer::new(&scene, args.method.method(), photons, seed));
+    let mut film = Film::new(width, height);
+    let mut display = Display::new(goal);
+    let mut autosave = Autosave::new();
+    let rendered = render(
+        &mut film,
+        goal,
+        &cancelled,
+        |index, cancelled| pool.install(|| renderer.pass(index, cancelled)),
+        |progress, film| {
+            display.show(progress, goal);
+            autosave.after_pass(|| files.save(film))
+        },
+    );
+    display.finish();
+
+    if film.passes() == 0 {
+        rendered?;
+        eprintln!("stopped before the first pass was finished: nothing is written");
+        return Ok(ExitCode::from(STOPPED));
+    }
+    // An output error came from saving this very film: trying again would fail again.
+    if !matches!(rendered, Err(RenderError::Report(_))) {
+        files.save(&film)?;
+        stdout().write_all(files.saved(film.passes()).as_bytes())?;
+    }
+    let (end, progress) = rendered?;
+    stdout().write_all((summary(&progress) + &files.hints(args)).as_bytes())?;
+    Ok(if end == End::Cancelled { ExitCode::from(STOPPED) } else { ExitCode::SUCCESS })
+}
+
+/// Where the pictures go.
+struct Files {
+    exr: PathBuf,
+    png: PathBuf,
+    info: RenderInfo,
+}
+
+impl Files {
+    fn save(&self, film: &Film) -> Result<(), OutputError> {
+        let picture = film.picture();
+        write_exr(&self.exr, &picture, &RenderInfo { passes: film.passes(), ..self.info.clone() })?;
+        write_png(&self.png, &picture)
+    }
+
+    fn saved(&self, passes: u32) -> String {
+        let (exr, png) = (self.exr.display(), self.png.display());
+        format!("wrote {exr} (linear radiance and layers) and {png} (preview), {passes} passes\n")
+    }
+
+    fn hints(&self, args: &RenderArgs) -> String {
+        // Started by `cargo run`, the program is not on the user's path.
+        let covbeam = if std::env::var_os("CARGO").is_some() { "cargo run --release --" } else { "covbeam" };
+        let scene = args.scene.as_deref().map_or(String::new(), |path| format!(" {}", quoted(path)));
+        let (other, about) = match args.method {
+            MethodName::Adaptive => ("ppb", "the same without frequency analysis"),
+            MethodName::Ppb | MethodName::LightTrace => ("adaptive", "the same with frequency analysis"),
+        };
+        let picture = quoted(&self.exr);
+        format!(
+            "\nnext, try\n  \
+             {covbeam} render{scene} --method {other}\n      {about}\n  \
+             {covbeam} render{scene} --passes 1000 --seed 1000 --out reference.exr\n      a reference\n  \
+             {covbeam} compare {picture} reference.exr\n      how far this picture is from it\n"
+        )
+    }
+}
+
+fn quoted(path: &Path) -> String {
+    let text = path.display().to_string();
+    if text.contains(char::is_whitespace) { format!("'{text}'") } else { text }
+}
+
+/// Saves the picture now and then, so that a crash or a full disk costs seconds of a long render, not all of it.
+struct Autosave {
+    next: Instant,
+}
+
+impl Autosave {
+    const EVERY: Duration = Duration::from_secs(10);
+    /// Of a huge picture, saving takes at most 1/20 of the time.
+    const SHARE: u32 = 20;
+
+    fn new() -> Self {
+        Self { next: Instant::now() + Self::EVERY }
+    }
+
+    fn after_pass(&mut self, save: impl FnOnce() -> Result<(), OutputError>) -> Result<(), OutputError> {
+        let start = Instant::now();
+        if start < self.next {
+            return Ok(());
+        }
+        save()?;
+        self.next = Instant::now() + Self::EVERY.max(start.elapsed() * Self::SHARE);
+        Ok(())
+    }
+}
+
+/// Progress on standard error: a bar in a terminal, else a line every few seconds.
+struct Display {
+    bar: Option<ProgressBar>,
+    next_line: Instant,
+}
+
+impl Display {
+    const LINES_EVERY: Duration = Duration::from_secs(5);
+
+    fn new(goal: Goal) -> Self {
+        let bar = stderr().is_terminal().then(|| {
+            let length = match goal {
+                Goal::Passes(passes) => u64::from(passes),
+                Goal::Time(time) => time.as_millis() as u64,
+            };
+            let style = ProgressStyle::with_template("[{bar:30}] {elapsed} {msg}").expect("a valid template");
+            let bar = ProgressBar::new(length).with_style(style.progress_chars("=> "));
+            bar.enable_steady_tick(Duration::from_millis(200));
+            bar
+        });
+        Self { bar, next_line: Instant::now() }
+    }
+
+    fn show(&mut self, progress: &Progress, goal: Goal) {
+        let passes = match goal {
+            Goal::Passes(all) => format!("pass {} of {all}", progress.passes),
+            Goal::Time(_) => format!("pass {}", progress.passes),
+        };
+        let left = progress.left(goal).map_or(String::new(), |left| format!(", {} left", seconds(left)));
+        let speed = 1.0 / progress.last.as_secs_f64().max(1e-9);
+        let message = format!("{passes}{left}, {speed:.2} passes/s");
+        if let Some(bar) = &self.bar {
+            bar.set_position(match goal {
+                Goal::Passes(_) => u64::from(progress.passes),
+                Goal::Time(_) => progress.elapsed.as_millis() as u64,
+            });
+            bar.set_message(message);
+        } else if Instant::now() >= self.next_line {
+            eprintln!("{message}");
+            self.next_line = Instant::now() + Self::LINES_EVERY;
+        }
+    }
+
+    fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// Time, where it went, and memory.
+fn summary(progress: &Progress) -> String {
+    let times = &progress.times;
+    let parts = [
+        ("trace", times.trace),
+        ("light fields", times.light_fields),
+        ("grid", times.grid),
+        ("build", times.build),
+        ("gather", times.gather),
+    ];
+    let whole: f64 = parts.iter().map(|(_, time)| time).sum();
+    let mut text = format!("{}, {whole:.2} core-seconds:\n", seconds(progress.elapsed));
+    for (name, time) in parts {
+        let percent = if whole > 0.0 { 100.0 * time / whole } else { 0.0 };
+        text += &format!("  {name:<12} {time:>8.2} s {percent:>5.1} %\n");
+    }
+    if times.pairs > 0 && times.gather > 0.0 {
+        let pairs = times.pairs as f64;
+        let speed = pairs / times.gather / 1e6;
+        text += &format!(
+            "{:.1} million accepted pairs, {speed:.2} million a core-second of gather\n",
+            pairs / 1e6
+        );
+    }
+    if let (Some(cpu), Some(megabytes)) = (cpu_seconds(), peak_memory_mb()) {
+        text += &format!("the system counts {cpu:.2} s of CPU time and a peak memory of {megabytes:.0} MB\n");
+    }
+    text
+}
+
+fn seconds(time: Duration) -> String {
+    let all = time.as_secs_f64();
+    match all {
+        ..60.0 => format!("{all:.1} s"),
+        60.0..3600.0 => format!("{} min {:02} s", time.as_secs() / 60, time.as_secs() % 60),
+        _ => format!("{} h {:02} min", time.as_secs() / 3600, time.as_secs() / 60 % 60),
+    }
+}
+
+/// CPU time of all threads so far, user and system [s]; None where the system does not tell. Unlike the split by
+/// part, which is measured with a clock, it does not grow when other programs share the cores.
+fn cpu_seconds() -> Option<f64> {
+    /// `/proc` counts in 1/100 s on every Linux.
+    const TICKS_PER_SECOND: f64 = 100.0;
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    // The second field, the program's name in brackets, may hold spaces; utime and stime are the 14th and 15th.
+    let mut after_name = stat.rsplit_once(')')?.1.split_whitespace().skip(11);
+    let mut ticks = || after_name.next()?.parse::<f64>().ok();
+    Some((ticks()? + ticks()?) / TICKS_PER_SECOND)
+}
+
+/// Largest resident set so far [10⁶ bytes]; None where the system does not tell.
+fn peak_memory_mb() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kibibytes * 1024.0 / 1e6)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use covbeam_render::pass::PassTimes;
+
+    #[test]
+    fn a_time_is_shown_in_the_unit_that_fits() {
+        assert_eq!(seconds(Duration::from_millis(1540)), "1.5 s");
+        assert_eq!(seconds(Duration::from_secs(61)), "1 min 01 s");
+        assert_eq!(seconds(Duration::from_secs(2 * 3600 + 5 * 60 + 59)), "2 h 05 min");
+    }
+
+    #[test]
+    fn the_summary_splits_the_time_and_counts_pairs_per_second_of_gather() {
+        let times = PassTimes {
+            trace: 1.0,
+            light_fields: 0.5,
+            grid: 0.5,
+            build: 2.0,
+            gather: 4.0,
+            pairs: 24_000_000,
+        };
+        let progress = Progress { passes: 2, elapsed: Duration::from_secs(4), times, ..Progress::default() };
+        let text = summary(&progress);
+        assert!(text.contains("8.00 core-seconds"), "{text}");
+        assert!(text.contains("gather           4.00 s  50.0 %"), "{text}");
+        assert!(text.contains("24.0 million accepted pairs, 6.00 million a core-second"), "{text}");
+    }
+
+    #[test]
+    fn the_peak_memory_of_this_process_is_between_one_megabyte_and_a_terabyte() {
+        if cfg!(target_os = "linux") {
+            assert!((1.0..1e6).contains(&peak_memory_mb().unwrap()));
+        }
+    }
+
+    #[test]
+    fn the_cpu_time_grows_with_work() {
+        if cfg!(target_os = "linux") {
+            let (before, start) = (cpu_seconds().unwrap(), Instant::now());
+            let mut sum = 0_u64;
+            while cpu_seconds().unwrap() < before + 0.05 {
+                sum = std::hint::black_box(sum + 1);
+                assert!(start.elapsed() < Duration::from_secs(60), "CPU time stands still");
+            }
+        }
+    }
+
+    #[test]
+    fn a_path_with_spaces_is_quoted_in_the_hints() {
+        assert_eq!(quoted(Path::new("my scene.toml")), "'my scene.toml'");
+        assert_eq!(quoted(Path::new("scene.toml")), "scene.toml");
+    }
+}

@@ -1,0 +1,417 @@
+//! Reads a scene from TOML. `examples/scenes/glass-ball.toml` explains the format line by line.
+//!
+//! Lengths are in scene units, angles in degrees. Where a colour is expected, one number means grey.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use covbeam::{GridLayout, Kernel, Medium, PhaseFunction, PhaseKind};
+use glam::{Quat, Vec3};
+
+use crate::camera::Camera;
+pub use crate::fields::SceneError;
+use crate::fields::{Field, Source, Table};
+use crate::mesh::{MAX_COORDINATE, Mesh, Placement};
+use crate::scene::{Light, Material, MediumId, Object, Scene, Settings, Shape};
+
+/// Most pixels along one side of the picture.
+pub const MAX_IMAGE_SIDE: u32 = 16384;
+/// Most light paths a pass.
+pub const MAX_PHOTONS: u32 = 1 << 28;
+/// Most cells of the covariance grid.
+pub const MAX_GRID_CELLS: u64 = 1 << 24;
+/// Most bytes of a scene file.
+const MAX_FILE_BYTES: u64 = 1 << 24;
+
+impl Scene {
+    /// Reads a scene file; mesh files are looked up relative to it.
+    pub fn load(path: &Path) -> Result<Self, SceneError> {
+        let file = path.display().to_string();
+        let text = read_text(path).map_err(|source| SceneError::Unreadable { file: file.clone(), source })?;
+        Self::parse(&text, &file, path.parent().unwrap_or(Path::new("")))
+    }
+
+    /// Reads a scene from `text`. `source_name` appears in errors; mesh files are relative to `base_dir`.
+    ///
+    /// The result is valid: finite, in range, every name resolved. Anything else is refused with file, line,
+    /// field, what was found and what was expected.
+    pub fn parse(text: &str, source_name: &str, base_dir: &Path) -> Result<Self, SceneError> {
+        let source = Source { name: source_name, text };
+        let document = source.parse()?;
+        let root = Table::root(source, &document);
+        root.only(&["outside_medium", "camera", "medium", "object", "light", "grid", "render"])?;
+        let (media, names) = read_media(&root)?;
+        let outside =
+            root.optional("outside_medium").map(|field| read_medium_name(&field, &names)).transpose()?;
+        let camera = read_camera(&root.required("camera")?.table()?)?;
+        let objects: Vec<Object> = root
+            .tables("object")?
+            .iter()
+            .map(|t| read_object(t, &names, base_dir))
+            .collect::<Result<_, _>>()?;
+        let lights: Vec<Light> = root.tables("light")?.iter().map(read_light).collect::<Result<_, _>>()?;
+        if lights.is_empty() {
+            return Err(root.lacks("light", "at least one [[light]]"));
+        }
+        let grid = read_grid(&root, &objects)?;
+        let settings = read_settings(&root, &grid)?;
+        Ok(Self { objects, lights, media, outside, camera, grid, settings })
+    }
+}
+
+fn read_text(path: &Path) -> std::io::Result<String> {
+    let mut text = String::new();
+    // A device or a pipe may never end.
+    let bytes = File::open(path)?.take(MAX_FILE_BYTES + 1).read_to_string(&mut text)?;
+    if bytes as u64 > MAX_FILE_BYTES {
+        return Err(std::io::Error::other(format!("longer than {MAX_FILE_BYTES} bytes")));
+    }
+    Ok(text)
+}
+
+fn read_media<'a>(root: &Table<'a>) -> Result<(Vec<Medium>, Vec<&'a str>), SceneError> {
+    let (mut media, mut names) = (Vec::new(), Vec::new());
+    for table in root.tables("medium")? {
+        table.only(&["name", "scattering", "absorption", "phase"])?;
+        let name = table.required("name")?;
+        let text = name.text("a name in quotes")?;
+        if names.contains(&text) {
+            return Err(name.refuse("a name that no other medium has"));
+        }
+        let coefficient = |key| {
+            let coefficient = |value: f32| (0.0..=MAX_COORDINATE).contains(&value);
+            table.required(key)?.color("a coefficient in 0..=1e9, per unit of length", coefficient)
+        };
+        media.push(Medium {
+            scattering: coefficient("scattering")?,
+            absorption: coefficient("absorption")?,
+            phase: table
+                .optional("phase")
+                .map_or(Ok(PhaseFunction::ISOTROPIC), |field| read_phase(&field))?,
+        });
+        names.push(text);
+    }
+    Ok((media, names))
+}
+
+fn read_phase(field: &Field<'_>) -> Result<PhaseFunction, SceneError> {
+    let expected = "\"isotropic\", \"rayleigh\" or { henyey_greenstein = g }";
+    match field.choice(expected)? {
+        ("isotropic", None) => Ok(PhaseFunction::ISOTROPIC),
+        ("rayleigh", None) => Ok(PhaseFunction { kind: PhaseKind::Rayleigh, asymmetry: 0.0 }),
+        ("henyey_greenstein", Some(g)) => {
+            // 1 - |g| is squared and divided by.
+            let asymmetry = g.number("a mean cosine in -0.999..=0.999", |g| g.abs() <= 0.999)?;
+            Ok(PhaseFunction { kind: PhaseKind::HenyeyGreenstein, asymmetry })
+        }
+        _ => Err(field.refuse(expected)),
+    }
+}
+
+fn read_medium_name(field: &Field<'_>, names: &[&str]) -> Result<MediumId, SceneError> {
+    let name = field.text("the name of a [[medium]] in quotes")?;
+    match names.iter().position(|known| *known == name) {
+        Some(index) => Ok(index as MediumId),
+        None if names.is_empty() => Err(field.refuse("the name of a [[medium]], but there is none")),
+        None => Err(field.refuse(format!("one of the media {}", names.join(", ")))),
+    }
+}
+
+fn read_camera(table: &Table<'_>) -> Result<Camera, SceneError> {
+    table.only(&["position", "look_at", "up", "vertical_fov", "width", "height"])?;
+    let position = table.required("position")?.vector()?;
+    let look_at = table.required("look_at")?;
+    let forward = (look_at.vector()?.as_dvec3() - position.as_dvec3())
+        .try_normalize()
+        .ok_or_else(|| look_at.refuse("a point other than the camera's position"))?;
+    let up_field = table.optional("up");
+    let up = up_field.as_ref().map_or(Ok(Vec3::Y), Field::direction)?.as_dvec3();
+    let right = forward.cross(up);
+    // Below this the picture's roll would be rounding noise.
+    if right.length() < 1e-3 {
+        let field = up_field.unwrap_or(look_at);
+        return Err(field.refuse("an up direction that is not along the view (the default is [0, 1, 0])"));
+    }
+    let right = right.normalize();
+    let fov = table
+        .required("vertical_fov")?
+        .number("an angle in 0.001..=179 degrees", |fov| (0.001..=179.0).contains(&fov))?;
+    let side = 1..u64::from(MAX_IMAGE_SIDE) + 1;
+    Ok(Camera {
+        position,
+        forward: forward.as_vec3().normalize(),
+        right: right.as_vec3().normalize(),
+        up: right.cross(forward).as_vec3().normalize(),
+        tan_half_height: (0.5 * f64::from(fov)).to_radians().tan() as f32,
+        width: table.required("width")?.integer(side.clone())?,
+        height: table.required("height")?.integer(side)?,
+    })
+}
+
+fn read_object(table: &Table<'_>, media: &[&str], base_dir: &Path) -> Result<Object, SceneError> {
+    let shape_field = table.required("shape")?;
+    let expected = "\"sphere\", \"rectangle\", \"box\" or \"mesh\"";
+    let kind = shape_field.text(expected)?;
+    let own: &[&str] = match kind {
+        "sphere" => &["center", "radius"],
+        "rectangle" => &["corner", "edge_u", "edge_v"],
+        "box" => &["min", "max"],
+        "mesh" => &["file", "scale", "rotate", "translate", "smooth"],
+        _ => return Err(shape_field.refuse(expected)),
+    };
+    table.only(&[&["name", "shape", "material", "inside"], own].concat())?;
+    let shape = match kind {
+        "sphere" => Shape::Sphere {
+            center: table.required("center")?.vector()?,
+            radius: table.required("radius")?.size()?,
+        },
+        "rectangle" => read_rectangle(table)?,
+        "box" => {
+            let (min, max) = read_corners(table)?;
+            Shape::Box { min, max }
+        }
+        _ => Shape::Mesh(read_mesh(table, base_dir)?),
+    };
+    let material_field = table.required("material")?;
+    let material = read_material(&material_field)?;
+    if matches!(material, Material::Dielectric { .. }) && !shape.is_closed() {
+        let why = match &shape {
+            Shape::Mesh(mesh) if mesh.open_edges() > 0 => {
+                format!("this mesh has {} open edges", mesh.open_edges())
+            }
+            Shape::Mesh(_) => "this mesh encloses nothing".to_owned(),
+            _ => format!("a {kind} is open"),
+        };
+        return Err(material_field.refuse(format!("a dielectric only on a closed shape ({why})")));
+    }
+    let inside_field = table.optional("inside");
+    let inside = inside_field.as_ref().map(|field| read_medium_name(field, media)).transpose()?;
+    if let (Some(field), false) = (inside_field, matches!(material, Material::Dielectric { .. })) {
+        return Err(field.refuse("no medium inside an object that is not a dielectric"));
+    }
+    let name = match table.optional("name") {
+        Some(field) => field.text("a name in quotes")?.to_owned(),
+        None => shape_field.path.trim_end_matches(".shape").to_owned(),
+    };
+    Ok(Object { name, shape, material, inside })
+}
+
+fn read_rectangle(table: &Table<'_>) -> Result<Shape, SceneError> {
+    let (corner, edge_u, v_field) =
+        (table.required("corner")?.vector()?, table.required("edge_u")?, table.required("edge_v")?);
+    let edge = |field: &Field<'_>| {
+        let vector = field.vector()?;
+        let long_enough = vector.length() >= 1.0 / MAX_COORDINATE;
+        if long_enough { Ok(vector) } else { Err(field.refuse("an edge longer than 1e-9")) }
+    };
+    let (edge_u, edge_v) = (edge(&edge_u)?, edge(&v_field)?);
+    let (u, v) = (edge_u.as_dvec3().normalize(), edge_v.as_dvec3().normalize());
+    // The sine of the angle between the edges.
+    if u.cross(v).length() < 1e-6 {
+        return Err(v_field.refuse("an edge that is not parallel to edge_u"));
+    }
+    Ok(Shape::Rectangle { corner, edge_u, edge_v })
+}
+
+/// `min` and `max` of a box or of the grid.
+fn read_corners(table: &Table<'_>) -> Result<(Vec3, Vec3), SceneError> {
+    let (min, max_field) = (table.required("min")?.vector()?, table.required("max")?);
+    let max = max_field.vector()?;
+    let size = max.as_dvec3() - min.as_dvec3();
+    if size.min_element() < f64::from(1.0 / MAX_COORDINATE) {
+        return Err(max_field.refuse(format!("each coordinate above that of min = {min} by at least 1e-9")));
+    }
+    Ok((min, max))
+}
+
+fn read_mesh(table: &Table<'_>, base_dir: &Path) -> Result<Mesh, SceneError> {
+    let file = table.required("file")?;
+    let path = base_dir.join(file.text("the path of an OBJ file in quotes, relative to the scene file")?);
+    let rotation = match table.optional("rotate") {
+        None => Quat::IDENTITY,
+        Some(field) => {
+            let rotate = field.table()?;
+            rotate.only(&["axis", "degrees"])?;
+            let axis = rotate.required("axis")?.direction()?;
+            let angle =
+                rotate.required("degrees")?.number("an angle in -360..=360 degrees", |a| a.abs() <= 360.0)?;
+            Quat::from_axis_angle(axis, angle.to_radians())
+        }
+    };
+    let placement = Placement {
+        scale: table.optional("scale").map_or(Ok(1.0), |field| field.size())?,
+        rotation,
+        translation: table.optional("translate").map_or(Ok(Vec3::ZERO), |field| field.vector())?,
+    };
+    let smooth = table.optional("smooth").map_or(Ok(true), |field| field.boolean())?;
+    Mesh::load(&path, &placement, smooth)
+        .map_err(|source| file.refuse_mesh(path.display().to_string(), source))
+}
+
+fn read_material(field: &Field<'_>) -> Result<Material, SceneError> {
+    let expected = "\"black\", { dielectric = { index = n } }, { mirror = { reflectance = r } } or \
+                    { lambert = { albedo = a } }";
+    let (kind, fields) = field.choice(expected)?;
+    let fraction = |table: Table<'_>, key| {
+        table.only(&[key])?;
+        table.required(key)?.color("a fraction in 0..=1", |value| (0.0..=1.0).contains(&value))
+    };
+    match (kind, fields) {
+        ("black", None) => Ok(Material::Black),
+        ("dielectric", Some(fields)) => {
+            let table = fields.table()?;
+            table.only(&["index"])?;
+            let index = table.required("index")?;
+            let index = index.number("an index of refraction in 0.1..=10", |n| (0.1..=10.0).contains(&n))?;
+            Ok(Material::Dielectric { index })
+        }
+        ("mirror", Some(fields)) => {
+            Ok(Material::Mirror { reflectance: fraction(fields.table()?, "reflectance")? })
+        }
+        ("lambert", Some(fields)) => Ok(Material::Lambert { albedo: fraction(fields.table()?, "albedo")? }),
+        _ => Err(field.refuse(expected)),
+    }
+}
+
+fn read_light(table: &Table<'_>) -> Result<Light, SceneError> {
+    let kind_field = table.required("kind")?;
+    let expected = "\"point\", \"spot\" or \"disk\"";
+    let kind = kind_field.text(expected)?;
+    table.only(match kind {
+        "point" => &["kind", "position", "intensity"],
+        "spot" => &["kind", "position", "look_at", "intensity", "inner_angle", "outer_angle"],
+        "disk" => &["kind", "center", "normal", "radius", "radiance"],
+        _ => return Err(kind_field.refuse(expected)),
+    })?;
+    let power = |key| {
+        let field = table.required(key)?;
+        let color = field.color("a number in 0..=1e9", |value| (0.0..=MAX_COORDINATE).contains(&value))?;
+        if color == Vec3::ZERO { Err(field.refuse("a light that is not dark")) } else { Ok(color) }
+    };
+    match kind {
+        "point" => Ok(Light::Point {
+            position: table.required("position")?.vector()?,
+            intensity: power("intensity")?,
+        }),
+        "spot" => read_spot(table, power("intensity")?),
+        _ => Ok(Light::Disk {
+            center: table.required("center")?.vector()?,
+            normal: table.required("normal")?.direction()?,
+            radius: table.required("radius")?.size()?,
+            radiance: power("radiance")?,
+        }),
+    }
+}
+
+fn read_spot(table: &Table<'_>, intensity: Vec3) -> Result<Light, SceneError> {
+    let position = table.required("position")?.vector()?;
+    let look_at = table.required("look_at")?;
+    let direction = (look_at.vector()?.as_dvec3() - position.as_dvec3())
+        .try_normalize()
+        .ok_or_else(|| look_at.refuse("a point other than the light's position"))?;
+    let inner =
+        table.required("inner_angle")?.number("an angle in 0..90 degrees", |a| (0.0..90.0).contains(&a))?;
+    let outer_field = table.required("outer_angle")?;
+    let outer = outer_field
+        .number(&format!("an angle above inner_angle = {inner} and below 90 degrees"), |a| {
+            a > inner && a < 90.0
+        })?;
+    Ok(Light::Spot {
+        position,
+        direction: direction.as_vec3().normalize(),
+        intensity,
+        inner_angle: inner.to_radians(),
+        outer_angle: outer.to_radians(),
+    })
+}
+
+/// The grid's box is that of all objects unless the file says otherwise.
+fn read_grid(root: &Table<'_>, objects: &[Object]) -> Result<GridLayout, SceneError> {
+    let table = root.optional("grid").map(|field| field.table()).transpose()?;
+    if let Some(table) = &table {
+        table.only(&["min", "max", "cells"])?;
+    }
+    let given =
+        table.as_ref().filter(|table| table.optional("min").is_some() || table.optional("max").is_some());
+    let (min, max) = match given {
+        Some(table) => read_corners(table)?,
+        None => {
+            let bounds = objects.iter().map(|object| object.shape.bounds());
+            let around = bounds.reduce(|(min, max), (a, b)| (min.min(a), max.max(b)));
+            let thick =
+                |&(min, max): &(Vec3, Vec3)| (max - min).min_element() > 1e-6 * (max - min).max_element();
+            around.filter(thick).ok_or_else(|| {
+                root.lacks("grid", "[grid] with min and max, because the objects do not span a box")
+            })?
+        }
+    };
+    let mut cells = [32; 3];
+    if let Some(field) = table.and_then(|table| table.optional("cells")) {
+        let expected = "three numbers of cells [x, y, z]";
+        let elements = field.elements(expected)?;
+        let [x, y, z] = elements.as_slice() else { return Err(field.refuse(expected)) };
+        let side = 1..MAX_GRID_CELLS + 1;
+        cells = [x.integer(side.clone())?, y.integer(side.clone())?, z.integer(side)?];
+        // Two factors of at most 2^24 each fit in u64, the third might not.
+        let plane = u64::from(cells[0]) * u64::from(cells[1]);
+        if plane > MAX_GRID_CELLS || plane * u64::from(cells[2]) > MAX_GRID_CELLS {
+            return Err(field.refuse(format!("at most {MAX_GRID_CELLS} cells together")));
+        }
+    }
+    Ok(GridLayout { min, max, cells })
+}
+
+fn read_settings(root: &Table<'_>, grid: &GridLayout) -> Result<Settings, SceneError> {
+    let mut settings = Settings::for_box(grid.min, grid.max);
+    let Some(field) = root.optional("render") else { return Ok(settings) };
+    let table = field.table()?;
+    table.only(&[
+        "passes",
+        "photons",
+        "seed",
+        "radius",
+        "alpha",
+        "error",
+        "max_radius",
+        "light_field_share",
+        "kernel",
+    ])?;
+    if let Some(field) = table.optional("passes") {
+        settings.passes = field.integer(1..1 << 32)?;
+    }
+    if let Some(field) = table.optional("photons") {
+        settings.photons = field.integer(1..u64::from(MAX_PHOTONS) + 1)?;
+    }
+    if let Some(field) = table.optional("seed") {
+        settings.seed = field.integer(0..1 << 32)?;
+    }
+    if let Some(field) = table.optional("radius") {
+        settings.radius = field.size()?;
+        settings.max_radius = 4.0 * settings.radius;
+    }
+    if let Some(field) = table.optional("alpha") {
+        settings.alpha = field.number("a number between 0 and 1, both excluded", |a| a > 0.0 && a < 1.0)?;
+    }
+    if let Some(field) = table.optional("error") {
+        settings.error = field.number("a number in 0.000001..=1", |e| (1e-6..=1.0).contains(&e))?;
+    }
+    if let Some(field) = table.optional("max_radius") {
+        let radius = settings.radius;
+        let expected = format!("a length of at least radius = {radius} and at most 1e9");
+        settings.max_radius = field.number(&expected, |r| (radius..=MAX_COORDINATE).contains(&r))?;
+    }
+    if let Some(field) = table.optional("light_field_share") {
+        settings.light_field_share = field.number("a number in 0.0001..=1", |s| (1e-4..=1.0).contains(&s))?;
+    }
+    if let Some(field) = table.optional("kernel") {
+        let expected = "\"box\", \"epanechnikov\" or \"biweight\"";
+        settings.kernel = match field.text(expected)? {
+            "box" => Kernel::Box,
+            "epanechnikov" => Kernel::Epanechnikov,
+            "biweight" => Kernel::Biweight,
+            _ => return Err(field.refuse(expected)),
+        };
+    }
+    Ok(settings)
+}

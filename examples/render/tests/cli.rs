@@ -1,0 +1,226 @@
+//! The program as a user meets it: what it writes, says and returns.
+
+use covbeam_render::film::Picture;
+use covbeam_render::output::{RenderInfo, read_picture, write_exr};
+use glam::Vec3;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use tempfile::TempDir;
+
+const GLASS_BALL: &str = include_str!("../../scenes/glass-ball.toml");
+
+/// A folder with `ball.toml`: the glass ball in 24 x 16 pixels and few photons.
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let small = GLASS_BALL
+        .replace("width = 256", "width = 24")
+        .replace("height = 256", "height = 16")
+        .replace("passes = 64", "passes = 3")
+        .replace("photons = 5000", "photons = 200");
+    assert!(small.contains("width = 24") && small.contains("passes = 3") && small.contains("photons = 200"));
+    fs::write(folder.path().join("ball.toml"), small).unwrap();
+    folder
+}
+
+fn covbeam(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_covbeam")).args(arguments).current_dir(folder).output().unwrap()
+}
+
+/// Runs, expects the exit code and returns what was said on both streams.
+fn said(folder: &Path, arguments: &[&str], code: i32) -> String {
+    let output = covbeam(folder, arguments);
+    let text = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
+    assert_eq!(output.status.code(), Some(code), "{arguments:?} said: {text}");
+    text
+}
+
+fn assert_contains(text: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(text.contains(part), "'{part}' is not in: {text}");
+    }
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> =
+        fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+fn write_grey(path: &Path, width: u32, values: &[f32]) {
+    let radiance = values.iter().map(|v| Vec3::splat(*v)).collect();
+    let picture = Picture { width, height: values.len() as u32 / width, radiance, layers: None };
+    let info = RenderInfo { method: "ppb".into(), passes: 1, photons: 1, seed: 1, scene: "test".into() };
+    write_exr(path, &picture, &info).unwrap();
+}
+
+#[test]
+fn a_render_writes_both_pictures_and_says_what_to_do_next() {
+    let folder = folder();
+    let text = said(folder.path(), &["render", "ball.toml"], 0);
+    assert_contains(
+        &text,
+        &["ball-adaptive.exr", "ball-adaptive.png", "3 passes", "gather", "core-seconds", "next"],
+    );
+    assert_eq!(names(folder.path()), ["ball-adaptive.exr", "ball-adaptive.png", "ball.toml"]);
+    let picture = read_picture(&folder.path().join("ball-adaptive.exr")).unwrap();
+    assert_eq!((picture.width, picture.height), (24, 16));
+    assert!(picture.radiance.iter().any(|v| v.x > 0.0));
+    assert!(picture.layers.unwrap().samples.iter().any(|n| *n > 0.0));
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_for_any_number_of_threads() {
+    let folder = folder();
+    for threads in ["1", "2", "7"] {
+        let out = format!("{threads}.exr");
+        said(folder.path(), &["render", "ball.toml", "--threads", threads, "--out", &out], 0);
+    }
+    let bytes = |threads: &str| fs::read(folder.path().join(format!("{threads}.exr"))).unwrap();
+    assert!(bytes("1") == bytes("2") && bytes("1") == bytes("7"));
+    said(folder.path(), &["render", "ball.toml", "--seed", "2", "--out", "seed.exr"], 0);
+    let radiance = |name: &str| read_picture(&folder.path().join(name)).unwrap().radiance;
+    assert_ne!(radiance("seed.exr"), radiance("1.exr"));
+}
+
+#[test]
+fn a_time_limit_is_kept() {
+    let folder = folder();
+    let start = std::time::Instant::now();
+    said(folder.path(), &["render", "ball.toml", "--time", "0.5", "--method", "ppb"], 0);
+    // Half a second, the start of the program and a busy machine.
+    assert!(start.elapsed().as_secs_f64() < 10.0);
+    assert!(folder.path().join("ball-ppb.exr").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_signal_stops_a_render_and_keeps_its_picture() {
+    for signal in ["-INT", "-TERM"] {
+        let folder = folder();
+        let mut child = Command::new(env!("CARGO_BIN_EXE_covbeam"))
+            .args(["render", "ball.toml", "--passes", "1000000"])
+            .current_dir(folder.path())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        // The first line of progress appears after the first pass.
+        let mut stderr = std::io::BufReader::new(child.stderr.take().unwrap());
+        let mut line = String::new();
+        while !line.contains("pass 1 of") {
+            line.clear();
+            assert_ne!(
+                std::io::BufRead::read_line(&mut stderr, &mut line).unwrap(),
+                0,
+                "no progress was shown"
+            );
+        }
+        assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
+        assert_eq!(child.wait().unwrap().code(), Some(130));
+        assert_eq!(names(folder.path()), ["ball-adaptive.exr", "ball-adaptive.png", "ball.toml"]);
+        read_picture(&folder.path().join("ball-adaptive.exr")).unwrap();
+    }
+}
+
+/// A file may grow to nothing, as on a full disk; the signal that would end the program is ignored as a shell can.
+#[cfg(unix)]
+#[test]
+fn a_file_that_cannot_grow_is_reported_and_nothing_is_left() {
+    let folder = folder();
+    let script =
+        format!("trap '' XFSZ; ulimit -f 0; exec '{}' render ball.toml", env!("CARGO_BIN_EXE_covbeam"));
+    let output = Command::new("sh").args(["-c", &script]).current_dir(folder.path()).output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert_contains(&String::from_utf8_lossy(&output.stderr), &["ball-adaptive.exr", "--out"]);
+    assert_eq!(names(folder.path()), ["ball.toml"]);
+}
+
+#[test]
+fn a_scene_that_is_missing_or_wrong_is_named() {
+    let folder = folder();
+    assert_contains(&said(folder.path(), &["render", "missing.toml"], 1), &["missing.toml"]);
+    fs::write(folder.path().join("bad.toml"), "[camera\n").unwrap();
+    assert_contains(&said(folder.path(), &["render", "bad.toml"], 1), &["bad.toml", "1"]);
+    assert_eq!(names(folder.path()), ["bad.toml", "ball.toml"]);
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_refused_before_rendering() {
+    let folder = folder();
+    let refused = |out: &str, parts: &[&str]| {
+        let text = said(folder.path(), &["render", "ball.toml", "--passes", "1000000", "--out", out], 1);
+        assert_contains(&text, parts);
+        assert!(!text.contains("pass 1"), "rendered before the check: {text}");
+    };
+    refused("no/a.exr", &["no/a.exr", "does not exist"]);
+    fs::create_dir(folder.path().join("a.exr")).unwrap();
+    refused("a.exr", &["a.exr", "not a regular file"]);
+    fs::create_dir(folder.path().join("b.png")).unwrap();
+    refused("b.exr", &["b.png", "not a regular file"]);
+}
+
+#[test]
+fn wrong_flags_are_refused_with_what_was_expected() {
+    let folder = folder();
+    let render = |more: &[&str]| said(folder.path(), &[&["render", "ball.toml"], more].concat(), 2);
+    assert_contains(
+        &render(&["--passes", "2", "--time", "1"]),
+        &["--passes", "--time", "cannot be used with"],
+    );
+    assert_contains(&render(&["--passes", "0"]), &["--passes", "0 is not in"]);
+    assert_contains(&render(&["--photons", "0"]), &["--photons", "0 is not in"]);
+    for time in ["0", "-1", "nan", "inf", "soon"] {
+        assert_contains(&render(&["--time", time]), &["--time", "seconds above 0"]);
+    }
+    assert_contains(&render(&["--method", "magic"]), &["ppb", "adaptive", "light-trace"]);
+    assert_contains(&render(&["--out", "a.png"]), &["--out", ".exr"]);
+    assert_contains(&render(&["--seed", "-1"]), &["-1"]);
+    assert_contains(&said(folder.path(), &["paint"], 2), &["paint", "covbeam"]);
+    assert_eq!(names(folder.path()), ["ball.toml"]);
+}
+
+#[test]
+fn the_help_teaches_by_examples() {
+    let folder = folder();
+    assert_contains(&said(folder.path(), &["--help"], 0), &["Examples:", "covbeam compare", "Ctrl-C"]);
+    assert_contains(
+        &said(folder.path(), &["render", "--help"], 0),
+        &["--method", "light-trace", "[default: adaptive]"],
+    );
+}
+
+#[test]
+fn a_comparison_prints_the_metric_of_every_region() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    write_grey(&path("a.exr"), 2, &[1.0, 2.0, 3.0, 6.0]);
+    write_grey(&path("r.exr"), 2, &[2.0; 4]);
+    let text = said(
+        folder.path(),
+        &["compare", "a.exr", "r.exr", "--region", "left=0,0,1,2", "--region", "0,1,2,2"],
+        0,
+    );
+    let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split_whitespace().collect()).collect();
+    // By hand: squared errors 1, 0, 1, 16 over 4.0004, in all, in the left column and in the lower row.
+    assert_eq!(rows[1], ["whole", "1.125e0", "+50.000", "%", "3.00000e0", "2.00000e0"]);
+    assert_eq!(rows[2], ["left", "2.500e-1", "+0.000", "%", "2.00000e0", "2.00000e0"]);
+    assert_eq!(rows[3], ["0,1,2,2", "2.125e0", "+125.000", "%", "4.50000e0", "2.00000e0"]);
+}
+
+#[test]
+fn pictures_that_cannot_be_compared_are_refused() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    write_grey(&path("a.exr"), 2, &[1.0; 4]);
+    write_grey(&path("wide.exr"), 4, &[1.0; 4]);
+    let compare = |more: &[&str], code| said(folder.path(), &[&["compare"], more].concat(), code);
+    assert_contains(&compare(&["a.exr", "wide.exr"], 1), &["2 x 2", "4 x 1", "same size"]);
+    assert_contains(&compare(&["a.exr", "missing.exr"], 1), &["missing.exr"]);
+    assert_contains(&compare(&["a.exr", "ball.toml"], 1), &["ball.toml", "OpenEXR"]);
+    assert_contains(&compare(&["a.exr", "a.exr", "--region", "0,0,3,1"], 1), &["0,0,3,1", "2 x 2"]);
+    assert_contains(&compare(&["a.exr", "a.exr", "--region", "1,1,1,2"], 2), &["empty"]);
+    assert_contains(&compare(&["a.exr", "a.exr", "--region", "-1,0,1,2"], 2), &["x0,y0,x1,y1"]);
+    assert_contains(&compare(&["a.exr"], 2), &["R.exr"]);
+}

@@ -1,0 +1,119 @@
+//! The core never allocates: every function is called with the allocator counting.
+
+use std::hint::black_box;
+
+use allocation_counter::measure;
+use covbeam::{
+    Beam, BeamBlock, CovarianceGrid, Curvature, EyeRay, FluenceCell, FluenceGrid, FluenceSpectrum, Gathered,
+    GridCell, GridError, GridLayout, Kernel, KernelRadius, LightField, Medium, PhaseFunction, PhaseKind,
+    Vec2, Vec3, cross, error_bound, gather_pair, progressive_radius,
+};
+
+const LAYOUT: GridLayout = GridLayout { min: Vec3::splat(-2.0), max: Vec3::splat(2.0), cells: [8, 8, 8] };
+
+fn allocations(run: impl FnOnce()) -> u64 {
+    measure(run).count_total
+}
+
+#[test]
+fn the_counter_counts() {
+    assert_eq!(allocations(|| drop(black_box(Box::new(1_u8)))), 1);
+    assert_eq!(allocations(|| ()), 0);
+}
+
+#[test]
+fn light_fields_do_not_allocate() {
+    let count = allocations(|| {
+        let slope = Vec3::new(0.6, 0.0, 0.8);
+        let curvature = Curvature { tangent: Vec3::X, along: 0.5, across: 0.3, twist: 0.1 };
+        for mut field in [
+            LightField::point(Vec3::Z, 0.1),
+            LightField::disk(Vec3::Z, slope, 0.2, 0.1),
+            LightField::collimated(Vec3::Z, 0.1),
+            LightField::gaussian(Vec3::Z, Vec3::X, [0.1, 0.2], [0.3, 0.4]),
+        ] {
+            field.travel(1.0);
+            field.occlude(Vec3::X, 0.1);
+            field.narrow(Vec3::Y, 0.2);
+            black_box(field.refract(-Vec3::Z, &curvature, 1.0 / 1.5));
+            field.travel(0.5);
+            field.reflect(slope, &curvature);
+            field.scatter(slope, 0.7);
+            field.travel(0.3);
+            field.diffuse(Vec3::Y, Vec3::Y);
+            black_box((field.slice(), field.fluence().variance_along(Vec3::X), field.fluence().to_array()));
+        }
+    });
+    assert_eq!(count, 0);
+}
+
+#[test]
+fn the_grid_does_not_allocate() {
+    let mut cells = vec![GridCell::default(); LAYOUT.cell_count()];
+    let more = cells.clone();
+    let mut means = vec![FluenceCell::default(); LAYOUT.cell_count()];
+    let mut found = None;
+    let count = allocations(|| {
+        let mut grid = CovarianceGrid::new(LAYOUT, &mut cells).unwrap();
+        grid.deposit(Vec3::ZERO, &FluenceSpectrum::from_array([1.0; 6]), 1.0);
+        let field = LightField::point(Vec3::X, 0.1);
+        grid.deposit_segment(Vec3::new(-3.0, 0.1, 0.1), 9.0, &field, 1.0, 0.4);
+        grid.merge(&more).unwrap();
+        grid.resolve(&mut means).unwrap();
+        black_box(CovarianceGrid::new(LAYOUT, &mut []).err() == Some(GridError::Length));
+        found = FluenceGrid::new(LAYOUT, &means).unwrap().look_up(Vec3::splat(0.1));
+    });
+    assert!(found.is_some());
+    assert_eq!(count, 0);
+}
+
+#[test]
+fn media_and_kernels_do_not_allocate() {
+    let count = allocations(|| {
+        for kind in [PhaseKind::Isotropic, PhaseKind::HenyeyGreenstein, PhaseKind::Rayleigh] {
+            let phase = PhaseFunction { kind, asymmetry: 0.6 };
+            let medium = Medium { scattering: Vec3::new(0.1, 0.2, 0.3), absorption: Vec3::ONE, phase };
+            black_box((medium.extinction(), medium.transmittance(2.0)));
+            black_box((phase.evaluate(0.3), phase.sample_cosine(0.7), phase.angular_variance()));
+            black_box(phase.sample(Vec3::Y, Vec2::new(0.3, 0.7).to_array()));
+        }
+        for kernel in [Kernel::Box, Kernel::Epanechnikov, Kernel::Biweight] {
+            black_box((
+                kernel.evaluate(0.1, 0.3),
+                kernel.second_moment(),
+                kernel.radius_from_error(0.01, 4.0),
+            ));
+        }
+        black_box((progressive_radius(0.1, 0.7, 64), error_bound(0.1, 64)));
+    });
+    assert_eq!(count, 0);
+}
+
+#[test]
+fn the_gather_does_not_allocate() {
+    let field = FluenceSpectrum { xx: 1.0, yy: 1.0, zz: 1.0, ..FluenceSpectrum::default() };
+    let means = vec![FluenceCell { spectrum: field, weight: 1.0 }; LAYOUT.cell_count()];
+    let mut gathered = Gathered::default();
+    let mut hits = 0;
+    let count = allocations(|| {
+        let beam = Beam {
+            origin: Vec3::new(-1.0, 0.0, 0.0),
+            direction: Vec3::X,
+            length: 2.0,
+            power: Vec3::ONE,
+            start_normal: Vec3::ZERO,
+            end_normal: Vec3::ZERO,
+        };
+        let ray = EyeRay { origin: Vec3::new(0.0, 0.01, -1.0), direction: Vec3::Z, length: f32::INFINITY };
+        let medium = Medium { scattering: Vec3::splat(0.3), ..Medium::default() };
+        let grid = FluenceGrid::new(LAYOUT, &means).ok();
+        let radius = KernelRadius { kernel: Kernel::Box, progressive: 0.02, ceiling: 0.1, error: 0.01, grid };
+        black_box((cross(&ray, &beam), radius.at(Vec3::ZERO, Vec3::X)));
+        gather_pair(&ray, &beam, 0.0, beam.length, &medium, &radius, &mut gathered);
+        let mut block = BeamBlock::EMPTY;
+        block.set(0, &beam, 0.0, beam.length);
+        block.clear_from(1);
+        hits = block.test(&ray, radius.ceiling);
+    });
+    assert_eq!((count, gathered.pairs, hits), (0, 1, 1));
+}
