@@ -22,11 +22,21 @@ impl Frame {
     /// none.
     pub(crate) fn new(x: Vector, z: Vector) -> Self {
         let across = combine(1.0, x, -dot(x, z), z);
-        let x = unit(across).unwrap_or_else(|| any_across(z));
-        // Once more: after a large cancellation the first projection leaves a part along z.
-        let x = unit(combine(1.0, x, -dot(x, z), z)).unwrap_or_else(|| any_across(z));
+        let rest = dot(across, across);
+        let x = if rest > 0.5 * dot(x, x) {
+            frame_axis(across, z)
+        } else {
+            // A large cancellation leaves a part along z: once more.
+            let x = frame_axis(across, z);
+            frame_axis(combine(1.0, x, -dot(x, z), z), z)
+        };
         Self { x, y: cross(z, x), z }
     }
+}
+
+/// `across` as a unit vector, or any axis across `z` if it has no direction.
+fn frame_axis(across: Vector, z: Vector) -> Vector {
+    unit(across).unwrap_or_else(|| any_across(z))
 }
 
 /// `v` as a unit vector; `None` for a zero vector or one that is not finite.

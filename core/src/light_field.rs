@@ -222,16 +222,17 @@ impl LightField {
     /// assert!((light.slice()[0] / 1e6 - 1.0).abs() < 1e-6);
     /// ```
     pub fn reflect(&mut self, normal: Vec3, curvature: &Curvature) {
-        let Some(hit) = Hit::new(&self.frame(), normal, curvature) else { return };
+        let frame = self.frame();
+        let Some(hit) = Hit::new(&frame, normal, curvature) else { return };
         let c = hit.cosine;
         let mut columns = self.columns();
-        turn(&mut columns, &self.frame(), hit.sagittal);
+        turn(&mut columns, &frame, hit.sagittal);
         for [u, v, x, y] in &mut columns {
             *x += -2.0 * c * hit.ss * *u - 2.0 * hit.st * *v;
             *y = -*y + 2.0 * hit.st * *u + 2.0 * hit.tt / c * *v;
             *v = -*v;
         }
-        let direction = combine(1.0, self.frame().z, 2.0 * c, hit.normal);
+        let direction = combine(1.0, frame.z, 2.0 * c, hit.normal);
         self.leave(columns, hit.sagittal, direction);
     }
 
@@ -261,7 +262,8 @@ impl LightField {
     /// assert!((light.direction.x - 0.866 / 1.5).abs() < 1e-4);
     /// ```
     pub fn refract(&mut self, normal: Vec3, curvature: &Curvature, eta: f32) -> bool {
-        let Some(hit) = Hit::new(&self.frame(), normal, curvature) else { return false };
+        let frame = self.frame();
+        let Some(hit) = Hit::new(&frame, normal, curvature) else { return false };
         if !(eta > 0.0 && eta.is_finite()) {
             return false;
         }
@@ -275,14 +277,14 @@ impl LightField {
         // P/n₂ = c_t - η c_i, without its cancellation at η near 1.
         let power = (1.0 - eta) * (1.0 + eta) / (c_t + eta * c_i);
         let mut columns = self.columns();
-        turn(&mut columns, &self.frame(), hit.sagittal);
+        turn(&mut columns, &frame, hit.sagittal);
         for [u, v, x, y] in &mut columns {
             *x += power / eta * (hit.ss * *u + hit.st / c_i * *v);
             *y = c_i / c_t * (*y + power / (eta * c_i) * (hit.st * *u + hit.tt / c_i * *v));
             *u /= eta;
             *v *= c_t / (eta * c_i);
         }
-        let direction = combine(eta, self.frame().z, eta * c_i - c_t, hit.normal);
+        let direction = combine(eta, frame.z, eta * c_i - c_t, hit.normal);
         self.leave(columns, hit.sagittal, direction);
         true
     }

@@ -8,11 +8,12 @@ cd "$here"
 
 command -v "${CC:=gcc}" > /dev/null || { echo "bare metal: no C compiler ('$CC')" >&2; exit 1; }
 
-if cargo tree --quiet --edges normal --prefix none | grep -vE '^(covbeam(-bare-metal)?|glam|libm) v'; then
+tree="$(cargo tree --quiet --locked --edges normal --prefix none)"
+if grep -vE '^(covbeam(-bare-metal)?|glam|libm) v' <<< "$tree"; then
     echo "bare metal: the core has a dependency besides glam and libm (above)" >&2
     exit 1
 fi
-cargo build --quiet --release
+cargo build --quiet --locked --release
 program="$CARGO_TARGET_DIR/bare-metal"
 "$CC" -O2 -std=c11 -Wall -Wextra -Werror -ffreestanding -nostdlib -static -Wl,--gc-sections \
     main.c "$CARGO_TARGET_DIR/release/libcovbeam_bare_metal.a" -o "$program"

@@ -1,8 +1,8 @@
 //! Beams against the naive twin: every pair tested, in double precision.
 
 use covbeam::{
-    Beam, BeamMap, EyeRay, GatherScratch, Gathered, Kernel, KernelRadius, Medium, PhaseFunction, Vec3, cross,
-    gather_pair,
+    BLOCK, Beam, BeamBlock, BeamMap, EyeRay, GatherScratch, Gathered, Kernel, KernelRadius, Medium,
+    PhaseFunction, Vec3, cross, gather_pair,
 };
 use covbeam_render::random::Random;
 use glam::DVec3;
@@ -28,7 +28,13 @@ const FOG: Medium = Medium {
 };
 
 fn plain(radius: f32) -> KernelRadius<'static> {
-    KernelRadius { kernel: Kernel::Epanechnikov, progressive: radius, ceiling: radius, error: 0.01, grid: None }
+    KernelRadius {
+        kernel: Kernel::Epanechnikov,
+        progressive: radius,
+        ceiling: radius,
+        error: 0.01,
+        grid: None,
+    }
 }
 
 fn random_beams(count: usize, random: &mut Random) -> Vec<Beam> {
@@ -54,7 +60,8 @@ fn naive(ray: &EyeRay, beam: &Beam, medium: &Medium, radius: f64) -> Option<[f64
     let t = (we - wb * cos) / sin2;
     let s = (we * cos - wb) / sin2;
     let gap = (w + s * b - t * e).length();
-    let hit = t >= 0.0 && t <= f64::from(ray.length) && s >= 0.0 && s <= f64::from(beam.length) && gap < radius;
+    let hit =
+        t >= 0.0 && t <= f64::from(ray.length) && s >= 0.0 && s <= f64::from(beam.length) && gap < radius;
     hit.then(|| {
         let q = gap / radius;
         let kernel = 0.75 / radius * (1.0 - q * q);
@@ -142,7 +149,12 @@ fn the_map_accepts_the_same_pairs_as_testing_every_beam() {
                 assert_eq!(fast.pairs, slow.pairs, "{count} beams, radius {radius}, spread {spread}");
                 // Only the order of summation differs.
                 let error = (fast.radiance - slow.radiance).abs().max_element();
-                assert!(error <= 2e-5 * slow.radiance.max_element(), "{:?} {:?}", fast.radiance, slow.radiance);
+                assert!(
+                    error <= 2e-5 * slow.radiance.max_element(),
+                    "{:?} {:?}",
+                    fast.radiance,
+                    slow.radiance
+                );
             }
         }
     }
@@ -156,7 +168,8 @@ fn a_wall_neither_takes_nor_gives_light() {
     let wall = Vec3::new(0.3, 0.2, -1.0).normalize();
     let b = Vec3::new(0.3, 0.0, 1.0).normalize();
     let e = Vec3::new(-0.6, 0.0, 1.0).normalize();
-    let clear = Medium { scattering: Vec3::splat(1e-6), absorption: Vec3::ZERO, phase: PhaseFunction::ISOTROPIC };
+    let clear =
+        Medium { scattering: Vec3::splat(1e-6), absorption: Vec3::ZERO, phase: PhaseFunction::ISOTROPIC };
     // Distance along `direction` from `from` to the wall through the origin.
     let to_wall = |from: Vec3, direction: Vec3| -from.dot(wall) / direction.dot(wall);
     let radius = 0.4;
@@ -230,4 +243,42 @@ fn worthless_beams_and_rays_change_nothing() {
         map.gather(&[ray], &FOG, &plain(radius), &mut gathered, &mut scratch);
         assert_eq!(gathered[0], Gathered::default(), "radius {radius}");
     }
+}
+
+#[test]
+fn the_filter_lets_every_accepted_pair_through_and_few_others() {
+    let mut random = Random::new([4, 4, 4, 4]);
+    let (mut accepted, mut passed) = (0, 0);
+    for _ in 0..20_000 {
+        let beams = random_beams(BLOCK, &mut random);
+        let mut block = BeamBlock::EMPTY;
+        for (slot, beam) in beams.iter().enumerate() {
+            block.set(slot, beam, 0.0, beam.length);
+        }
+        let ray = EyeRay { origin: point(&mut random), direction: direction(&mut random), length: 8.0 };
+        let mask = block.test(&ray, 0.1);
+        for (slot, beam) in beams.iter().enumerate() {
+            let mut gathered = Gathered::default();
+            if gather_pair(&ray, beam, 0.0, beam.length, &FOG, &plain(0.1), &mut gathered) {
+                accepted += 1;
+                assert!(mask >> slot & 1 == 1, "slot {slot} of {ray:?} was filtered out");
+            }
+        }
+        passed += mask.count_ones();
+        block.clear_from(3);
+        assert_eq!(block.test(&ray, 0.1), mask & 0b111);
+        block.clear_from(0);
+        assert_eq!(block.test(&ray, 0.1), 0);
+    }
+    // The slack at the ends of ray and beam lets through what ends within a radius of the other.
+    assert!(accepted > 200 && passed < accepted + accepted / 2, "{accepted} accepted of {passed}");
+}
+
+#[test]
+fn a_map_says_what_it_holds() {
+    let map = |count| BeamMap::build(random_beams(count, &mut Random::new([6, 6, 6, 6])), 0.1);
+    let (small, large) = (map(100).memory(), map(10_000).memory());
+    let bytes = large as f64 / 10_000.0;
+    // 76 bytes a beam, 36 a piece and 48 a node, about four pieces a beam and a node or less a piece.
+    assert!(small < large && (76.0..500.0).contains(&bytes), "{bytes} bytes a beam");
 }

@@ -17,7 +17,13 @@ fn scene(text: &str, size: u32) -> Scene {
     scene
 }
 
-fn picture(scene: &Scene, method: Method, photons: u32, seed: u32, passes: impl IntoIterator<Item = u32>) -> Vec<Vec3> {
+fn picture(
+    scene: &Scene,
+    method: Method,
+    photons: u32,
+    seed: u32,
+    passes: impl IntoIterator<Item = u32>,
+) -> Vec<Vec3> {
     let mut renderer = Renderer::new(scene, method, photons, seed);
     let mut film = Film::new(scene.camera.width, scene.camera.height);
     for index in passes {
@@ -110,7 +116,8 @@ fn airlight(scene: &Scene, lamp: Vec3, intensity: f64, scattering: f64, extincti
     for y in 0..4 * camera.height {
         for x in 0..4 * camera.width {
             let direction = camera.direction((x as f32 + 0.5) / 4.0, (y as f32 + 0.5) / 4.0).as_dvec3();
-            let to_wall = |i: usize| ((if direction[i] > 0.0 { high[i] } else { low[i] }) - eye[i]) / direction[i];
+            let to_wall =
+                |i: usize| ((if direction[i] > 0.0 { high[i] } else { low[i] }) - eye[i]) / direction[i];
             let length = to_wall(0).min(to_wall(1)).min(to_wall(2));
             let step = length / f64::from(STEPS);
             for k in 0..STEPS {
@@ -126,7 +133,10 @@ fn airlight(scene: &Scene, lamp: Vec3, intensity: f64, scattering: f64, extincti
 #[test]
 fn the_airlight_of_a_point_light_is_the_closed_form() {
     // So little scattering that the second order is 1e-4 of the first.
-    let (start, end) = (GLASS.find("[[object]]\nname = \"ball\"").unwrap(), GLASS.find("[[object]]\nname = \"floor\"").unwrap());
+    let (start, end) = (
+        GLASS.find("[[object]]\nname = \"ball\"").unwrap(),
+        GLASS.find("[[object]]\nname = \"floor\"").unwrap(),
+    );
     let text = (GLASS[..start].to_owned() + &GLASS[end..])
         .replace("scattering = 0.2 ", "scattering = 0.0002 ")
         .replace("absorption = 0.02", "absorption = 0.2198")
@@ -153,10 +163,12 @@ fn the_methods_agree_on_the_mean_of_the_fog() {
     // `measure means`.
     for text in [GLASS, BLACK] {
         let scene = scene(text, 32);
-        let mean = |picture: &[Vec3]| picture[..8 * 32].iter().map(|color| f64::from(color.y)).sum::<f64>() / 256.0;
+        let mean =
+            |picture: &[Vec3]| picture[..8 * 32].iter().map(|color| f64::from(color.y)).sum::<f64>() / 256.0;
         let sample = |method, photons, passes: u32, first| {
-            let values: Vec<f64> =
-                (first..first + 12).map(|seed| mean(&picture(&scene, method, photons, seed, 1..=passes))).collect();
+            let values: Vec<f64> = (first..first + 12)
+                .map(|seed| mean(&picture(&scene, method, photons, seed, 1..=passes)))
+                .collect();
             Sample::of(&values)
         };
         let ppb = sample(Method::Ppb, 4_000, 8, 100);

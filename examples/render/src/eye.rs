@@ -53,7 +53,13 @@ struct Branch {
 impl EyeTracer<'_> {
     /// Follows the path that starts along `direction`, appends its pieces in media to `segments` and returns the
     /// radiance that it sees on surfaces.
-    pub fn trace(&self, direction: Vec3, pixel: u32, random: &mut Random, segments: &mut Vec<EyeSegment>) -> Vec3 {
+    pub fn trace(
+        &self,
+        direction: Vec3,
+        pixel: u32,
+        random: &mut Random,
+        segments: &mut Vec<EyeSegment>,
+    ) -> Vec3 {
         let scene = self.scene;
         let mut radiance = Vec3::ZERO;
         let mut branches = smallvec::SmallVec::<[Branch; 8]>::new();
@@ -109,7 +115,8 @@ impl EyeTracer<'_> {
                         let weight = Vec3::splat((1.0 - reflectance) * scale);
                         branch.next(&hit, direction, weight, boundary.beyond, 2)
                     });
-                    let back = branch.next(&hit, boundary.reflected, Vec3::splat(reflectance), branch.interior, 1);
+                    let back =
+                        branch.next(&hit, boundary.reflected, Vec3::splat(reflectance), branch.interior, 1);
                     match through {
                         None => branches.push(back),
                         Some(through) if branch.depth < SPLITS => branches.extend([back, through]),

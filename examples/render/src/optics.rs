@@ -118,7 +118,8 @@ impl Boundary {
         let eta = interior.index(scene) / beyond.index(scene);
         let cos_i = (-direction.dot(normal)).clamp(0.0, 1.0);
         let cos2_t = 1.0 - eta * eta * (1.0 - cos_i * cos_i);
-        let geometric = hit.geometric_normal * if hit.geometric_normal.dot(direction) > 0.0 { -1.0 } else { 1.0 };
+        let geometric =
+            hit.geometric_normal * if hit.geometric_normal.dot(direction) > 0.0 { -1.0 } else { 1.0 };
         // A shading normal may send the ray to the wrong side of the true surface: mirror it back there.
         let on_side = |d: Vec3, side: f32| {
             let wrong = side * d.dot(geometric);

@@ -82,7 +82,13 @@ impl<'a> Renderer<'a> {
     }
 
     /// Like [`Renderer::new`] with a choice of how light paths are drawn.
-    pub fn with_emission(scene: &'a Scene, method: Method, photons: u32, seed: u32, emission: Emission) -> Self {
+    pub fn with_emission(
+        scene: &'a Scene,
+        method: Method,
+        photons: u32,
+        seed: u32,
+        emission: Emission,
+    ) -> Self {
         let cells = if method == Method::Adaptive { scene.grid.cell_count() } else { 0 };
         Self {
             scene,
@@ -112,7 +118,11 @@ impl<'a> Renderer<'a> {
     ///
     /// The adaptive method's pass i uses the light fields of passes 1 to i. Asked for out of order, it traces those
     /// of the earlier passes that it has not seen.
-    pub fn pass(&mut self, index: u32, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<(PassImage, PassTimes)> {
+    pub fn pass(
+        &mut self,
+        index: u32,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Option<(PassImage, PassTimes)> {
         match self.method {
             Method::LightTrace => self.light_trace(index, cancelled),
             Method::Ppb | Method::Adaptive => self.beams(index, cancelled),
@@ -159,7 +169,8 @@ impl<'a> Renderer<'a> {
 
     /// Adds a pass' light fields to the grid.
     fn deposit(&mut self, record: &PhotonRecord) {
-        let mut grid = CovarianceGrid::new(self.scene.grid, &mut self.grid).expect("the scene's grid was validated");
+        let mut grid =
+            CovarianceGrid::new(self.scene.grid, &mut self.grid).expect("the scene's grid was validated");
         for d in &record.deposits {
             grid.deposit_segment(d.origin, d.length, &d.field, d.power, d.extinction);
         }
@@ -179,11 +190,13 @@ impl<'a> Renderer<'a> {
         }
         while self.deposited + 1 < index {
             let count = self.field_photons();
-            let (earlier, _) = self.trace(FIELD_SEQUENCE, self.deposited + 1, count, Record::Field, cancelled)?;
+            let (earlier, _) =
+                self.trace(FIELD_SEQUENCE, self.deposited + 1, count, Record::Field, cancelled)?;
             self.deposit(&earlier);
         }
         self.deposit(record);
-        let grid = CovarianceGrid::new(self.scene.grid, &mut self.grid).expect("the scene's grid was validated");
+        let grid =
+            CovarianceGrid::new(self.scene.grid, &mut self.grid).expect("the scene's grid was validated");
         grid.resolve(&mut self.resolved).expect("as many cells as the grid has");
         Some(())
     }
@@ -199,7 +212,8 @@ impl<'a> Renderer<'a> {
         times.light_fields = fields.field_time.as_secs_f64();
         times.trace = seconds - times.light_fields;
         let plain_photons = self.photons - field_photons;
-        let (mut record, seconds) = self.trace(PLAIN_SEQUENCE, index, plain_photons, Record::Beams, cancelled)?;
+        let (mut record, seconds) =
+            self.trace(PLAIN_SEQUENCE, index, plain_photons, Record::Beams, cancelled)?;
         times.trace += seconds;
 
         if adaptive {
@@ -335,7 +349,11 @@ impl<'a> Renderer<'a> {
         Tile { pixels, pairs, seconds: start.elapsed().as_secs_f64() }
     }
 
-    fn light_trace(&mut self, index: u32, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<(PassImage, PassTimes)> {
+    fn light_trace(
+        &mut self,
+        index: u32,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Option<(PassImage, PassTimes)> {
         let (record, seconds) =
             self.trace(CONNECTION_SEQUENCE, index, self.photons, Record::Connections, cancelled)?;
         self.energy = record.energy;

@@ -181,7 +181,8 @@ impl<'a> PhotonTracer<'a> {
             return (0, 1.0);
         }
         let u = sampler.next();
-        let index = self.lights.partition_point(|&(cumulative, _)| cumulative <= u).min(self.lights.len() - 1);
+        let index =
+            self.lights.partition_point(|&(cumulative, _)| cumulative <= u).min(self.lights.len() - 1);
         let before = if index == 0 { 0.0 } else { self.lights[index - 1].0 };
         (index, self.lights[index].0 - before)
     }
@@ -192,7 +193,13 @@ impl<'a> PhotonTracer<'a> {
     }
 
     /// One segment and the event at its end. False = the path has ended.
-    fn step(&self, photon: &mut Photon, sampler: &mut PathSampler, record: Record, out: &mut PhotonRecord) -> bool {
+    fn step(
+        &self,
+        photon: &mut Photon,
+        sampler: &mut PathSampler,
+        record: Record,
+        out: &mut PhotonRecord,
+    ) -> bool {
         let scene = self.scene;
         let hit = scene.intersect(photon.origin, photon.direction, f32::INFINITY);
         let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
@@ -247,13 +254,16 @@ impl<'a> PhotonTracer<'a> {
     ) -> bool {
         let before = photon.power;
         let collided = before * collision_weight(before, medium, distance);
-        let scattered = collided * (medium.scattering / medium.extinction().max(Vec3::splat(f32::MIN_POSITIVE)));
+        let scattered =
+            collided * (medium.scattering / medium.extinction().max(Vec3::splat(f32::MIN_POSITIVE)));
         add(&mut out.energy.roulette, before - collided);
         add(&mut out.energy.medium, collided - scattered);
         photon.origin += distance * photon.direction;
         if record == Record::Connections {
             let direction = photon.direction;
-            self.connect(photon.origin, out, |to_camera| scattered * medium.phase.evaluate(direction.dot(to_camera)));
+            self.connect(photon.origin, out, |to_camera| {
+                scattered * medium.phase.evaluate(direction.dot(to_camera))
+            });
         }
         let [u, v] = sampler.next_pair();
         let Some(u) = roulette(photon, before, scattered, u, out) else { return false };
@@ -326,7 +336,8 @@ impl<'a> PhotonTracer<'a> {
             Material::Dielectric { .. } => {
                 let boundary = Boundary::new(self.scene, hit, photon.direction, &photon.interior);
                 let curvature = curvature_towards(hit, boundary.normal);
-                let through = (sampler.next() >= boundary.reflectance).then_some(boundary.refracted).flatten();
+                let through =
+                    (sampler.next() >= boundary.reflectance).then_some(boundary.refracted).flatten();
                 photon.normal = boundary.normal;
                 photon.direction = match through {
                     Some(refracted) => {

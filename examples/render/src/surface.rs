@@ -45,7 +45,10 @@ impl SurfaceMap {
     pub fn build(photons: Vec<SurfacePhoton>, radius: f32, caustic_radius: f32) -> Self {
         let disks: Vec<Disk> = photons
             .iter()
-            .map(|p| Disk { center: p.position.into(), radius: if p.caustic { caustic_radius } else { radius } })
+            .map(|p| Disk {
+                center: p.position.into(),
+                radius: if p.caustic { caustic_radius } else { radius },
+            })
             .collect();
         let hierarchy = if disks.is_empty() {
             Bvh2::default()

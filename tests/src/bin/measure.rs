@@ -176,18 +176,19 @@ fn convergence(path: &Path, reference: &Path, plot: &Path, passes: u32, seeds: u
         let mut curve = Curve { name, color, points: Vec::new(), bias: Default::default() };
         for seed in 1..=seeds {
             let mut step = 0;
-            let (last, _) = run(&scene, method, emission, seed, photons, passes, |pass, picture, seconds| {
-                if seed == 1 {
-                    curve.points.push((pass, 0.0, [0.0; REGIONS.len()]));
-                }
-                let (_, time, errors) = &mut curve.points[step];
-                *time += seconds / f64::from(seeds);
-                for (error, region) in errors.iter_mut().zip(&REGIONS) {
-                    *error += in_region(picture, &reference, region)?.rel_mse / f64::from(seeds);
-                }
-                step += 1;
-                Ok(())
-            })?;
+            let (last, _) =
+                run(&scene, method, emission, seed, photons, passes, |pass, picture, seconds| {
+                    if seed == 1 {
+                        curve.points.push((pass, 0.0, [0.0; REGIONS.len()]));
+                    }
+                    let (_, time, errors) = &mut curve.points[step];
+                    *time += seconds / f64::from(seeds);
+                    for (error, region) in errors.iter_mut().zip(&REGIONS) {
+                        *error += in_region(picture, &reference, region)?.rel_mse / f64::from(seeds);
+                    }
+                    step += 1;
+                    Ok(())
+                })?;
             for (bias, region) in curve.bias.iter_mut().zip(&REGIONS) {
                 bias.push(in_region(&last, &reference, region)?.bias);
             }
@@ -197,7 +198,10 @@ fn convergence(path: &Path, reference: &Path, plot: &Path, passes: u32, seeds: u
     }
     let last = |curve: &Curve| curve.points.last().expect("at least one pass").2;
     println!("\nratio of relMSE at {passes} passes of {photons} paths ({seeds} runs each):");
-    println!("{:8} {:>14} {:>22} {:>26}", "", "adaptive/ppb", "independent/low-d. ppb", "independent/low-d. adaptive");
+    println!(
+        "{:8} {:>14} {:>22} {:>26}",
+        "", "adaptive/ppb", "independent/low-d. ppb", "independent/low-d. adaptive"
+    );
     for (i, region) in REGIONS.iter().enumerate() {
         let [ppb, adaptive, ppb_random, adaptive_random] = [0, 1, 2, 3].map(|curve| last(&curves[curve])[i]);
         println!(
@@ -214,7 +218,8 @@ fn convergence(path: &Path, reference: &Path, plot: &Path, passes: u32, seeds: u
             let s = Sample::of(values);
             format!("{:+.2} ± {:.2}", 100.0 * s.mean, 100.0 * s.error)
         };
-        let difference: Vec<f64> = curves[1].bias[i].iter().zip(&curves[0].bias[i]).map(|(a, p)| a - p).collect();
+        let difference: Vec<f64> =
+            curves[1].bias[i].iter().zip(&curves[0].bias[i]).map(|(a, p)| a - p).collect();
         println!(
             "{:8} ppb {}   adaptive {}   difference {}",
             region.name,
@@ -254,10 +259,7 @@ fn draw(path: &Path, curves: &[Curve]) -> Outcome<()> {
             .margin(12)
             .x_label_area_size(36)
             .y_label_area_size(64)
-            .build_cartesian_2d(
-                (1.0..f64::from(passes)).log_scale(),
-                (0.6 * low..1.6 * high).log_scale(),
-            )?;
+            .build_cartesian_2d((1.0..f64::from(passes)).log_scale(), (0.6 * low..1.6 * high).log_scale())?;
         chart
             .configure_mesh()
             .x_desc("passes")
@@ -330,7 +332,10 @@ fn means(path: &Path, runs: u32) -> Outcome<()> {
 
 fn cost(path: &Path, passes: u32) -> Outcome<()> {
     let mut scene = Scene::load(path)?;
-    println!("{:9} {:>6}  core-milliseconds a pass: trace | light fields | grid | build | gather", "method", "radius");
+    println!(
+        "{:9} {:>6}  core-milliseconds a pass: trace | light fields | grid | build | gather",
+        "method", "radius"
+    );
     for (name, method, radius) in
         [("ppb", Method::Ppb, 0.05), ("ppb", Method::Ppb, 0.004), ("adaptive", Method::Adaptive, 0.05)]
     {
