@@ -222,6 +222,8 @@ impl BeamBlock {
         let wide = radius * 1.001;
         let (ex, ey, ez) = (ray.direction.x, ray.direction.y, ray.direction.z);
         let mut hit = [0u32; BLOCK];
+        // An index over eight arrays side by side: what the compiler turns into vector code.
+        #[allow(clippy::needless_range_loop)]
         for k in 0..BLOCK {
             let (dx, dy, dz) = (self.direction[0][k], self.direction[1][k], self.direction[2][k]);
             let nx = ey * dz - ez * dy;

@@ -17,14 +17,14 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use std::hint::black_box;
 
 fn direction(random: &mut Random) -> Vec3 {
-    let z = 2.0 * random.next() - 1.0;
-    let (sin, cos) = (std::f32::consts::TAU * random.next()).sin_cos();
+    let z = 2.0 * random.uniform() - 1.0;
+    let (sin, cos) = (std::f32::consts::TAU * random.uniform()).sin_cos();
     let r = (1.0 - z * z).sqrt();
     Vec3::new(r * cos, r * sin, z)
 }
 
 fn point(random: &mut Random) -> Vec3 {
-    8.0 * Vec3::new(random.next(), random.next(), random.next()) - Vec3::splat(4.0)
+    8.0 * Vec3::new(random.uniform(), random.uniform(), random.uniform()) - Vec3::splat(4.0)
 }
 
 const LAYOUT: GridLayout = GridLayout { min: Vec3::splat(-4.0), max: Vec3::splat(4.0), cells: [32, 32, 32] };
@@ -37,9 +37,9 @@ fn cells() -> Vec<FluenceCell> {
     (0..LAYOUT.cell_count())
         .map(|_| FluenceCell {
             spectrum: FluenceSpectrum::from_array([
-                random.next(),
-                random.next(),
-                random.next(),
+                random.uniform(),
+                random.uniform(),
+                random.uniform(),
                 0.0,
                 0.0,
                 0.0,
@@ -105,7 +105,7 @@ fn beams(count: usize) -> Vec<Beam> {
         .map(|_| Beam {
             origin: point(&mut random),
             direction: direction(&mut random),
-            length: 4.0 * random.next(),
+            length: 4.0 * random.uniform(),
             power: Vec3::ONE,
             ..Beam::default()
         })

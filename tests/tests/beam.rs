@@ -9,7 +9,7 @@ use glam::DVec3;
 
 fn direction(random: &mut Random) -> Vec3 {
     loop {
-        let v = 2.0 * Vec3::new(random.next(), random.next(), random.next()) - Vec3::ONE;
+        let v = 2.0 * Vec3::new(random.uniform(), random.uniform(), random.uniform()) - Vec3::ONE;
         let l = v.length();
         if l > 0.01 && l < 1.0 {
             return v / l;
@@ -18,7 +18,7 @@ fn direction(random: &mut Random) -> Vec3 {
 }
 
 fn point(random: &mut Random) -> Vec3 {
-    8.0 * Vec3::new(random.next(), random.next(), random.next()) - Vec3::splat(4.0)
+    8.0 * Vec3::new(random.uniform(), random.uniform(), random.uniform()) - Vec3::splat(4.0)
 }
 
 const FOG: Medium = Medium {
@@ -42,8 +42,8 @@ fn random_beams(count: usize, random: &mut Random) -> Vec<Beam> {
         .map(|i| Beam {
             origin: point(random),
             direction: direction(random),
-            length: 0.01 + 6.0 * random.next() * random.next(),
-            power: Vec3::new(random.next(), random.next(), random.next()),
+            length: 0.01 + 6.0 * random.uniform() * random.uniform(),
+            power: Vec3::new(random.uniform(), random.uniform(), random.uniform()),
             start_normal: if i % 3 == 0 { direction(random) } else { Vec3::ZERO },
             end_normal: if i % 2 == 0 { direction(random) } else { Vec3::ZERO },
         })
@@ -87,8 +87,8 @@ fn one_pair_agrees_with_the_textbook_estimator_in_double_precision() {
         let sine = ray.direction.cross(beam.direction).length();
         if let (true, Some(truth)) = (accepted, truth) {
             compared += 1;
-            for c in 0..3 {
-                let error = (f64::from(gathered.radiance[c]) / truth[c] - 1.0).abs();
+            for (c, truth) in truth.iter().enumerate() {
+                let error = (f64::from(gathered.radiance[c]) / truth - 1.0).abs();
                 // Rounding of positions of size 10 (6e-7) moves the gap near the kernel's rim, where its slope
                 // over its value grows without bound, and 1/sin² amplifies it; the typical pair is at 1e-6.
                 let rim = 0.3 / (0.3 - f64::from(cross(&ray, &beam).unwrap().gap));
@@ -136,7 +136,7 @@ fn the_map_accepts_the_same_pairs_as_testing_every_beam() {
                 .map(|i| EyeRay {
                     origin: eye + 0.1 * spread * direction(&mut random),
                     direction: (center + spread * direction(&mut random)).normalize(),
-                    length: if i % 5 == 0 { f32::INFINITY } else { 9.0 * random.next() },
+                    length: if i % 5 == 0 { f32::INFINITY } else { 9.0 * random.uniform() },
                 })
                 .collect();
             let mut fast = vec![Gathered::default(); rays.len()];

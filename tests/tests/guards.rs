@@ -71,7 +71,7 @@ fn mentions(text: &str, function: &Function) -> bool {
         text.match_indices(pattern).any(|(start, _)| {
             let (before, after) = (&text[..start], &text[start + pattern.len()..]);
             let inside_word = before.ends_with(part_of_word) || after.starts_with(part_of_word);
-            !inside_word && !(owner.is_empty() && before.ends_with('.'))
+            !(inside_word || owner.is_empty() && before.ends_with('.'))
         })
     };
     if owner.is_empty() {

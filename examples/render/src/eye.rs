@@ -74,7 +74,7 @@ impl EyeTracer<'_> {
         while let Some(mut branch) = branches.pop() {
             let weight = branch.throughput.max_element();
             if weight < LIGHT_PATH {
-                if random.next() * LIGHT_PATH >= weight {
+                if random.uniform() * LIGHT_PATH >= weight {
                     continue;
                 }
                 branch.throughput *= LIGHT_PATH / weight;
@@ -122,7 +122,7 @@ impl EyeTracer<'_> {
                         Some(through) if branch.depth < SPLITS => branches.extend([back, through]),
                         Some(mut through) => {
                             let mut back = back;
-                            if random.next() < reflectance {
+                            if random.uniform() < reflectance {
                                 back.throughput /= reflectance;
                                 branches.push(back);
                             } else {

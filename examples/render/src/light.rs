@@ -64,7 +64,7 @@ impl Light {
 
     /// Draws a photon.
     pub fn emit(&self, sampler: &mut PathSampler) -> EmittedPhoton {
-        let [a, b] = sampler.next_pair();
+        let [a, b] = sampler.uniform_pair();
         match *self {
             Light::Point { position, intensity } => {
                 let z = 1.0 - 2.0 * a;
@@ -85,7 +85,7 @@ impl Light {
                 EmittedPhoton { origin: position, direction, power, normal: Vec3::ZERO }
             }
             Light::Disk { center, normal, radius, .. } => {
-                let [c, d] = sampler.next_pair();
+                let [c, d] = sampler.uniform_pair();
                 let (e, f) = normal.any_orthonormal_pair();
                 let (sin_psi, cos_psi) = (TAU * d).sin_cos();
                 let rho = radius * c.sqrt();
@@ -132,8 +132,8 @@ impl Light {
             }
             Light::Disk { center, normal: disk_normal, radius, radiance } => {
                 let (e, f) = disk_normal.any_orthonormal_pair();
-                let rho = radius * random.next().sqrt();
-                let (sin_psi, cos_psi) = (TAU * random.next()).sin_cos();
+                let rho = radius * random.uniform().sqrt();
+                let (sin_psi, cos_psi) = (TAU * random.uniform()).sin_cos();
                 let position = center + rho * (cos_psi * e + sin_psi * f);
                 let offset = position - point;
                 let d2 = offset.length_squared();

@@ -387,6 +387,6 @@ struct TileScratch {
 fn pixel_offset(seed: u32, index: u32) -> [f32; 2] {
     let mut random = Random::new([seed, 0, 0, 0xca3e7a]);
     let turn = |start: f32, step: f64| (f64::from(start) + step * f64::from(index)).fract() as f32;
-    [turn(random.next(), 0.754_877_666_246_692_7), turn(random.next(), 0.569_840_290_998_053_2)]
+    [turn(random.uniform(), 0.754_877_666_246_692_7), turn(random.uniform(), 0.569_840_290_998_053_2)]
         .map(|offset| offset.min(1.0 - f32::EPSILON))
 }

@@ -180,7 +180,7 @@ impl<'a> PhotonTracer<'a> {
         if self.lights.len() == 1 {
             return (0, 1.0);
         }
-        let u = sampler.next();
+        let u = sampler.uniform();
         let index =
             self.lights.partition_point(|&(cumulative, _)| cumulative <= u).min(self.lights.len() - 1);
         let before = if index == 0 { 0.0 } else { self.lights[index - 1].0 };
@@ -265,7 +265,7 @@ impl<'a> PhotonTracer<'a> {
                 scattered * medium.phase.evaluate(direction.dot(to_camera))
             });
         }
-        let [u, v] = sampler.next_pair();
+        let [u, v] = sampler.uniform_pair();
         let Some(u) = roulette(photon, before, scattered, u, out) else { return false };
         let direction = medium.phase.sample(photon.direction, [u, v]);
         if let Some(field) = &mut photon.field {
@@ -308,7 +308,7 @@ impl<'a> PhotonTracer<'a> {
                     let factor = reflected * std::f32::consts::FRAC_1_PI;
                     self.connect(hit.leave(normal), out, |to_camera| factor * to_camera.dot(normal).max(0.0));
                 }
-                let [u, v] = sampler.next_pair();
+                let [u, v] = sampler.uniform_pair();
                 let Some(u) = roulette(photon, before, reflected, u, out) else { return false };
                 let direction = cosine_direction(normal, [u, v]);
                 if let Some(field) = &mut photon.field {
@@ -323,7 +323,7 @@ impl<'a> PhotonTracer<'a> {
                 let before = photon.power;
                 let reflected = before * reflectance;
                 add(&mut out.energy.surfaces, before - reflected);
-                let u = sampler.next();
+                let u = sampler.uniform();
                 if roulette(photon, before, reflected, u, out).is_none() {
                     return false;
                 }
@@ -337,7 +337,7 @@ impl<'a> PhotonTracer<'a> {
                 let boundary = Boundary::new(self.scene, hit, photon.direction, &photon.interior);
                 let curvature = curvature_towards(hit, boundary.normal);
                 let through =
-                    (sampler.next() >= boundary.reflectance).then_some(boundary.refracted).flatten();
+                    (sampler.uniform() >= boundary.reflectance).then_some(boundary.refracted).flatten();
                 photon.normal = boundary.normal;
                 photon.direction = match through {
                     Some(refracted) => {
@@ -445,7 +445,7 @@ fn deposit(
 
 /// Distance to the next collision: one channel, chosen by its power, decides for all three.
 fn free_flight(power: Vec3, medium: &Medium, sampler: &mut PathSampler) -> f32 {
-    let u = sampler.next();
+    let u = sampler.uniform();
     let extinction = medium.extinction();
     let grey = extinction.x == extinction.y && extinction.y == extinction.z;
     let (extinction, u) = if grey {

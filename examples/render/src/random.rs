@@ -41,7 +41,7 @@ impl Random {
     }
 
     /// Next number in [0, 1).
-    pub fn next(&mut self) -> f32 {
+    pub fn uniform(&mut self) -> f32 {
         self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         unit((mix(self.state) >> 32) as u32)
     }
@@ -71,9 +71,9 @@ impl PathSampler {
     }
 
     /// Next decision, uniform in [0, 1).
-    pub fn next(&mut self) -> f32 {
+    pub fn uniform(&mut self) -> f32 {
         if self.dimension >= SOBOL_DIMENSIONS {
-            return self.random.next();
+            return self.random.uniform();
         }
         let key = mix(self.scramble ^ self.dimension as u64) as u32;
         let bits = owen_scramble(sobol(self.index, self.dimension), key);
@@ -82,8 +82,8 @@ impl PathSampler {
     }
 
     /// Next two decisions.
-    pub fn next_pair(&mut self) -> [f32; 2] {
-        [self.next(), self.next()]
+    pub fn uniform_pair(&mut self) -> [f32; 2] {
+        [self.uniform(), self.uniform()]
     }
 }
 
@@ -194,7 +194,7 @@ mod tests {
     fn numbers_are_uniform_and_below_one() {
         let mut random = Random::new([1, 2, 3, 4]);
         let count = 100_000;
-        let mean = (0..count).map(|_| f64::from(random.next())).sum::<f64>() / f64::from(count);
+        let mean = (0..count).map(|_| f64::from(random.uniform())).sum::<f64>() / f64::from(count);
         // Standard error 1/sqrt(12 n) = 9e-4; 5 of them.
         assert!((mean - 0.5).abs() < 4.6e-3, "mean {mean}");
         assert!(unit(u32::MAX) < 1.0);
