@@ -5,3 +5,8 @@ pub mod regions;
 pub mod stability;
 pub mod statistics;
 pub mod twin;
+
+/// The README's example, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+pub struct Readme;

@@ -360,6 +360,13 @@ pub fn cases() -> Vec<Case> {
             ROUNDING,
         ),
         case(
+            "strongly bent, then 1e8 units away",
+            Source::Gaussian(-z, x, [1e10, 3e9], [0.1, 0.3]),
+            vec![mirror(Vec3::new(0.3, 0.2, 1.0), 1e4, -2e4, 5e3), Travel(1e8)],
+            1e-6,
+            ROUNDING,
+        ),
+        case(
             "a scene of 1e-4 units",
             Source::Disk(-z, z, 1e-6, 0.1),
             vec![

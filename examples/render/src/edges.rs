@@ -35,43 +35,61 @@ fn seen(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<(u32, f32)> {
 /// Edges beside the segment from `origin` along `direction` that ends at `hit`, sorted by depth: the nearest one and
 /// the nearest one on the other side of the ray.
 ///
-/// A probe that hits another object *in front* of the ray's own hit has found a silhouette that the light passes by; one that
-/// misses the ray's own object has found the silhouette of what the light runs into. Both mask the light
+/// A probe that hits another object *in front* of the ray's own hit has found a silhouette that the light passes by; one
+/// that misses the ray's own object has found the silhouette of what the light runs into. Both mask the light
 /// field (theory: occlusion, both sides of the edge). A probe that hits the same object sees no edge, so folds of one
 /// object's own surface are not found.
 pub fn find_edges(scene: &Scene, origin: Vec3, direction: Vec3, hit: Option<&Hit>) -> SmallVec<[Edge; 2]> {
     let central = hit.map(|hit| (hit.object, hit.distance));
     let (e, f) = direction.any_orthonormal_pair();
-    let mut found: SmallVec<[(Edge, f32); AZIMUTHS]> = SmallVec::new();
-    for azimuth in 0..AZIMUTHS {
+    let found: [Option<Edge>; AZIMUTHS] = std::array::from_fn(|azimuth| {
         let (sin, cos) = (TAU * azimuth as f32 / AZIMUTHS as f32).sin_cos();
-        let towards = cos * e + sin * f;
-        if let Some((edge, angle)) = nearest_edge(scene, origin, direction, towards, central) {
-            found.push((edge, angle));
-        }
-    }
+        nearest_edge(scene, origin, direction, cos * e + sin * f, central)
+    });
+    let angle = |azimuth: &usize| found[*azimuth].map_or(f32::INFINITY, |edge| edge.distance / edge.depth);
+    let by_angle = |a: &usize, b: &usize| angle(a).total_cmp(&angle(b));
+    let seen = || (0..AZIMUTHS).filter(|&azimuth| found[azimuth].is_some());
     let mut edges = SmallVec::new();
-    let nearest = found.iter().min_by(|a, b| a.1.total_cmp(&b.1));
-    if let Some(&(edge, _)) = nearest {
-        let opposite = found
-            .iter()
-            .filter(|(other, _)| other.towards.dot(edge.towards) < 0.0)
-            .min_by(|a, b| a.1.total_cmp(&b.1));
-        edges.push(edge);
-        edges.extend(opposite.map(|&(edge, _)| edge));
+    if let Some(nearest) = seen().min_by(by_angle) {
+        let side = |azimuth: usize| (azimuth + AZIMUTHS - nearest + AZIMUTHS / 4) % AZIMUTHS;
+        let opposite = seen().filter(|&azimuth| side(azimuth) > AZIMUTHS / 2).min_by(by_angle);
+        edges.extend(
+            [Some(nearest), opposite].into_iter().flatten().filter_map(|azimuth| straighten(&found, azimuth)),
+        );
         edges.sort_by(|a: &Edge, b: &Edge| a.depth.total_cmp(&b.depth));
     }
     edges
 }
 
-/// The first edge met when the ray is tilted towards `towards`, and the angle of the tilt.
+/// The point nearest to the ray of the straight edge through what the probes of `azimuth` and of its nearer neighbour found.
+///
+/// Eight azimuths alone would put the edge up to 8 % too far away and 22° off.
+fn straighten(found: &[Option<Edge>; AZIMUTHS], azimuth: usize) -> Option<Edge> {
+    let edge = found[azimuth]?;
+    let neighbours = [found[(azimuth + 1) % AZIMUTHS], found[(azimuth + AZIMUTHS - 1) % AZIMUTHS]];
+    let same = |other: &Edge| (other.depth - edge.depth).abs() < 0.2 * edge.depth;
+    let nearer =
+        neighbours.into_iter().flatten().filter(same).min_by(|a, b| a.distance.total_cmp(&b.distance));
+    let Some(other) = nearer else { return Some(edge) };
+    let point = edge.distance * edge.towards;
+    let along = (other.distance * other.towards - point).normalize_or_zero();
+    let foot = point - point.dot(along) * along;
+    let distance = foot.length();
+    // Far from a straight edge (a corner, two objects) the foot is not where an edge was seen.
+    if distance < 0.7 * edge.distance {
+        return Some(edge);
+    }
+    Some(Edge { depth: edge.depth, distance, towards: foot / distance })
+}
+
+/// The first edge met when the ray is tilted towards `towards`.
 fn nearest_edge(
     scene: &Scene,
     origin: Vec3,
     direction: Vec3,
     towards: Vec3,
     central: Option<(u32, f32)>,
-) -> Option<(Edge, f32)> {
+) -> Option<Edge> {
     let probe = |tangent: f32| seen(scene, origin, (direction + tangent * towards).normalize());
     let object = |seen: Option<(u32, f32)>| seen.map(|(object, _)| object);
     let mut inner = 0.0;
@@ -99,14 +117,13 @@ fn nearest_edge(
         } else {
             (distance(inner_hit), inner.max(0.5 * outer))
         };
-        let depth = near / (1.0 + tangent * tangent).sqrt();
-        let reach = distance(central);
+        let depth = (near / (1.0 + tangent * tangent).sqrt()).min(distance(central));
         // Two walls that meet make no edge: nothing stands in front of anything there.
         let step = (distance(outer_hit) - distance(inner_hit)).abs();
         if step < 0.02 * near || !depth.is_finite() {
             return None;
         }
-        return Some((Edge { depth: depth.min(reach), distance: tangent * depth, towards }, tangent));
+        return Some(Edge { depth, distance: tangent * depth, towards });
     }
     None
 }
