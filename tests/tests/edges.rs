@@ -52,6 +52,7 @@ fn the_silhouette_of_a_sphere_is_found_from_both_sides() {
                 edge.distance
             );
             let outwards = Vec3::new(turn.cos(), turn.sin(), 0.0) * -offset.signum();
+            let outwards = outwards.reject_from_normalized(direction).normalize();
             // Half an azimuth, 22.5°, at worst; where the silhouette is nearly straight between two probes, 10°.
             let cosine = if offset.abs() < 0.05 { 0.985 } else { 0.924 };
             assert!(edge.towards.dot(outwards) > cosine, "{offset}: towards {} not {outwards}", edge.towards);
