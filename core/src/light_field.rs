@@ -197,6 +197,34 @@ impl LightField {
         self.store(columns.map(|[x, y, u, v]| [u, v, x, y]), &frame);
     }
 
+    /// The same light in a frame turned about the ray, e.g. to read [`LightField::slice`] along given axes.
+    ///
+    /// Spectrum: unchanged; its covariance's rows are mixed, (u, v) and (x, y) alike.
+    ///
+    /// - `x_axis`: its part across the ray becomes the x axis; any length. One that is NaN, infinite or along the ray
+    ///   leaves the field as it was.
+    ///
+    /// Guarantee: `fluence()` stays what it was, up to rounding. Test: `turning_the_frame_changes_no_fluence`.
+    ///
+    /// Source: thesis 5.3.1.2 (the local frame is free about the ray).
+    ///
+    /// ```
+    /// use covbeam::{LightField, Vec3};
+    /// let mut light = LightField::gaussian(Vec3::Z, Vec3::X, [4.0, 9.0], [1.0, 1.0]);
+    /// light.rotate(Vec3::new(1.0, 1.0, 0.0));
+    /// // Half-way between the axes: both variances are the mean, the covariance half the difference.
+    /// assert!((light.slice()[0] - 6.5).abs() < 1e-5 && (light.slice()[1] - 2.5).abs() < 1e-5);
+    /// ```
+    pub fn rotate(&mut self, x_axis: Vec3) {
+        let Some([x, y]) = self.across(x_axis) else { return };
+        let frame = self.frame();
+        let s = combine(x, frame.x, y, frame.y);
+        let mut columns = self.columns();
+        turn(&mut columns, &frame, s);
+        self.x_axis = frame::rounded(s);
+        self.pack(&triangular(columns));
+    }
+
     /// Reflection by a smooth mirror, plane or curved.
     ///
     /// Spectrum: mirrored in the plane of incidence; curvature adds angular to spatial frequencies (the transpose

@@ -33,6 +33,7 @@ fn light_fields_do_not_allocate() {
             LightField::gaussian(Vec3::Z, Vec3::X, [0.1, 0.2], [0.3, 0.4]),
         ] {
             field.travel(1.0);
+            field.rotate(slope);
             field.occlude(Vec3::X, 0.1);
             field.narrow(Vec3::Y, 0.2);
             black_box(field.refract(-Vec3::Z, &curvature, 1.0 / 1.5));

@@ -419,3 +419,37 @@ proptest! {
 fn size_of(random: &mut Stream) -> f32 {
     random.decades(-1.0, 1.0) as f32
 }
+
+#[test]
+fn turning_the_frame_changes_no_fluence() {
+    let direction = Vec3::new(0.3, -0.5, 0.8).normalize();
+    let mut field = LightField::gaussian(direction, Vec3::X, [40.0, 900.0], [1.0, 0.2]);
+    field.travel(0.3);
+    let before = field;
+    let truth = before.fluence().to_array().map(f64::from);
+    let size = truth.iter().fold(0.0f64, |size, entry| size.max(entry.abs()));
+    for turn in 0..24 {
+        let mut turned = before;
+        let (sin, cos) = (0.3 * turn as f32).sin_cos();
+        let y = direction.cross(before.x_axis);
+        // A part along the ray does not matter.
+        turned.rotate(3.0 * (cos * before.x_axis + sin * y) + 5.0 * direction);
+        let expected = cos * before.x_axis + sin * y;
+        assert!(turned.x_axis.dot(expected) > 1.0 - ROUNDING as f32, "{} {expected}", turned.x_axis);
+        for (got, truth) in turned.fluence().to_array().iter().zip(truth) {
+            assert!((f64::from(*got) - truth).abs() < ROUNDING * size, "{got} {truth}");
+        }
+        // The angular part is turned alike: the next event sees the same light.
+        let (mut a, mut b) = (before, turned);
+        a.scatter(Vec3::X, 0.5);
+        b.scatter(Vec3::X, 0.5);
+        for (got, truth) in b.fluence().to_array().iter().zip(a.fluence().to_array()) {
+            assert!((got - truth).abs() < 4.0 * ROUNDING as f32 * size as f32, "{got} {truth}");
+        }
+    }
+    for nothing in [Vec3::ZERO, Vec3::NAN, direction, Vec3::splat(f32::INFINITY)] {
+        let mut field = before;
+        field.rotate(nothing);
+        assert_eq!(field, before);
+    }
+}
