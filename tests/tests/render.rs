@@ -143,7 +143,7 @@ fn the_airlight_of_a_point_light_is_the_closed_form() {
         .replace("albedo = 0.5", "albedo = 0.0");
     let scene = scene(&text, 48);
     let truth = airlight(&scene, Vec3::new(0.0, 2.5, 0.0), 25.0, 0.0002, 0.22);
-    for (method, photons, passes) in [(Method::Ppb, 40_000, 16), (Method::Adaptive, 5_000, 8)] {
+    for (method, photons, passes) in [(Method::Ppb, 40_000, 16), (Method::Adaptive, 30_000, 12)] {
         let ratios: Vec<f64> = (1..=8)
             .map(|seed| {
                 let picture = picture(&scene, method, photons, seed, 1..=passes);
