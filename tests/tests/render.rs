@@ -185,3 +185,39 @@ fn the_methods_agree_on_the_mean_of_the_fog() {
         assert!(welch(negative, ppb) < level, "the test cannot see a loss of 10 %");
     }
 }
+
+#[test]
+fn a_ball_of_fog_with_the_index_of_air_is_invisible() {
+    // Beams and eye rays are cut, refracted and put together again at its surface.
+    let ball = GLASS.replace("index = 1.5", "index = 1.0").replace("# inside = \"fog\"", "inside = \"fog\"");
+    assert_ne!(ball, GLASS);
+    let (start, end) = (
+        GLASS.find("[[object]]\nname = \"ball\"").unwrap(),
+        GLASS.find("[[object]]\nname = \"floor\"").unwrap(),
+    );
+    let none = GLASS[..start].to_owned() + &GLASS[end..];
+    // Pixels that see the ball: a disk of 5.1 pixels around the centre of 32.
+    let mean = |picture: &[Vec3]| {
+        let seen = |i: usize| (i % 32).abs_diff(16).pow(2) + (i / 32).abs_diff(16).pow(2) <= 20;
+        let values: Vec<f64> = picture
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| seen(*i))
+            .map(|(_, color)| f64::from(color.y))
+            .collect();
+        values.iter().sum::<f64>() / values.len() as f64
+    };
+    for method in [Method::Ppb, Method::Adaptive] {
+        let sample = |text: &str, first| {
+            let scene = scene(text, 32);
+            let values: Vec<f64> =
+                (first..first + 10).map(|seed| mean(&picture(&scene, method, 10_000, seed, 1..=6))).collect();
+            Sample::of(&values)
+        };
+        let (with, without) = (sample(&ball, 500), sample(&none, 600));
+        println!("{method:?}: with {with:?}, without {without:?}");
+        assert!(welch(with, without) > sidak(0.001, 2), "{with:?} {without:?}");
+        // Losing what one of the two surfaces reflects at the index 1.5 would show.
+        assert!(with.error / with.mean < 0.012 && without.error / without.mean < 0.012);
+    }
+}
