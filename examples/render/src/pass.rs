@@ -37,7 +37,7 @@ pub enum Method {
     Ppb,
     /// The thesis: the kernel is as wide as the covariance allows.
     Adaptive,
-    /// Unbiased connections of every path vertex with the camera; blind to what is seen through glass.
+    /// Unbiased connections of every path segment and diffuse vertex with the camera; blind to what is seen through glass.
     LightTrace,
 }
 

@@ -210,6 +210,11 @@ impl<'a> PhotonTracer<'a> {
         {
             out.beams.extend(beam_of(photon, hit.as_ref(), medium).map(|beam| (id, beam)));
         }
+        if let Some(medium) = medium
+            && record == Record::Connections
+        {
+            self.connect_segment(photon, reach, medium, sampler, out);
+        }
         let edges = photon.field.map(|field| {
             let start = Instant::now();
             let edges = find_edges(scene, photon.origin, photon.direction, hit.as_ref());
@@ -227,7 +232,7 @@ impl<'a> PhotonTracer<'a> {
             out.field_time += start.elapsed();
         }
         match (medium, hit) {
-            (Some(medium), _) if flight < reach => self.scatter(photon, flight, medium, sampler, record, out),
+            (Some(medium), _) if flight < reach => self.scatter(photon, flight, medium, sampler, out),
             (medium, Some(hit)) => {
                 if let Some(medium) = medium {
                     let before = photon.power;
@@ -249,7 +254,6 @@ impl<'a> PhotonTracer<'a> {
         distance: f32,
         medium: &Medium,
         sampler: &mut PathSampler,
-        record: Record,
         out: &mut PhotonRecord,
     ) -> bool {
         let before = photon.power;
@@ -259,12 +263,6 @@ impl<'a> PhotonTracer<'a> {
         add(&mut out.energy.roulette, before - collided);
         add(&mut out.energy.medium, collided - scattered);
         photon.origin += distance * photon.direction;
-        if record == Record::Connections {
-            let direction = photon.direction;
-            self.connect(photon.origin, out, |to_camera| {
-                scattered * medium.phase.evaluate(direction.dot(to_camera))
-            });
-        }
         let [u, v] = sampler.uniform_pair();
         let Some(u) = roulette(photon, before, scattered, u, out) else { return false };
         let direction = medium.phase.sample(photon.direction, [u, v]);
@@ -360,6 +358,39 @@ impl<'a> PhotonTracer<'a> {
         photon.direct = false;
         photon.origin = hit.leave(photon.direction);
         true
+    }
+
+    /// Connects one point of a segment with the pinhole.
+    ///
+    /// The point is drawn in proportion to 1/d² (equi-angular sampling, C. Kulla and M. Fajardo 2012), d its distance
+    /// from the camera. Connecting the path's own vertices would be unbiased as well, but with infinite variance: a
+    /// mean of them leaves out the light that scatters nearer to the camera than the nearest vertex.
+    fn connect_segment(
+        &self,
+        photon: &Photon,
+        reach: f32,
+        medium: &Medium,
+        sampler: &mut PathSampler,
+        out: &mut PhotonRecord,
+    ) {
+        let u = sampler.uniform();
+        let direction = photon.direction;
+        let offset = self.scene.camera.position - photon.origin;
+        let foot = offset.dot(direction);
+        let distance = (offset - foot * direction).length();
+        if !(distance > 0.0) {
+            return;
+        }
+        let (from, to) = ((-foot / distance).atan(), ((reach - foot) / distance).atan());
+        let s = (foot + distance * (from + u * (to - from)).tan()).clamp(0.0, reach);
+        let density = distance / ((to - from) * (distance * distance + (s - foot) * (s - foot)));
+        if !(s.is_finite() && density > 0.0) {
+            return;
+        }
+        let scattered = photon.power * medium.transmittance(s) * medium.scattering / density;
+        self.connect(photon.origin + s * direction, out, |to_camera| {
+            scattered * medium.phase.evaluate(direction.dot(to_camera))
+        });
     }
 
     /// Connects a vertex with the pinhole; `flux` gives the flux per steradian towards the camera.

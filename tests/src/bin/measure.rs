@@ -54,6 +54,9 @@ enum Measurement {
     Means {
         /// The scene.
         scene: PathBuf,
+        /// Its reference, whose means are set beside them.
+        #[arg(long)]
+        reference: Option<PathBuf>,
         /// Runs of each method.
         #[arg(long, default_value_t = 12)]
         runs: u32,
@@ -76,7 +79,7 @@ fn main() -> Outcome<()> {
         Measurement::Convergence { scene, reference, plot, passes, seeds } => {
             convergence(&scene, &reference, &plot, passes, seeds)
         }
-        Measurement::Means { scene, runs } => means(&scene, runs),
+        Measurement::Means { scene, reference, runs } => means(&scene, reference.as_deref(), runs),
         Measurement::Cost { scene, passes } => cost(&scene, passes),
     }
 }
@@ -283,8 +286,9 @@ fn draw(path: &Path, curves: &[Curve]) -> Outcome<()> {
     Ok(())
 }
 
-fn means(path: &Path, runs: u32) -> Outcome<()> {
+fn means(path: &Path, reference: Option<&Path>, runs: u32) -> Outcome<()> {
     let scene = Scene::load(path)?;
+    let reference = reference.map(read_picture).transpose()?;
     let methods = [
         ("ppb", Method::Ppb, 16, scene.settings.photons),
         ("adaptive", Method::Adaptive, 8, scene.settings.photons),
@@ -323,6 +327,16 @@ fn means(path: &Path, runs: u32) -> Outcome<()> {
             welch(p, l),
             welch(a, l)
         );
+        if let Some(reference) = &reference {
+            let mean = in_region(reference, reference, &region)?.mean;
+            let off = |s: Sample| format!("{:+.2} σ", (mean - s.mean) / s.error);
+            println!(
+                "         reference {mean:.5}: {} from ppb, {} from adaptive, {} from light-trace",
+                off(p),
+                off(a),
+                off(l)
+            );
+        }
         if welch(p, a) < level || welch(p, l) < level || welch(a, l) < level {
             return Err(format!("the means of '{}' differ", region.name).into());
         }
