@@ -6,9 +6,10 @@ use covbeam_render::film::{Film, Picture};
 use covbeam_render::output::{RenderInfo, read_picture, write_exr};
 use covbeam_render::pass::{Method, PassTimes, Renderer};
 use covbeam_render::random::Emission;
-use covbeam_render::scene::Scene;
+use covbeam_render::scene::{Material, Scene};
 use covbeam_tests::regions::{CAUSTIC, REGIONS, Region, SMOOTH, VOLUME};
 use covbeam_tests::statistics::{Sample, sidak, welch};
+use glam::Vec3;
 use plotters::prelude::*;
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -61,6 +62,18 @@ enum Measurement {
         #[arg(long, default_value_t = 12)]
         runs: u32,
     },
+    /// What low-discrepancy emission is worth: noise of both ways to draw light paths, from pairs of runs, in the scene
+    /// as it is and with single scattering only.
+    Emission {
+        /// The scene.
+        scene: PathBuf,
+        /// Passes of a run.
+        #[arg(long, default_value_t = 32)]
+        passes: u32,
+        /// Pairs of runs.
+        #[arg(long, default_value_t = 2)]
+        pairs: u32,
+    },
     /// Core time of a pass by part, pairs per core-second at two radii, and peak memory.
     Cost {
         /// The scene.
@@ -80,6 +93,7 @@ fn main() -> Outcome<()> {
             convergence(&scene, &reference, &plot, passes, seeds)
         }
         Measurement::Means { scene, reference, runs } => means(&scene, reference.as_deref(), runs),
+        Measurement::Emission { scene, passes, pairs } => emission(&scene, passes, pairs),
         Measurement::Cost { scene, passes } => cost(&scene, passes),
     }
 }
@@ -339,6 +353,51 @@ fn means(path: &Path, reference: Option<&Path>, runs: u32) -> Outcome<()> {
         }
         if welch(p, a) < level || welch(p, l) < level || welch(a, l) < level {
             return Err(format!("the means of '{}' differ", region.name).into());
+        }
+    }
+    Ok(())
+}
+
+/// Scales scattering down by a thousand at equal extinction and makes diffuse surfaces black: the second order of
+/// scattering is lost in the first.
+fn scatter_once(scene: &mut Scene) {
+    for medium in &mut scene.media {
+        let extinction = medium.extinction();
+        medium.scattering *= 1e-3;
+        medium.absorption = extinction - medium.scattering;
+    }
+    for object in &mut scene.objects {
+        if let Material::Lambert { albedo } = &mut object.material {
+            *albedo = Vec3::ZERO;
+        }
+    }
+}
+
+fn emission(path: &Path, passes: u32, pairs: u32) -> Outcome<()> {
+    println!("noise (relMSE) after {passes} passes: independent photons, low-discrepancy photons, ratio");
+    for single in [false, true] {
+        let mut scene = Scene::load(path)?;
+        if single {
+            scatter_once(&mut scene);
+        }
+        for (name, method) in [("ppb", Method::Ppb), ("adaptive", Method::Adaptive)] {
+            let mut noise = [[0.0; REGIONS.len()]; 2];
+            for (noise, emission) in noise.iter_mut().zip([Emission::Independent, Emission::LowDiscrepancy]) {
+                for pair in 0..pairs {
+                    let picture = |seed| {
+                        run(&scene, method, emission, seed, scene.settings.photons, passes, |_, _, _| Ok(()))
+                    };
+                    let ((a, _), (b, _)) = (picture(2 * pair + 1)?, picture(2 * pair + 2)?);
+                    for (noise, region) in noise.iter_mut().zip(&REGIONS) {
+                        *noise += 0.5 * in_region(&a, &b, region)?.rel_mse / f64::from(pairs);
+                    }
+                }
+            }
+            println!("{name}, {}", if single { "single scattering" } else { "the scene as it is" });
+            for (i, region) in REGIONS.iter().enumerate() {
+                let [independent, low] = [noise[0][i], noise[1][i]];
+                println!("  {:8} {independent:.2e} {low:.2e} {:6.2}", region.name, independent / low);
+            }
         }
     }
     Ok(())
