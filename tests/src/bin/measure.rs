@@ -281,6 +281,7 @@ fn draw(path: &Path, curves: &[Curve]) -> Outcome<()> {
             .configure_mesh()
             .x_desc("passes")
             .y_desc("relMSE")
+            .light_line_style(TRANSPARENT)
             .y_label_formatter(&|v| format!("{v:.0e}"))
             .x_label_formatter(&|v| format!("{v:.0}"))
             .draw()?;
@@ -293,7 +294,12 @@ fn draw(path: &Path, curves: &[Curve]) -> Outcome<()> {
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], style));
         }
         if region.name == VOLUME.name {
-            chart.configure_series_labels().background_style(WHITE.mix(0.8)).border_style(BLACK).draw()?;
+            chart
+                .configure_series_labels()
+                .position(SeriesLabelPosition::LowerLeft)
+                .background_style(WHITE.mix(0.8))
+                .border_style(BLACK)
+                .draw()?;
         }
     }
     root.present()?;
