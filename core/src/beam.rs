@@ -61,7 +61,7 @@ pub struct Crossing {
 
 /// Closest approach of two lines, or None when they are closer to parallel than [`PARALLEL_SINE`].
 ///
-/// Works for square-on pairs, where the form that divides by the cosine fails (theory: numerics of the crossing).
+/// Works for square-on pairs, where the form that divides by the cosine fails.
 #[inline]
 pub fn cross(ray: &EyeRay, beam: &Beam) -> Option<Crossing> {
     let normal = ray.direction.cross(beam.direction);

@@ -1,4 +1,4 @@
-//! The metric of theory.md section 7, on pictures small enough to do it by hand.
+//! The error metric, on pictures small enough to do it by hand.
 
 use covbeam_render::compare::{CompareError, Comparison, compare};
 use covbeam_render::film::Picture;

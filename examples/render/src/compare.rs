@@ -54,7 +54,7 @@ pub enum CompareError {
 
 /// Compares `picture` with `reference` over the pixels (x, y) for which `mask` is true ((0, 0) = upper left).
 ///
-/// Metric: theory.md section 7. Both pictures are linear; only luminance counts.
+/// Both pictures are linear; only luminance (Rec. 709) counts. A hundredth of the mean keeps black pixels from ruling the metric.
 ///
 /// # Errors
 /// Different sizes, a pixel that is NaN or infinite anywhere in either picture, a black reference, an empty mask.
