@@ -425,7 +425,7 @@ impl<'a> FluenceGrid<'a> {
     /// `look_ups_reproduce_a_linear_field_and_hold_it_at_the_border`); always a convex combination, so positive
     /// semi-definite where the cells are. Cost: 20 ns.
     ///
-    /// Source: theory section 4.
+    /// Source: thesis 5.3.1; trilinear instead of by voxel, whose steps would print into the radii.
     ///
     /// ```
     /// use covbeam::{FluenceCell, FluenceGrid, GridLayout, Vec3};

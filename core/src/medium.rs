@@ -118,7 +118,7 @@ impl PhaseFunction {
     /// It is the relative curvature of the lobe at its peak, over 4π²: `3|g| / (4π² (1 - |g|)²)` for
     /// Henyey-Greenstein, `1/(4π²)` for Rayleigh, 0 for isotropic (convolved light is flat).
     ///
-    /// Source: theory section 3.
+    /// Source: derived from Hess f = -4π² f Σ at the peak.
     pub fn angular_variance(&self) -> f32 {
         match self.kind {
             PhaseKind::Isotropic => 0.0,

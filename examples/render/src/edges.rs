@@ -37,8 +37,7 @@ fn seen(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<(u32, f32)> {
 ///
 /// A probe that hits another object *in front* of the ray's own hit has found a silhouette that the light passes by; one
 /// that misses the ray's own object has found the silhouette of what the light runs into. Both mask the light
-/// field. A probe that hits the same object sees no edge, so folds of one
-/// object's own surface are not found.
+/// field. A probe that hits the same object sees no edge, so folds of one object's own surface are not found.
 pub fn find_edges(scene: &Scene, origin: Vec3, direction: Vec3, hit: Option<&Hit>) -> SmallVec<[Edge; 2]> {
     let central = hit.map(|hit| (hit.object, hit.distance));
     let (e, f) = direction.any_orthonormal_pair();

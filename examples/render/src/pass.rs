@@ -13,6 +13,7 @@ use covbeam::{
 };
 use glam::Vec3;
 use rayon::prelude::*;
+use std::ops::AddAssign;
 use std::time::Instant;
 
 /// Pixels along the side of a tile, whose eye rays are gathered together.
@@ -56,6 +57,24 @@ pub struct PassTimes {
     pub gather: f64,
     /// Accepted beam-ray pairs.
     pub pairs: u64,
+}
+
+impl PassTimes {
+    /// Core-seconds of all parts.
+    pub fn total(&self) -> f64 {
+        self.trace + self.light_fields + self.grid + self.build + self.gather
+    }
+}
+
+impl AddAssign for PassTimes {
+    fn add_assign(&mut self, other: Self) {
+        self.trace += other.trace;
+        self.light_fields += other.light_fields;
+        self.grid += other.grid;
+        self.build += other.build;
+        self.gather += other.gather;
+        self.pairs += other.pairs;
+    }
 }
 
 /// Renders passes of one scene with one method.
@@ -104,14 +123,9 @@ impl<'a> Renderer<'a> {
         }
     }
 
-    /// Where the power of all light paths traced so far went.
+    /// Where the power of the latest pass' light paths went.
     pub fn energy(&self) -> Energy {
         self.energy
-    }
-
-    /// The covariance grid's means after the latest pass.
-    pub fn fluence_cells(&self) -> &[FluenceCell] {
-        &self.resolved
     }
 
     /// Pass `index`, counted from 1. `cancelled` is polled a few hundred times a pass; None = it said yes.

@@ -97,21 +97,10 @@ pub fn render<E>(
         progress.passes = index;
         progress.last = start.elapsed() - progress.elapsed;
         progress.elapsed = start.elapsed();
-        progress.times = sum(progress.times, times);
+        progress.times += times;
         report(&progress, film).map_err(RenderError::Report)?;
     }
     Ok((End::Reached, progress))
-}
-
-fn sum(a: PassTimes, b: PassTimes) -> PassTimes {
-    PassTimes {
-        trace: a.trace + b.trace,
-        light_fields: a.light_fields + b.light_fields,
-        grid: a.grid + b.grid,
-        build: a.build + b.build,
-        gather: a.gather + b.gather,
-        pairs: a.pairs + b.pairs,
-    }
 }
 
 #[cfg(test)]

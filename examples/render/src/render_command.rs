@@ -212,7 +212,7 @@ fn summary(progress: &Progress) -> String {
         ("build", times.build),
         ("gather", times.gather),
     ];
-    let whole: f64 = parts.iter().map(|(_, time)| time).sum();
+    let whole = times.total();
     let mut text = format!("{}, {whole:.2} core-seconds:\n", seconds(progress.elapsed));
     for (name, time) in parts {
         let percent = if whole > 0.0 { 100.0 * time / whole } else { 0.0 };

@@ -114,21 +114,12 @@ fn run(
     for index in 1..=passes {
         let (image, times) = renderer.pass(index, &|| false).expect("never cancelled");
         film.add(&image)?;
-        total.trace += times.trace;
-        total.light_fields += times.light_fields;
-        total.grid += times.grid;
-        total.build += times.build;
-        total.gather += times.gather;
-        total.pairs += times.pairs;
+        total += times;
         if index.is_power_of_two() {
-            after(index, &film.picture(), core_seconds(&total))?;
+            after(index, &film.picture(), total.total())?;
         }
     }
     Ok((film.picture(), total))
-}
-
-fn core_seconds(times: &PassTimes) -> f64 {
-    times.trace + times.light_fields + times.grid + times.build + times.gather
 }
 
 fn in_region(picture: &Picture, reference: &Picture, region: &Region) -> Outcome<Comparison> {
@@ -146,7 +137,7 @@ fn reference(path: &Path, out: &Path, passes: u32, photons: u32) -> Outcome<()> 
         let emission = Emission::LowDiscrepancy;
         let (picture, times) =
             run(&scene, Method::Adaptive, emission, seed, photons, passes, |_, _, _| Ok(()))?;
-        println!("seed {seed}: {passes} passes of {photons} paths, {:.0} core-seconds", core_seconds(&times));
+        println!("seed {seed}: {passes} passes of {photons} paths, {:.0} core-seconds", times.total());
         pictures.push(picture);
     }
     let (first, second) = (&pictures[0], &pictures[1]);
@@ -433,7 +424,7 @@ fn cost(path: &Path, passes: u32) -> Outcome<()> {
             part(times.grid),
             part(times.build),
             part(times.gather),
-            100.0 * fields / core_seconds(&times),
+            100.0 * fields / times.total(),
             times.pairs as f64 / f64::from(passes) / 1e6,
             times.pairs as f64 / times.gather / 1e6,
         );
