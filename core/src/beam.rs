@@ -1,6 +1,6 @@
 //! Photon beams, eye rays, where they cross, and what one crossing contributes.
 
-use crate::{KernelRadius, Medium};
+use crate::{Column, Density, KernelRadius, Medium};
 use glam::Vec3;
 use libm::{fabsf, sqrtf};
 
@@ -42,6 +42,26 @@ pub struct EyeRay {
     pub direction: Vec3,
     /// Length \[m\] to the next surface; infinity allowed.
     pub length: f32,
+}
+
+/// What lies between the light, the crossing and the eye: the medium that a pair is in, and the columns along both.
+#[derive(Clone, Copy, Debug)]
+pub struct Passage<'a> {
+    /// Coefficients at density 1, and the phase function.
+    pub medium: &'a Medium,
+    /// How the density varies.
+    pub density: Density<'a>,
+    /// Along the eye ray, from its start.
+    pub ray: Column<'a>,
+    /// Along the beam, from its start.
+    pub beam: Column<'a>,
+}
+
+impl<'a> Passage<'a> {
+    /// That of a homogeneous medium.
+    pub const fn homogeneous(medium: &'a Medium) -> Self {
+        Self { medium, density: Density::Uniform, ray: Column::Uniform, beam: Column::Uniform }
+    }
 }
 
 /// Closest approach of an eye ray's line and a beam's line.
@@ -107,7 +127,7 @@ pub struct Gathered {
 /// - `ray`, `beam`: see there; NaN anywhere makes the pair be skipped.
 /// - `from`, `to`: part of the beam that counts \[m\]; `0` and `beam.length` for the whole beam. Cutting a beam into
 ///   adjoining parts changes nothing.
-/// - `medium`: the one that both lie in.
+/// - `passage`: the medium that both lie in; its density is taken at the point on the *eye ray*.
 /// - `radius`: the kernel and its width.
 ///
 /// Differs from the thesis at surfaces: a beam that starts or ends on a surface is cut there by the surface's tangent
@@ -118,7 +138,7 @@ pub fn gather_pair(
     beam: &Beam,
     from: f32,
     to: f32,
-    medium: &Medium,
+    passage: &Passage,
     radius: &KernelRadius,
     gathered: &mut Gathered,
 ) -> bool {
@@ -156,9 +176,12 @@ pub fn gather_pair(
             return false;
         }
     }
+    let medium = passage.medium;
     let phase = medium.phase.evaluate(-beam.direction.dot(ray.direction));
-    let scale = phase * radius.kernel.evaluate(gap, r) / sin_theta;
-    let radiance = medium.scattering * beam.power * medium.transmittance(s + t) * scale;
+    let scale = passage.density.at(point) * phase * radius.kernel.evaluate(gap, r) / sin_theta;
+    // Within the slack of a cut end s may be negative: as far before the surface as the column says beyond it.
+    let column = if s < 0.0 { -passage.beam.at(-s) } else { passage.beam.at(s) } + passage.ray.at(t);
+    let radiance = medium.scattering * beam.power * medium.transmittance(column) * scale;
     let weight = (radiance.x + radiance.y + radiance.z) * (1.0 / 3.0);
     if !weight.is_finite() {
         return false;

@@ -45,6 +45,27 @@ impl FluenceSpectrum {
         Self { xx, yy, zz, xy, xz, yz }
     }
 
+    /// Adds a variance along one axis: Σ + `variance` n nᵀ.
+    ///
+    /// - `axis` n: unit.
+    /// - `variance` \[cycles²/m²\] >= 0.
+    ///
+    /// ```
+    /// use covbeam::{FluenceSpectrum, Vec3};
+    /// let mut spectrum = FluenceSpectrum::default();
+    /// spectrum.add_along(Vec3::new(0.6, 0.8, 0.0), 100.0);
+    /// assert!((spectrum.variance_along(Vec3::Y) - 64.0).abs() < 1e-4);
+    /// ```
+    pub fn add_along(&mut self, axis: Vec3, variance: f32) {
+        let (n, along) = (axis, axis * variance);
+        self.xx += n.x * along.x;
+        self.yy += n.y * along.y;
+        self.zz += n.z * along.z;
+        self.xy += n.x * along.y;
+        self.xz += n.x * along.z;
+        self.yz += n.y * along.z;
+    }
+
     /// The spectrum's variance σ² = nᵀ Σ n along a unit `axis` \[cycles²/m²\], never negative.
     ///
     /// Scales with the square of the axis' length; an axis with a NaN gives 0. Error: a few roundings of the

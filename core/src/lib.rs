@@ -23,6 +23,8 @@ extern crate std;
 mod beam;
 #[cfg(feature = "bvh")]
 mod beam_map;
+mod column;
+mod density;
 mod fluence;
 mod frame;
 mod grid;
@@ -31,14 +33,19 @@ mod light_field;
 mod medium;
 mod surface;
 mod triangular;
+mod walk;
 
 pub use glam::{Vec2, Vec3};
 
-pub use beam::{BLOCK, Beam, BeamBlock, Crossing, EyeRay, Gathered, PARALLEL_SINE, cross, gather_pair};
+pub use beam::{
+    BLOCK, Beam, BeamBlock, Crossing, EyeRay, Gathered, PARALLEL_SINE, Passage, cross, gather_pair,
+};
 #[cfg(feature = "bvh")]
 pub use beam_map::{BeamMap, GatherScratch};
+pub use column::{Column, Knot};
+pub use density::{Density, DensityGrid, ExponentialDensity};
 pub use fluence::FluenceSpectrum;
-pub use grid::{CovarianceGrid, FluenceCell, FluenceGrid, GridCell, GridError, GridLayout};
+pub use grid::{Attenuation, CovarianceGrid, FluenceCell, FluenceGrid, GridCell, GridError, GridLayout};
 pub use kernel::{Kernel, KernelRadius, error_bound, progressive_radius};
 pub use light_field::LightField;
 pub use medium::{Medium, PhaseFunction, PhaseKind};

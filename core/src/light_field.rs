@@ -345,6 +345,58 @@ impl LightField {
         self.multiply([0.0, 0.0, n_x * root, n_y * root]);
     }
 
+    /// Attenuation over a step through a medium whose extinction varies across the ray.
+    ///
+    /// Spectrum: spatial variance `distance`/(4π²) |H| is added, H the extinction's second derivatives across the ray
+    /// and |H| the matrix with the magnitudes of its eigenvalues: the relative curvature of exp(-κ d), to first order in the
+    /// optical depth, as an envelope that knows no sign.
+    ///
+    /// - `hessian` \[1/m³\]: of the extinction κ at the middle of the step, in world axes, \[xx, yy, zz, xy, xz, yz\];
+    ///   0 (a homogeneous medium) changes nothing.
+    /// - `distance` \[m\] > 0: length of the step, short enough for H to be constant.
+    ///
+    /// Numbers that are not finite, and a distance that is not > 0, leave the field as it was.
+    ///
+    /// Guarantee: with the same H, two steps do what one of their summed length does. The second order, the square of the
+    /// optical depth's gradient, is left out: it would depend on how the way is cut into steps.
+    ///
+    /// Source: thesis 5.3.1 (products in the primal domain); the positive form is derived from Hess f = -4π² f Σ.
+    ///
+    /// ```
+    /// use covbeam::{LightField, Vec3};
+    /// let mut light = LightField::gaussian(Vec3::Z, Vec3::X, [0.0, 0.0], [1.0, 1.0]);
+    /// light.attenuate(&[0.0, -4.0, 7.0, 0.0, 0.0, 0.0], std::f32::consts::PI.powi(2));
+    /// let [xx, xy, yy] = light.slice();
+    /// assert!(xx == 0.0 && xy == 0.0 && (yy - 1.0).abs() < 1e-6);
+    /// ```
+    pub fn attenuate(&mut self, hessian: &[f32; 6], distance: f32) {
+        let sound =
+            hessian.iter().all(|second| second.is_finite()) && distance > 0.0 && distance < f32::INFINITY;
+        if !sound || *hessian == [0.0; 6] {
+            return;
+        }
+        let frame = self.frame();
+        let [xx, yy, zz, xy, xz, yz] = hessian.map(f64::from);
+        let entry = |a: Vector, b: Vector| {
+            xx * a[0] * b[0]
+                + yy * a[1] * b[1]
+                + zz * a[2] * b[2]
+                + xy * (a[0] * b[1] + a[1] * b[0])
+                + xz * (a[0] * b[2] + a[2] * b[0])
+                + yz * (a[1] * b[2] + a[2] * b[1])
+        };
+        let (p, q, r) = (entry(frame.x, frame.x), entry(frame.x, frame.y), entry(frame.y, frame.y));
+        let (middle, half) = (0.5 * (p + r), 0.5 * (p - r));
+        let spread = libm::sqrt(half * half + q * q);
+        let angle = 0.5 * libm::atan2(q, half);
+        let (sin, cos) = libm::sincos(angle);
+        let scale = f64::from(distance) / (4.0 * PI * PI);
+        let root = |eigenvalue: f64| libm::sqrt(scale * eigenvalue.abs()).min(UNBOUNDED);
+        let (a, b) = (root(middle + spread), root(middle - spread));
+        self.multiply([0.0, 0.0, a * cos, a * sin]);
+        self.multiply([0.0, 0.0, -b * sin, b * cos]);
+    }
+
     /// Narrowing of the emitted or transmitted directions, such as by the soft rim of a spot light.
     ///
     /// Spectrum: `angular_variance` is added along one axis; the signal is multiplied by a function of angle.
@@ -509,6 +561,83 @@ impl LightField {
             entry(0, 2),
             entry(1, 2),
         ]))
+    }
+
+    /// The spectrum of the fluence around the ray, bounded by what a voxel can resolve, in world axes \[cycles²/m²\].
+    ///
+    /// Spectrum: that of [`LightField::fluence`] with each of the root's two spatial columns cut to `limit`.
+    ///
+    /// - `limit` \[cycles/m\] > 0: the largest deviation kept. Light beside an edge has a variance of 1/(π²ρ²), whose mean
+    ///   over all distances ρ does not exist: a few photons next to an edge would speak for all. A voxel of side h
+    ///   cannot tell 1/h from more.
+    ///
+    /// Guarantee: positive semi-definite up to rounding, no deviation above √2 `limit`.
+    ///
+    /// Source: thesis Eq 5.14; the bound is derived.
+    ///
+    /// ```
+    /// use covbeam::{LightField, Vec3};
+    /// let light = LightField::gaussian(Vec3::Z, Vec3::X, [4.0, 900.0], [1.0, 1.0]);
+    /// assert_eq!(light.fluence_within(5.0).to_array(), [4.0, 25.0, 0.0, 0.0, 0.0, 0.0]);
+    /// ```
+    pub fn fluence_within(&self, limit: f32) -> FluenceSpectrum {
+        let (frame, limit) = (self.frame(), f64::from(limit));
+        let [_, _, _, _, _, xx, _, _, yx, yy] = self.root.map(f64::from);
+        // The two spatial columns of L as vectors of the world.
+        let bounded = |x: f64, y: f64| {
+            let length = libm::sqrt(x * x + y * y);
+            let scale = if length > limit { limit / length } else { 1.0 };
+            combine(scale * x, frame.x, scale * y, frame.y)
+        };
+        let (a, b) = (bounded(xx, yx), bounded(0.0, yy));
+        let entry = |i: usize, j: usize| a[i] * a[j] + b[i] * b[j];
+        FluenceSpectrum::from_array(within_range([
+            entry(0, 0),
+            entry(1, 1),
+            entry(2, 2),
+            entry(0, 1),
+            entry(0, 2),
+            entry(1, 2),
+        ]))
+    }
+
+    /// Variance of the fluence's spectrum along the ray \[cycles²/m²\], from how the rays spread or converge and from
+    /// extinction.
+    ///
+    /// Spectrum: for the Gaussian field of covariance Σ the fluence goes as f ∝ √det(slice) exp(-κ s), so that with
+    /// M = Σ_xu Σ_uu⁻¹ (minus the wavefront's curvature) (ln f)' = tr M - κ and (ln f)'' = tr M² - tr(slice Σ_uu⁻¹). The
+    /// variance is the larger of |f''/f| and (f'/f)², over 4π².
+    ///
+    /// - `extinction` κ \[1/m\] >= 0 around the ray.
+    ///
+    /// Holds for light that comes from its source without scattering on the way: scattered light starts all along
+    /// its path, and what one vertex spreads the next ones replace.
+    ///
+    /// Guarantee: >= 0 and finite. Test: `along_the_ray_the_fluence_has_the_spectrum_of_its_closed_form`.
+    ///
+    /// Source: derived. The thesis (5.3.1.2) takes the fluence as constant along the ray.
+    ///
+    /// ```
+    /// use covbeam::{LightField, Vec3};
+    /// // A point light: 1/d², a relative curvature of 2/d² across the ray and of 6/d² along it.
+    /// let mut light = LightField::point(Vec3::Z, 2.0 / (4.0 * std::f32::consts::PI.powi(2)));
+    /// light.travel(2.0);
+    /// assert!((light.variance_along_ray(0.0) / light.slice()[0] - 3.0).abs() < 1e-5);
+    /// ```
+    pub fn variance_along_ray(&self, extinction: f32) -> f32 {
+        let [uu, vu, vv, xu, xv, xx, yu, yv, yx, yy] = self.root.map(f64::from);
+        // With L = [[A, 0], [B, C]]: M = B A⁻¹, and tr(slice Σ_uu⁻¹) is the sum of the squares in A⁻¹ C. A row of A
+        // without a pivot has no column in B.
+        let over = |a: f64, b: f64| if b == 0.0 { 0.0 } else { a / b };
+        let (m_xv, m_yv) = (over(xv, vv), over(yv, vv));
+        let (m_xu, m_yu) = (over(xu - m_xv * vu, uu), over(yu - m_yv * vu, uu));
+        let first = over(xx, uu);
+        let rest = [first, over(yx - vu * first, vv), over(yy, vv)];
+        let slope = m_xu + m_yv - f64::from(extinction);
+        let bend = m_xu * m_xu + 2.0 * m_xv * m_yu + m_yv * m_yv - rest.iter().map(|r| r * r).sum::<f64>();
+        let curvature = (bend + slope * slope).abs().max(slope * slope);
+        let [variance] = within_range([curvature / (4.0 * PI * PI)]);
+        variance
     }
 
     /// Diagonal root, rows (u, v, x, y).

@@ -8,9 +8,9 @@
 //! - accepted pair: about 150 flops, one exp, two square roots, three divisions and a look-up, all scalar: 30 ns.
 
 use covbeam::{
-    Beam, BeamMap, CovarianceGrid, Curvature, EyeRay, FluenceCell, FluenceGrid, FluenceSpectrum,
-    GatherScratch, Gathered, GridCell, GridLayout, Kernel, KernelRadius, LightField, Medium, PhaseFunction,
-    Vec3, gather_pair,
+    Attenuation, Beam, BeamMap, CovarianceGrid, Curvature, Density, EyeRay, FluenceCell, FluenceGrid,
+    FluenceSpectrum, GatherScratch, Gathered, GridCell, GridLayout, Kernel, KernelRadius, LightField, Medium,
+    Passage, PhaseFunction, Vec3, gather_pair,
 };
 use covbeam_render::random::Random;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
@@ -94,7 +94,16 @@ fn grid(c: &mut Criterion) {
     let field = LightField::point(Vec3::new(0.6, 0.48, 0.64), 0.05);
     group.throughput(Throughput::Elements(1));
     group.bench_function("deposit_segment of length 6", |b| {
-        b.iter(|| accumulator.deposit_segment(Vec3::splat(-2.0), 6.0, black_box(&field), 1.0, 0.2));
+        b.iter(|| {
+            accumulator.deposit_segment(
+                Vec3::splat(-2.0),
+                6.0,
+                black_box(&field),
+                1.0,
+                true,
+                &Attenuation::homogeneous(0.2),
+            )
+        });
     });
     group.finish();
 }
@@ -127,7 +136,7 @@ fn gather(c: &mut Criterion) {
         let beams = beams(count);
         group.throughput(Throughput::Elements(count as u64)).sample_size(10);
         group.bench_with_input(BenchmarkId::from_parameter(count), &beams, |b, beams| {
-            b.iter(|| BeamMap::build(beams.clone(), 0.01));
+            b.iter(|| BeamMap::build(beams.clone(), 0.01, &FOG, &Density::Uniform));
         });
     }
     group.finish();
@@ -141,7 +150,7 @@ fn gather(c: &mut Criterion) {
         })
         .collect();
     for count in [1_000, 10_000, 100_000] {
-        let map = BeamMap::build(beams(count), 0.2);
+        let map = BeamMap::build(beams(count), 0.2, &FOG, &Density::Uniform);
         for (name, radius) in [
             ("plain 0.05", plain(0.05)),
             ("plain 0.004", plain(0.004)),
@@ -149,11 +158,11 @@ fn gather(c: &mut Criterion) {
         ] {
             let mut scratch = GatherScratch::default();
             let mut gathered = vec![Gathered::default(); rays.len()];
-            map.gather(&rays, &FOG, &radius, &mut gathered, &mut scratch);
+            map.gather(&rays, &FOG, &Density::Uniform, &radius, &mut gathered, &mut scratch);
             let pairs: u64 = gathered.iter().map(|g| u64::from(g.pairs)).sum();
             group.throughput(Throughput::Elements(pairs.max(1)));
             group.bench_function(BenchmarkId::new(name, count), |b| {
-                b.iter(|| map.gather(&rays, &FOG, &radius, &mut gathered, &mut scratch));
+                b.iter(|| map.gather(&rays, &FOG, &Density::Uniform, &radius, &mut gathered, &mut scratch));
             });
         }
     }
@@ -168,7 +177,17 @@ fn gather(c: &mut Criterion) {
     group.throughput(Throughput::Elements(1));
     group.bench_function("one accepted pair", |b| {
         let mut gathered = Gathered::default();
-        b.iter(|| gather_pair(black_box(&rays[0]), &beam, 0.0, 2.0, &FOG, &radius, &mut gathered));
+        b.iter(|| {
+            gather_pair(
+                black_box(&rays[0]),
+                &beam,
+                0.0,
+                2.0,
+                &Passage::homogeneous(&FOG),
+                &radius,
+                &mut gathered,
+            )
+        });
     });
     group.finish();
 }

@@ -9,7 +9,8 @@
 use crate::random::Stream;
 use crate::twin::{Big, Event, Real, Source, Twin, apply, start};
 use covbeam::{
-    CovarianceGrid, Curvature, FluenceCell, FluenceSpectrum, GridCell, GridLayout, LightField, Vec3,
+    Attenuation, CovarianceGrid, Curvature, FluenceCell, FluenceSpectrum, GridCell, GridLayout, LightField,
+    Vec3,
 };
 
 /// A light path whose arithmetic is hard.
@@ -592,7 +593,7 @@ pub fn extinguished_beam() -> (f64, usize) {
     let mut grid = CovarianceGrid::new(layout, &mut cells).expect("layout");
     let mut field = LightField::point(Vec3::Z, 0.5);
     field.travel(1.0);
-    grid.deposit_segment(Vec3::ZERO, 200.0, &field, 1.0, 1.0);
+    grid.deposit_segment(Vec3::ZERO, 200.0, &field, 1.0, true, &Attenuation::homogeneous(1.0));
     let mut means = [FluenceCell::default(); VOXELS];
     grid.resolve(&mut means).expect("length");
     let mut worst: f64 = 0.0;

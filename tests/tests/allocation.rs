@@ -4,9 +4,10 @@ use std::hint::black_box;
 
 use allocation_counter::measure;
 use covbeam::{
-    Beam, BeamBlock, CovarianceGrid, Curvature, EyeRay, FluenceCell, FluenceGrid, FluenceSpectrum, Gathered,
-    GridCell, GridError, GridLayout, Kernel, KernelRadius, LightField, Medium, PhaseFunction, PhaseKind,
-    Vec2, Vec3, cross, error_bound, gather_pair, progressive_radius,
+    Attenuation, Beam, BeamBlock, Column, CovarianceGrid, Curvature, Density, DensityGrid,
+    ExponentialDensity, EyeRay, FluenceCell, FluenceGrid, FluenceSpectrum, Gathered, GridCell, GridError,
+    GridLayout, Kernel, KernelRadius, Knot, LightField, Medium, Passage, PhaseFunction, PhaseKind, Vec2,
+    Vec3, cross, error_bound, gather_pair, progressive_radius,
 };
 
 const LAYOUT: GridLayout = GridLayout { min: Vec3::splat(-2.0), max: Vec3::splat(2.0), cells: [8, 8, 8] };
@@ -35,6 +36,7 @@ fn light_fields_do_not_allocate() {
             field.travel(1.0);
             field.rotate(slope);
             field.occlude(Vec3::X, 0.1);
+            field.attenuate(&[0.1, 0.2, 0.3, 0.1, 0.0, 0.1], 0.5);
             field.narrow(Vec3::Y, 0.2);
             black_box(field.refract(-Vec3::Z, &curvature, 1.0 / 1.5));
             field.travel(0.5);
@@ -42,7 +44,13 @@ fn light_fields_do_not_allocate() {
             field.scatter(slope, 0.7);
             field.travel(0.3);
             field.diffuse(Vec3::Y, Vec3::Y);
-            black_box((field.slice(), field.fluence().variance_along(Vec3::X), field.fluence().to_array()));
+            black_box((
+                field.fluence_within(10.0),
+                field.variance_along_ray(0.2),
+                field.slice(),
+                field.fluence().variance_along(Vec3::X),
+                field.fluence().to_array(),
+            ));
         }
     });
     assert_eq!(count, 0);
@@ -58,7 +66,17 @@ fn the_grid_does_not_allocate() {
         let mut grid = CovarianceGrid::new(LAYOUT, &mut cells).unwrap();
         grid.deposit(Vec3::ZERO, &FluenceSpectrum::from_array([1.0; 6]), 1.0);
         let field = LightField::point(Vec3::X, 0.1);
-        grid.deposit_segment(Vec3::new(-3.0, 0.1, 0.1), 9.0, &field, 1.0, 0.4);
+        let mut spectrum = field.fluence();
+        spectrum.add_along(Vec3::X, 0.1);
+        black_box(spectrum);
+        grid.deposit_segment(
+            Vec3::new(-3.0, 0.1, 0.1),
+            9.0,
+            &field,
+            1.0,
+            true,
+            &Attenuation::homogeneous(0.4),
+        );
         grid.merge(&more).unwrap();
         grid.resolve(&mut means).unwrap();
         black_box(CovarianceGrid::new(LAYOUT, &mut []).err() == Some(GridError::Length));
@@ -91,6 +109,30 @@ fn media_and_kernels_do_not_allocate() {
 }
 
 #[test]
+fn densities_do_not_allocate() {
+    let values = vec![1.5; LAYOUT.cell_count()];
+    let mut knots = [Knot::default(); 64];
+    let mut used = 0;
+    let count = allocations(|| {
+        let air = ExponentialDensity { origin: Vec3::ZERO, up: Vec3::Y, scale_height: 2.0 };
+        let grid = DensityGrid::new(LAYOUT, &values).unwrap();
+        for density in [Density::Uniform, Density::Exponential(air), Density::Grid(grid)] {
+            used = 0;
+            density.knots(Vec3::splat(-0.1), Vec3::X, 2.0, 1e-3, 9.0, &mut |knot| {
+                knots[used] = knot;
+                used += 1;
+            });
+            let column: Column = density.column(Vec3::splat(-0.1), Vec3::X, &knots[..used]);
+            black_box((column.at(0.3), column.distance_at(0.2)));
+            black_box(density.reach(Vec3::ZERO, Vec3::X, 9.0, &knots[..used]));
+            black_box((density.at(Vec3::ZERO), density.hessian(Vec3::ZERO), density.step()));
+        }
+    });
+    assert!(used > 1);
+    assert_eq!(count, 0);
+}
+
+#[test]
 fn the_gather_does_not_allocate() {
     let field = FluenceSpectrum { xx: 1.0, yy: 1.0, zz: 1.0, ..FluenceSpectrum::default() };
     let means = vec![FluenceCell { spectrum: field, weight: 1.0 }; LAYOUT.cell_count()];
@@ -110,7 +152,7 @@ fn the_gather_does_not_allocate() {
         let grid = FluenceGrid::new(LAYOUT, &means).ok();
         let radius = KernelRadius { kernel: Kernel::Box, progressive: 0.02, ceiling: 0.1, error: 0.01, grid };
         black_box((cross(&ray, &beam), radius.at(Vec3::ZERO, Vec3::X)));
-        gather_pair(&ray, &beam, 0.0, beam.length, &medium, &radius, &mut gathered);
+        gather_pair(&ray, &beam, 0.0, beam.length, &Passage::homogeneous(&medium), &radius, &mut gathered);
         let mut block = BeamBlock::EMPTY;
         block.set(0, &beam, 0.0, beam.length);
         block.clear_from(1);

@@ -1,8 +1,8 @@
 //! Beams against the naive twin: every pair tested, in double precision.
 
 use covbeam::{
-    BLOCK, Beam, BeamBlock, BeamMap, EyeRay, GatherScratch, Gathered, Kernel, KernelRadius, Medium,
-    PhaseFunction, Vec3, cross, gather_pair,
+    BLOCK, Beam, BeamBlock, BeamMap, Density, EyeRay, GatherScratch, Gathered, Kernel, KernelRadius, Medium,
+    Passage, PhaseFunction, Vec3, cross, gather_pair,
 };
 use covbeam_render::random::Random;
 use glam::DVec3;
@@ -82,7 +82,15 @@ fn one_pair_agrees_with_the_textbook_estimator_in_double_precision() {
         (beam.start_normal, beam.end_normal) = (Vec3::ZERO, Vec3::ZERO);
         let ray = EyeRay { origin: point(&mut random), direction: direction(&mut random), length: 10.0 };
         let mut gathered = Gathered::default();
-        let accepted = gather_pair(&ray, &beam, 0.0, beam.length, &FOG, &plain(0.3), &mut gathered);
+        let accepted = gather_pair(
+            &ray,
+            &beam,
+            0.0,
+            beam.length,
+            &Passage::homogeneous(&FOG),
+            &plain(0.3),
+            &mut gathered,
+        );
         let truth = naive(&ray, &beam, &FOG, 0.3);
         let sine = ray.direction.cross(beam.direction).length();
         if let (true, Some(truth)) = (accepted, truth) {
@@ -126,7 +134,7 @@ fn the_map_accepts_the_same_pairs_as_testing_every_beam() {
     let mut random = Random::new([9, 9, 9, 9]);
     for (count, radius) in [(1, 0.3), (7, 0.5), (500, 0.2), (3000, 0.02), (3000, 0.6)] {
         let beams = random_beams(count, &mut random);
-        let map = BeamMap::build(beams.clone(), radius);
+        let map = BeamMap::build(beams.clone(), radius, &FOG, &Density::Uniform);
         assert_eq!(map.beams().len(), count);
         let mut scratch = GatherScratch::default();
         for spread in [0.0, 0.02, 0.3, 3.0] {
@@ -140,11 +148,19 @@ fn the_map_accepts_the_same_pairs_as_testing_every_beam() {
                 })
                 .collect();
             let mut fast = vec![Gathered::default(); rays.len()];
-            map.gather(&rays, &FOG, &plain(radius), &mut fast, &mut scratch);
+            map.gather(&rays, &FOG, &Density::Uniform, &plain(radius), &mut fast, &mut scratch);
             for (ray, fast) in rays.iter().zip(&fast) {
                 let mut slow = Gathered::default();
                 for beam in &beams {
-                    gather_pair(ray, beam, 0.0, beam.length, &FOG, &plain(radius), &mut slow);
+                    gather_pair(
+                        ray,
+                        beam,
+                        0.0,
+                        beam.length,
+                        &Passage::homogeneous(&FOG),
+                        &plain(radius),
+                        &mut slow,
+                    );
                 }
                 assert_eq!(fast.pairs, slow.pairs, "{count} beams, radius {radius}, spread {spread}");
                 // Only the order of summation differs.
@@ -196,7 +212,7 @@ fn a_wall_neither_takes_nor_gives_light() {
                 start_normal: Vec3::ZERO,
                 end_normal: wall,
             };
-            gather_pair(&ray, &beam, 0.0, length, &clear, &plain(radius), &mut sum);
+            gather_pair(&ray, &beam, 0.0, length, &Passage::homogeneous(&clear), &plain(radius), &mut sum);
         }
     }
     let unit = 1e-6 / (4.0 * std::f32::consts::PI) / e.cross(b).length();
@@ -218,8 +234,8 @@ fn worthless_beams_and_rays_change_nothing() {
         Beam { direction: Vec3::new(nan, 0.0, 0.0), ..good },
         Beam { power: Vec3::splat(f32::INFINITY), ..good },
     ];
-    assert!(BeamMap::build(bad.to_vec(), 0.1).beams().is_empty());
-    let map = BeamMap::build(vec![good], 0.1);
+    assert!(BeamMap::build(bad.to_vec(), 0.1, &FOG, &Density::Uniform).beams().is_empty());
+    let map = BeamMap::build(vec![good], 0.1, &FOG, &Density::Uniform);
     let mut scratch = GatherScratch::default();
     let ray = EyeRay { origin: Vec3::new(0.5, 0.0, -1.0), direction: Vec3::Z, length: 2.0 };
     let rays = [
@@ -232,15 +248,15 @@ fn worthless_beams_and_rays_change_nothing() {
     ];
     for ray in rays {
         let mut gathered = [Gathered::default()];
-        map.gather(&[ray], &FOG, &plain(0.1), &mut gathered, &mut scratch);
+        map.gather(&[ray], &FOG, &Density::Uniform, &plain(0.1), &mut gathered, &mut scratch);
         assert_eq!(gathered[0], Gathered::default(), "{ray:?}");
     }
     let mut gathered = [Gathered::default()];
-    map.gather(&[ray], &FOG, &plain(0.1), &mut gathered, &mut scratch);
+    map.gather(&[ray], &FOG, &Density::Uniform, &plain(0.1), &mut gathered, &mut scratch);
     assert_eq!(gathered[0].pairs, 1);
     for radius in [0.0, -1.0, nan] {
         let mut gathered = [Gathered::default()];
-        map.gather(&[ray], &FOG, &plain(radius), &mut gathered, &mut scratch);
+        map.gather(&[ray], &FOG, &Density::Uniform, &plain(radius), &mut gathered, &mut scratch);
         assert_eq!(gathered[0], Gathered::default(), "radius {radius}");
     }
 }
@@ -259,7 +275,15 @@ fn the_filter_lets_every_accepted_pair_through_and_few_others() {
         let mask = block.test(&ray, 0.1);
         for (slot, beam) in beams.iter().enumerate() {
             let mut gathered = Gathered::default();
-            if gather_pair(&ray, beam, 0.0, beam.length, &FOG, &plain(0.1), &mut gathered) {
+            if gather_pair(
+                &ray,
+                beam,
+                0.0,
+                beam.length,
+                &Passage::homogeneous(&FOG),
+                &plain(0.1),
+                &mut gathered,
+            ) {
                 accepted += 1;
                 assert!(mask >> slot & 1 == 1, "slot {slot} of {ray:?} was filtered out");
             }
@@ -276,7 +300,9 @@ fn the_filter_lets_every_accepted_pair_through_and_few_others() {
 
 #[test]
 fn a_map_says_what_it_holds() {
-    let map = |count| BeamMap::build(random_beams(count, &mut Random::new([6, 6, 6, 6])), 0.1);
+    let map = |count| {
+        BeamMap::build(random_beams(count, &mut Random::new([6, 6, 6, 6])), 0.1, &FOG, &Density::Uniform)
+    };
     let (small, large) = (map(100).memory(), map(10_000).memory());
     let bytes = large as f64 / 10_000.0;
     // 76 bytes a beam, 36 a piece and 48 a node, about four pieces a beam and a node or less a piece.

@@ -5,7 +5,7 @@ use covbeam_tests::random::Stream;
 use covbeam_tests::stability::{
     assert_sound, cases, errors, extinguished_beam, families, many_deposits, spread,
 };
-use covbeam_tests::twin::{Event, Source, apply, light_field, start};
+use covbeam_tests::twin::{Big, Event, Real, Source, Twin, apply, light_field, start};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
@@ -451,5 +451,148 @@ fn turning_the_frame_changes_no_fluence() {
         let mut field = before;
         field.rotate(nothing);
         assert_eq!(field, before);
+    }
+}
+
+/// Eigenvalues and the angle of the first eigenvector of a symmetric 2x2 matrix, by Jacobi's rotation in f64.
+fn magnitude([a, b, c]: [f64; 3]) -> [f64; 3] {
+    let (middle, half) = (0.5 * (a + c), 0.5 * (a - c));
+    let spread = half.hypot(b);
+    // |H| = α H + β 1 with α λ± + β = |λ±|.
+    let (high, low) = (middle + spread, middle - spread);
+    let alpha = if spread == 0.0 { 0.0 } else { (high.abs() - low.abs()) / (high - low) };
+    let beta = high.abs() - alpha * high;
+    [alpha * a + beta, alpha * b, alpha * c + beta]
+}
+
+#[test]
+fn attenuation_adds_the_magnitude_of_the_extinctions_curvature_across_the_ray() {
+    let mut stream = Stream::new(31);
+    for _ in 0..500 {
+        let hessian: [f32; 6] = std::array::from_fn(|_| stream.between(-3.0, 3.0) as f32);
+        let d = stream.between(0.1, 5.0) as f32;
+        let x = Vec3::new(0.36, 0.48, -0.8);
+        let z = Vec3::new(0.8, -0.6, 0.0);
+        let mut field = LightField::gaussian(z, x, [0.5, 0.25], [0.0; 2]);
+        let before = field.slice();
+        let (axis_x, axis_y) = (field.x_axis.as_dvec3(), field.direction.cross(field.x_axis).as_dvec3());
+        let [xx, yy, zz, xy, xz, yz] = hessian.map(f64::from);
+        let h = glam::DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);
+        let across = [axis_x.dot(h * axis_x), axis_x.dot(h * axis_y), axis_y.dot(h * axis_y)];
+        field.attenuate(&hessian, d);
+        assert_eq!(field.x_axis.as_dvec3(), axis_x);
+        let added = magnitude(across).map(|h| h * f64::from(d) / (4.0 * PI * PI));
+        for ((got, before), added) in field.slice().iter().zip(before).zip(added) {
+            // The root rounds to f32, the frame's axes too.
+            assert!((f64::from(*got) - f64::from(before) - added).abs() < 2e-6, "{got} {before} {added}");
+        }
+    }
+}
+
+#[test]
+fn two_attenuated_steps_are_one_of_their_length() {
+    let hessian = [0.3, -0.8, 0.5, 0.2, 0.1, -0.4];
+    let start = LightField::gaussian(Vec3::Z, Vec3::X, [1.0, 2.0], [0.5, 0.1]);
+    let (mut once, mut twice) = (start, start);
+    once.attenuate(&hessian, 3.0);
+    twice.attenuate(&hessian, 1.0);
+    twice.attenuate(&hessian, 2.0);
+    for (a, b) in once.slice().iter().zip(twice.slice()) {
+        assert!((a - b).abs() < 1e-6, "{a} {b}");
+    }
+    for bad in [[f32::NAN; 6], [f32::INFINITY; 6], [0.0; 6]] {
+        let mut field = start;
+        field.attenuate(&bad, 1.0);
+        assert_eq!(field, start);
+    }
+    for bad in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        let mut field = start;
+        field.attenuate(&hessian, bad);
+        assert_eq!(field, start);
+    }
+}
+
+/// |f''/f| and (f'/f)² along the ray, the larger, of f = √det(slice) exp(-κ s): differences of the 1600-bit twin.
+fn along_by_differences(twin: &Twin<Big>, extinction: f64) -> f64 {
+    let h = f32::powi(2.0, -30);
+    let at = |step: f32| {
+        let mut moved = twin.clone();
+        moved.apply(&Event::Travel(step));
+        moved.slice_determinant()
+    };
+    let (less, here, more) = (at(-h), at(0.0), at(h));
+    let h = f64::from(h);
+    let first = ((more.clone() - less.clone()) / here.clone()).to_f64() / (2.0 * h);
+    let second = ((more + less) / here - Big::of(2.0)).to_f64() / (h * h);
+    // f = √g: f'/f = g'/2g, f''/f = g''/2g - (g'/2g)²; then times exp(-κ s).
+    let (slope, curvature) = (0.5 * first, 0.5 * second - 0.25 * first * first);
+    let damped = slope - extinction;
+    let damped_curvature = curvature - 2.0 * extinction * slope + extinction * extinction;
+    damped_curvature.abs().max(damped * damped) / (4.0 * PI * PI)
+}
+
+#[test]
+fn along_the_ray_the_fluence_has_the_spectrum_of_its_closed_form() {
+    // A point light: 1/d², so 6/d² along the ray; with extinction κ 6/d² + 4κ/d + κ².
+    let angular = (2.0 / (4.0 * PI * PI)) as f32;
+    let mut lamp = LightField::point(Vec3::Z, angular);
+    lamp.travel(3.0);
+    for kappa in [0.0, 0.2, 2.0] {
+        let expected = (6.0 / 9.0 + 4.0 * kappa / 3.0 + kappa * kappa) / (4.0 * PI * PI);
+        assert_close(lamp.variance_along_ray(kappa as f32), expected, 1e-5);
+    }
+    // In the middle of a focus of one axis f = 1/√(z² + q), q = Σ_uu/Σ_xx: f''/f = -1/q.
+    let focus = LightField::gaussian(Vec3::Z, Vec3::X, [4.0, 0.0], [2.0, 0.0]);
+    assert_close(focus.variance_along_ray(0.0), 2.0 / (4.0 * PI * PI), ROUNDING);
+    // A parallel beam does not change along its way (its width of 0.1 over its angular bandwidth of 2⁵⁰).
+    assert!(LightField::collimated(Vec3::Z, 0.1).variance_along_ray(0.0) < 1e-20);
+    assert!(LightField::point(Vec3::Z, f32::INFINITY).variance_along_ray(f32::MAX).is_finite());
+
+    let mut stream = Stream::new(32);
+    let mut number = |from: f64, to: f64| stream.between(from, to) as f32;
+    for case in 0..300 {
+        let source = Source::Gaussian(
+            Vec3::new(0.48, 0.6, 0.64),
+            Vec3::new(number(-1.0, 1.0), 1.0, 0.3),
+            [number(0.1, 50.0), number(0.1, 50.0)],
+            [number(0.05, 3.0), number(0.05, 3.0)],
+        );
+        let mut vector = || Vec3::new(number(-1.0, 1.0), number(-1.0, 1.0), number(-1.0, 1.0));
+        let (towards, tangent) = (vector(), vector());
+        let [along, across, twist] = [number(-1.0, 1.0), number(-1.0, 1.0), number(-0.5, 0.5)];
+        let events = [
+            Event::Travel(number(0.1, 3.0)),
+            Event::Occlude(towards, number(0.05, 1.0)),
+            Event::Refract(Vec3::new(-0.3, -0.5, -0.9), Curvature { tangent, along, across, twist }, 0.7),
+            Event::Travel(number(0.1, 3.0)),
+        ];
+        let field = light_field(source, &events);
+        let kappa = number(0.0, 1.0);
+        let twin = Twin::<Big>::new(source, &events);
+        let expected = along_by_differences(&twin, f64::from(kappa));
+        let found = f64::from(field.variance_along_ray(kappa));
+        // Four events, each rounded to f32; bend and slope² may cancel to a hundredth of what spreads across.
+        let [xx, _, yy] = field.slice().map(f64::from);
+        let tolerance = 1e-4 * (expected + 0.01 * (xx + yy));
+        assert!((found - expected).abs() < tolerance, "case {case}: {found} for {expected}");
+    }
+}
+
+#[test]
+fn a_voxel_keeps_no_more_than_its_limit() {
+    let mut field = LightField::point(Vec3::Z, 0.05);
+    field.travel(1.0);
+    field.occlude(Vec3::new(1.0, 1.0, 0.0), 1e-6);
+    let spectrum = field.fluence_within(4.0);
+    let edge = Vec3::new(1.0, 1.0, 0.0).normalize();
+    // The edge's own axis is cut to the limit; across it, far below the limit, nothing changes.
+    assert!((spectrum.variance_along(edge).sqrt() - 4.0).abs() < 0.1, "{spectrum:?}");
+    let other = Vec3::new(1.0, -1.0, 0.0).normalize();
+    assert!((spectrum.variance_along(other) - 0.05).abs() < 1e-3, "{spectrum:?}");
+    for limit in [1e-3, 1.0, 1e6] {
+        let spectrum =
+            LightField::gaussian(Vec3::Z, Vec3::X, [f32::INFINITY; 2], [1.0; 2]).fluence_within(limit);
+        let trace = spectrum.xx + spectrum.yy + spectrum.zz;
+        assert!(trace.is_finite() && trace <= 2.0 * limit * limit * 1.000_01, "{spectrum:?}");
     }
 }

@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use covbeam::{Kernel, PhaseFunction, PhaseKind};
-use covbeam_render::scene::{Light, Material, Scene, Shape};
+use covbeam::{ExponentialDensity, GridLayout, Kernel, PhaseFunction, PhaseKind};
+use covbeam_render::scene::{Light, Material, MediumDensity, Scene, Shape};
 use covbeam_render::scene_file::SceneError;
 use glam::Vec3;
 use proptest::prelude::*;
 
-/// A valid scene that uses every field; the tests below break it.
+/// A valid scene that uses every field but those of [`SMOKE`]; the tests below break it.
 const VALID: &str = r#"outside_medium = "fog"
 [camera]
 position = [0.0, 0.5, -5.0]
@@ -84,9 +84,32 @@ error = 0.02
 max_radius = 0.3
 light_field_share = 0.2
 kernel = "biweight"
+[[medium]]
+name = "air"
+scattering = [0.1, 0.2, 0.4]
+absorption = 0
+density = { exponential = { origin = [0, 1, 0], up = [0, 0, 2], scale_height = 1.5 } }
+"#;
+
+/// A medium for the end of [`VALID`], which names a file.
+const SMOKE: &str = r#"[[medium]]
+name = "smoke"
+scattering = [5, 4, 3]
+absorption = 1
+density = { volume = { file = "smoke.vol", min = [-1, -2, -3], max = [1, 2, 3] } }
 "#;
 
 const TETRAHEDRON: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+/// A .vol file of bytes, which is all 0 where `values` end.
+fn volume(cells: [i32; 3], values: &[u8]) -> Vec<u8> {
+    let mut bytes = b"VOL\x03".to_vec();
+    [3, cells[0], cells[1], cells[2], 1].iter().for_each(|integer: &i32| bytes.extend(integer.to_le_bytes()));
+    [0.0f32, 0.0, 0.0, 1.0, 2.0, 3.0].iter().for_each(|corner| bytes.extend(corner.to_le_bytes()));
+    bytes.extend(values);
+    bytes.resize(48 + cells.iter().product::<i32>() as usize, 0);
+    bytes
+}
 
 /// A folder with the mesh that [`VALID`] names, an open one and a broken one.
 fn meshes() -> tempfile::TempDir {
@@ -113,10 +136,16 @@ fn every_field_arrives() {
     assert_eq!((scene.camera.width, scene.camera.height), (64, 32));
     assert!((scene.camera.tan_half_height - 17.5f32.to_radians().tan()).abs() < 1e-7);
     assert_eq!(scene.camera.right, Vec3::NEG_X);
-    assert_eq!(scene.media[0].scattering, Vec3::new(0.2, 0.3, 0.4));
-    assert_eq!(scene.media[0].absorption, Vec3::splat(0.02));
-    assert_eq!(scene.media[0].phase, PhaseFunction { kind: PhaseKind::HenyeyGreenstein, asymmetry: 0.7 });
-    assert_eq!(scene.media[1].phase.kind, PhaseKind::Rayleigh);
+    assert_eq!(scene.media[0].medium.scattering, Vec3::new(0.2, 0.3, 0.4));
+    assert_eq!(scene.media[0].medium.absorption, Vec3::splat(0.02));
+    assert_eq!(
+        scene.media[0].medium.phase,
+        PhaseFunction { kind: PhaseKind::HenyeyGreenstein, asymmetry: 0.7 }
+    );
+    assert_eq!(scene.media[1].medium.phase.kind, PhaseKind::Rayleigh);
+    assert!(matches!(scene.media[1].density, MediumDensity::Uniform));
+    let MediumDensity::Exponential(air) = scene.media[2].density else { panic!("exponential") };
+    assert_eq!(air, ExponentialDensity { origin: Vec3::Y, up: Vec3::Z, scale_height: 1.5 });
     let [ball, floor, room, mesh] = scene.objects.as_slice() else { panic!("four objects") };
     assert_eq!((ball.name.as_str(), ball.inside), ("ball", Some(1)));
     assert_eq!(ball.material, Material::Dielectric { index: 1.5 });
@@ -149,7 +178,7 @@ fn the_ball_scenes_are_the_ones_that_were_measured_elsewhere() {
         [("glass-ball.toml", Material::Dielectric { index: 1.5 }), ("black-ball.toml", Material::Black)]
     {
         let scene = Scene::load(&shipped(name)).expect("shipped scenes are valid");
-        let fog = scene.media[scene.outside.expect("fog outside") as usize];
+        let fog = scene.media[scene.outside.expect("fog outside") as usize].medium;
         assert_eq!((fog.scattering, fog.absorption), (Vec3::splat(0.2), Vec3::splat(0.02)));
         assert_eq!(fog.phase, PhaseFunction::ISOTROPIC);
         let [ball, floor, room] = scene.objects.as_slice() else { panic!("three objects") };
@@ -179,7 +208,10 @@ fn the_ball_scenes_are_the_ones_that_were_measured_elsewhere() {
 fn every_shipped_scene_is_valid_and_its_camera_stands_outside_all_glass() {
     let folder = std::fs::read_dir(shipped("")).expect("the scenes folder");
     let files: Vec<PathBuf> = folder.map(|entry| entry.expect("readable").path()).collect();
-    let scenes: Vec<_> = files.iter().filter(|path| path.extension().is_some_and(|e| e == "toml")).collect();
+    // The folder is also the package of the programs that make its meshes and volumes.
+    let is_scene =
+        |path: &&PathBuf| path.extension().is_some_and(|e| e == "toml") && !path.ends_with("Cargo.toml");
+    let scenes: Vec<_> = files.iter().filter(is_scene).collect();
     assert!(scenes.len() >= 2);
     for path in scenes {
         let scene = Scene::load(path).unwrap_or_else(|error| panic!("{error}"));
@@ -279,6 +311,20 @@ const WRONG: &[(&str, &str, isize, &str, &str)] = &[
     ("cells = [8, 16, 32]", "cells = 32", 0, "grid.cells", "three"),
     ("scale = 0.5", "scale = 0", 0, "object[3].scale", "length"),
     ("degrees = 90", "degrees = 1e5", 0, "object[3].rotate.degrees", "degrees"),
+    ("scale_height = 1.5", "scale_height = 0", 0, "medium[2].density.exponential.scale_height", "length"),
+    ("scale_height = 1.5", "scale_height = -1.5", 0, "medium[2].density.exponential.scale_height", "length"),
+    ("scale_height = 1.5", "scale_height = inf", 0, "medium[2].density.exponential.scale_height", "length"),
+    (", scale_height = 1.5", "", 0, "medium[2].density.exponential.scale_height", "this field"),
+    ("up = [0, 0, 2]", "up = [0, 0, 0]", 0, "medium[2].density.exponential.up", "not zero"),
+    ("origin = [0, 1, 0]", "origin = [0, nan, 0]", 0, "medium[2].density.exponential.origin[1]", "number"),
+    ("origin = [0", "orgin = [0", 0, "medium[2].density.exponential.orgin", "origin, up, scale_height"),
+    ("density = {", "density = \"exponential\" # {", 0, "medium[2].density", "{ exponential = {"),
+    ("density = {", "density = 2 # {", 0, "medium[2].density", "{ volume = {"),
+    ("density = {", "density = { volume = 1 } # {", 0, "medium[2].density.volume", "table"),
+    ("density = {", "density = { volume = {} } # {", 0, "medium[2].density.volume.file", "this field"),
+    ("density = {", "density = { volume = { file = 1 } } # {", 0, "medium[2].density.volume.file", ".vol"),
+    ("density = {", "density = { volume = {}, a = 1 } # {", 0, "medium[2].density", "{ exponential = {"),
+    ("density = {", "densty = {", 0, "medium[2].densty", "density"),
     // Contradictions.
     ("max = [4, 4.5, 4]\nmaterial", "max = [4, -1.51, 4]\nmaterial", 0, "object[2].max", "above"),
     ("max = [4, 4.5, 4]\ncells", "max = [-5, 4.5, 4]\ncells", 0, "grid.max", "above"),
@@ -305,6 +351,7 @@ const WRONG: &[(&str, &str, isize, &str, &str)] = &[
     ("radiance = 4", "radiance = -4", 0, "light[2].radiance", "0..=1e9"),
     ("outside_medium = \"fog\"", "outside_medium = \"mist\"", 0, "outside_medium", "fog, milk"),
     ("inside = \"milk\"", "inside = \"beer\"", 0, "object[0].inside", "fog, milk"),
+    ("inside = \"milk\"", "inside = \"air\"", 0, "object[0].inside", "without `density`"),
     ("name = \"milk\"", "name = \"fog\"", 0, "medium[1].name", "no other"),
     (
         "material = \"black\"",
@@ -383,6 +430,146 @@ fn a_missing_broken_or_open_mesh_is_refused_where_it_is_named() {
 }
 
 #[test]
+fn a_volume_arrives_in_its_own_box_or_in_the_scenes() {
+    let folder = meshes();
+    std::fs::write(folder.path().join("smoke.vol"), volume([2, 1, 1], &[0, 255])).expect("written");
+    let text = format!("{VALID}{SMOKE}").replace("outside_medium = \"fog\"", "outside_medium = \"smoke\"");
+    let own = text.replace(", min = [-1, -2, -3], max = [1, 2, 3]", "");
+    for (text, min, max) in [
+        (&text, Vec3::new(-1.0, -2.0, -3.0), Vec3::new(1.0, 2.0, 3.0)),
+        (&own, Vec3::ZERO, Vec3::new(1.0, 2.0, 3.0)),
+    ] {
+        let scene = Scene::parse(text, "smoke.toml", folder.path()).expect("valid");
+        assert_eq!(scene.outside, Some(3));
+        let MediumDensity::Grid(volume) = &scene.media[3].density else { panic!("a volume") };
+        assert_eq!(volume.layout, GridLayout { min, max, cells: [2, 1, 1] });
+        assert_eq!(volume.values, [0.0, 1.0]);
+    }
+}
+
+#[test]
+fn what_an_exponential_density_does_not_say_has_a_default() {
+    let text = VALID.replace("origin = [0, 1, 0], up = [0, 0, 2], ", "");
+    let scene = Scene::parse(&text, "air.toml", meshes().path()).expect("valid");
+    let MediumDensity::Exponential(air) = scene.media[2].density else { panic!("exponential") };
+    assert_eq!(air, ExponentialDensity { origin: Vec3::ZERO, up: Vec3::Y, scale_height: 1.5 });
+}
+
+#[test]
+fn a_missing_or_broken_volume_is_refused_where_it_is_named() {
+    let folder = meshes();
+    std::fs::write(folder.path().join("smoke.vol"), volume([2, 1, 1], &[])).expect("written");
+    std::fs::write(folder.path().join("cut.vol"), &volume([2, 1, 1], &[])[..49]).expect("written");
+    let text = format!("{VALID}{SMOKE}");
+    let line = text.lines().count();
+    let refused = |from: &str, to: &str| {
+        assert!(text.contains(from));
+        let error = Scene::parse(&text.replace(from, to), "v.toml", folder.path()).expect_err(to).to_string();
+        let place = format!("v.toml:{line}: medium[3].density.volume.");
+        error.strip_prefix(&place).unwrap_or_else(|| panic!("{error}")).to_owned()
+    };
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let missing = refused("smoke.vol", "none.vol");
+    assert!(
+        missing.starts_with(&format!("file: volume {}: cannot be read: ", path("none.vol"))),
+        "{missing}"
+    );
+    assert_eq!(refused("smoke.vol", ""), format!("file: volume {}: is not a regular file", path("")));
+    let cut = refused("smoke.vol", "cut.vol");
+    let expected =
+        "has 49 bytes, expected 50 for 2 x 1 x 1 voxels: the file is cut off, copy or export it again";
+    assert_eq!(cut, format!("file: volume {}: {expected}", path("cut.vol")));
+    let mesh = refused("smoke.vol", "tetrahedron.obj");
+    assert!(mesh.contains("starts with v 0, expected \"VOL\""), "{mesh}");
+    assert_eq!(refused(", max = [1, 2, 3]", ""), "max: found nothing, expected this field");
+    assert_eq!(refused("min = [-1, -2, -3], ", ""), "min: found nothing, expected this field");
+    let empty = refused("max = [1, 2, 3]", "max = [1, -2, 3]");
+    assert!(empty.starts_with("max: found [1, -2, 3], expected each coordinate above"), "{empty}");
+    let unknown = refused("min = [-1, -2, -3]", "minimum = [-1, -2, -3]");
+    assert_eq!(unknown, "minimum: found an unknown field, expected one of file, min, max");
+}
+
+#[test]
+fn a_medium_denser_than_the_bound_is_refused() {
+    let folder = meshes();
+    let write = |largest: f32| {
+        let mut bytes = volume([1, 1, 1], &[]);
+        bytes.truncate(48);
+        bytes[4] = 1;
+        bytes.extend(largest.to_le_bytes());
+        std::fs::write(folder.path().join("smoke.vol"), bytes).expect("written");
+    };
+    let parse = |text: &str| Scene::parse(text, "dense.toml", folder.path());
+    let text = format!("{VALID}{SMOKE}");
+    // The largest channel's coefficients are 5 + 1 per unit of length.
+    write(1.6e8);
+    assert!(parse(&text).is_ok());
+    write(1.7e8);
+    let error = parse(&text).expect_err("too dense").to_string();
+    assert!(
+        error.contains("medium[3].density.volume.file: found \"smoke.vol\", expected density x (scattering")
+            && error.contains("of at most 1e9, but the largest density 1.7e8 times 6e0 is above"),
+        "{error}"
+    );
+    write(1.1e9);
+    let clear = text.replace("[5, 4, 3]\nabsorption = 1", "0\nabsorption = 0");
+    let error = parse(&clear).expect_err("no density however clear the medium").to_string();
+    assert!(error.contains("has density 1100000000 in voxel [0, 0, 0]"), "{error}");
+}
+
+#[test]
+fn volumes_share_a_bound_on_their_voxels() {
+    let folder = meshes();
+    std::fs::write(folder.path().join("smoke.vol"), volume([256; 3], &[])).expect("written");
+    let text = |count: usize| {
+        let media: Vec<String> =
+            (0..count).map(|i| SMOKE.replace("smoke\"", &format!("smoke {i}\""))).collect();
+        format!("{VALID}{}", media.concat())
+    };
+    assert!(Scene::parse(&text(4), "many.toml", folder.path()).is_ok(), "4 x 2²⁴ = 2²⁶");
+    let error = Scene::parse(&text(5), "many.toml", folder.path()).expect_err("2²⁶ and more").to_string();
+    assert!(
+        error.contains("medium[7].density.volume.file") && error.contains("at most 67108864 voxels"),
+        "{error}"
+    );
+}
+
+/// The grid of [`VALID`] reaches from z = -6 to 4, the lights stand at z = 0 and the camera at z = -5.
+#[test]
+fn an_exponential_density_is_moderate_where_the_scene_is() {
+    let folder = meshes();
+    let outside = VALID.replace("outside_medium = \"fog\"", "outside_medium = \"air\"");
+    let parse = |from: &str, to: &str| {
+        assert!(outside.contains(from));
+        Scene::parse(&outside.replacen(from, to, 1), "air.toml", folder.path())
+            .map_err(|error| error.to_string())
+    };
+    // e^(6 / 0.29) = 9.7e8 and e^(6 / 0.289) = 1.04e9.
+    assert!(parse("scale_height = 1.5", "scale_height = 0.29").is_ok());
+    let error = parse("scale_height = 1.5", "scale_height = 0.289").expect_err("dense");
+    let line = VALID.lines().count();
+    assert!(
+        error.starts_with(&format!("air.toml:{line}: medium[2].density: found a table, expected")),
+        "{error}"
+    );
+    assert!(error.contains(", -6] the density is e^20.8: raise scale_height"), "{error}");
+    // e^(4 / 0.194) = 9.0e8 and e^(4 / 0.192) = 1.1e9, upside down.
+    assert!(parse("up = [0, 0, 2], scale_height = 1.5", "up = [0, 0, -2], scale_height = 0.194").is_ok());
+    let error = parse("up = [0, 0, 2], scale_height = 1.5", "up = [0, 0, -2], scale_height = 0.192");
+    assert!(error.expect_err("dense").contains("the density is e^20.8"));
+    // 1e8 e^(6 / 1.5) = 5e9, and 1e7 e^(6 / 1.5) = 5e8.
+    let error = parse("[0.1, 0.2, 0.4]", "[0.1, 1e8, 0.4]").expect_err("dense");
+    assert!(error.contains("the density is e^4.0"), "{error}");
+    assert!(parse("[0.1, 0.2, 0.4]", "[0.1, 1e7, 0.4]").is_ok());
+    // A light and a camera far below.
+    let error = parse("position = [0, 2.5, 0]", "position = [0, 2.5, -60]").expect_err("deep light");
+    assert!(error.contains("at [0, 2.5, -60] the density is e^40.0"), "{error}");
+    let error =
+        parse("position = [0.0, 0.5, -5.0]", "position = [0.0, 0.5, -50.0]").expect_err("deep camera");
+    assert!(error.contains("at [0, 0.5, -50] the density is e^33.3"), "{error}");
+}
+
+#[test]
 fn text_that_is_not_toml_is_refused_with_its_line() {
     for (text, at) in [
         ("[camera\n", 1),
@@ -427,6 +614,23 @@ fn a_valid_scene_cut_anywhere_or_with_any_byte_changed_is_read_or_refused() {
             bytes[place] = byte;
             let text = String::from_utf8(bytes).expect("ASCII");
             let _ = Scene::parse(&text, "changed.toml", folder.path());
+        }
+    }
+}
+
+#[test]
+fn a_density_cut_anywhere_or_with_any_byte_changed_is_read_or_refused() {
+    let folder = meshes();
+    std::fs::write(folder.path().join("smoke.vol"), volume([2, 1, 1], &[0, 255])).expect("written");
+    for end in 0..=SMOKE.len() {
+        let _ = Scene::parse(&format!("{VALID}{}", &SMOKE[..end]), "cut.toml", folder.path());
+    }
+    for place in 0..SMOKE.len() {
+        for byte in *b" \n-9e.[]{}\"='#x\0" {
+            let mut bytes = SMOKE.as_bytes().to_vec();
+            bytes[place] = byte;
+            let text = String::from_utf8(bytes).expect("ASCII");
+            let _ = Scene::parse(&format!("{VALID}{text}"), "changed.toml", folder.path());
         }
     }
 }

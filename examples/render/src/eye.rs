@@ -1,5 +1,6 @@
 //! Eye paths: from the camera through specular surfaces to the first diffuse or black one.
 
+use crate::fog::Fog;
 use crate::geometry::Hit;
 use crate::optics::{Boundary, Interior, facing_normal, reflect};
 use crate::random::{Random, mix};
@@ -34,6 +35,8 @@ pub struct EyeSegment {
 pub struct EyeTracer<'a> {
     /// The scene.
     pub scene: &'a Scene,
+    /// Its media.
+    pub fogs: &'a [Fog<'a>],
     /// What the camera is inside of.
     pub interior: Interior,
     /// Light on diffuse surfaces.
@@ -62,6 +65,7 @@ impl EyeTracer<'_> {
     ) -> Vec3 {
         let scene = self.scene;
         let mut radiance = Vec3::ZERO;
+        let mut knots = Vec::new();
         let mut branches = smallvec::SmallVec::<[Branch; 8]>::new();
         branches.push(Branch {
             origin: scene.camera.position,
@@ -82,7 +86,7 @@ impl EyeTracer<'_> {
             let hit = scene.intersect(branch.origin, branch.direction, f32::INFINITY);
             let length = hit.map_or(f32::INFINITY, |hit| hit.distance);
             if let Some(id) = branch.interior.medium(scene) {
-                let medium = &scene.media[id as usize];
+                let fog = &self.fogs[id as usize];
                 segments.push(EyeSegment {
                     ray: EyeRay { origin: branch.origin, direction: branch.direction, length },
                     medium: id,
@@ -90,7 +94,8 @@ impl EyeTracer<'_> {
                     pixel,
                     signature: branch.signature,
                 });
-                branch.throughput *= medium.transmittance(length);
+                let column = fog.column(branch.origin, branch.direction, length, &mut knots);
+                branch.throughput *= fog.medium.transmittance(column.at(length));
             }
             let Some(hit) = hit else { continue };
             if branch.throughput == Vec3::ZERO {
@@ -141,13 +146,12 @@ impl EyeTracer<'_> {
     fn reflected(&self, hit: &Hit, branch: &Branch, albedo: Vec3, random: &mut Random) -> Vec3 {
         let normal = facing_normal(hit, branch.direction);
         let start = hit.leave(normal);
-        let medium = branch.interior.medium(self.scene).map(|id| &self.scene.media[id as usize]);
+        let fog = branch.interior.medium(self.scene).map(|id| &self.fogs[id as usize]);
         let mut irradiance = self.surfaces.irradiance(hit.position, normal);
         for light in &self.scene.lights {
             let (direct, from) = light.irradiance(hit.position, normal, random);
             if direct.max_element() > 0.0 && !self.scene.occluded(start, from) {
-                let distance = start.distance(from);
-                irradiance += direct * medium.map_or(Vec3::ONE, |medium| medium.transmittance(distance));
+                irradiance += direct * fog.map_or(Vec3::ONE, |fog| fog.transmittance(start, from));
             }
         }
         albedo * irradiance * FRAC_1_PI

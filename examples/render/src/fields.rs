@@ -9,6 +9,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::mesh::{MAX_COORDINATE, MeshError};
+use crate::volume::VolumeError;
 
 /// Why a scene was refused.
 #[derive(Debug, thiserror::Error)]
@@ -58,6 +59,20 @@ pub enum SceneError {
         mesh: String,
         /// What is wrong with it.
         source: Box<MeshError>,
+    },
+    /// A volume file is missing or wrong.
+    #[error("{file}:{line}: {field}: volume {volume}: {source}")]
+    Volume {
+        /// Scene file.
+        file: String,
+        /// Counted from 1.
+        line: usize,
+        /// Path of the field that names the volume.
+        field: String,
+        /// The volume file.
+        volume: String,
+        /// What is wrong with it.
+        source: Box<VolumeError>,
     },
 }
 
@@ -183,6 +198,18 @@ impl<'a> Field<'a> {
             line: self.source.line(self.span.start),
             field,
             mesh,
+            source: Box::new(source),
+        }
+    }
+
+    /// The error for a volume file that this field names.
+    pub(crate) fn refuse_volume(&self, volume: String, source: VolumeError) -> SceneError {
+        let (file, field) = (self.source.name.to_owned(), self.path.clone());
+        SceneError::Volume {
+            file,
+            line: self.source.line(self.span.start),
+            field,
+            volume,
             source: Box::new(source),
         }
     }

@@ -2,8 +2,9 @@
 
 use crate::eye::{EyeSegment, EyeTracer};
 use crate::film::PassImage;
+use crate::fog::Fog;
 use crate::optics::Interior;
-use crate::photon::{Energy, PhotonRecord, PhotonTracer, Record};
+use crate::photon::{Energy, PhotonRecord, PhotonTracer, Record, deposit_into};
 use crate::random::{Emission, Random};
 use crate::scene::Scene;
 use crate::surface::SurfaceMap;
@@ -87,6 +88,7 @@ pub struct Renderer<'a> {
     photons: u32,
     seed: u32,
     tracer: PhotonTracer<'a>,
+    fogs: Vec<Fog<'a>>,
     camera: Interior,
     grid: Vec<GridCell>,
     deposited: u32,
@@ -115,6 +117,7 @@ impl<'a> Renderer<'a> {
             photons,
             seed,
             tracer: PhotonTracer::new(scene, seed, emission),
+            fogs: Fog::all(scene),
             camera: Interior::at(scene, scene.camera.position),
             grid: vec![GridCell::default(); cells],
             deposited: 0,
@@ -185,9 +188,7 @@ impl<'a> Renderer<'a> {
     fn deposit(&mut self, record: &PhotonRecord) {
         let mut grid =
             CovarianceGrid::new(self.scene.grid, &mut self.grid).expect("the scene's grid was validated");
-        for d in &record.deposits {
-            grid.deposit_segment(d.origin, d.length, &d.field, d.power, d.extinction);
-        }
+        deposit_into(&mut grid, &self.fogs, &record.deposits);
         self.deposited += 1;
     }
 
@@ -253,8 +254,11 @@ impl<'a> Renderer<'a> {
         for (medium, beam) in record.beams.drain(..) {
             by_medium[medium as usize].push(beam);
         }
-        let maps: Vec<BeamMap> =
-            by_medium.into_iter().map(|beams| BeamMap::build(beams, radius.ceiling)).collect();
+        let maps: Vec<BeamMap> = by_medium
+            .into_iter()
+            .zip(&self.fogs)
+            .map(|(beams, fog)| BeamMap::build(beams, radius.ceiling, fog.medium, &fog.density))
+            .collect();
         // A photon's disk shrinks in area as a beam's kernel shrinks in width: r² ~ 1D schedule.
         let shrink = (progressive / settings.radius).sqrt();
         let radius_on_surfaces = settings.radius * shrink;
@@ -280,7 +284,7 @@ impl<'a> Renderer<'a> {
     ) -> Option<PassImage> {
         let (width, height) = (self.scene.camera.width, self.scene.camera.height);
         let (across, down) = (width.div_ceil(TILE), height.div_ceil(TILE));
-        let tracer = EyeTracer { scene: self.scene, interior: self.camera, surfaces };
+        let tracer = EyeTracer { scene: self.scene, fogs: &self.fogs, interior: self.camera, surfaces };
         let tiles: Option<Vec<Tile>> = (0..across * down)
             .into_par_iter()
             .map_init(TileScratch::default, |scratch, tile| {
@@ -343,7 +347,8 @@ impl<'a> Renderer<'a> {
             rays.extend(group.iter().map(|segment| segment.ray));
             gathered.clear();
             gathered.resize(group.len(), Gathered::default());
-            maps[medium].gather(rays, &self.scene.media[medium], radius, gathered, gather);
+            let fog = &self.fogs[medium];
+            maps[medium].gather(rays, fog.medium, &fog.density, radius, gathered, gather);
             for (segment, gathered) in group.iter().zip(gathered.iter()) {
                 let (radiance, sums) = &mut pixels[segment.pixel as usize];
                 *radiance += segment.throughput * gathered.radiance;

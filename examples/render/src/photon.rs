@@ -1,18 +1,21 @@
 //! Light paths: from a light through media and surfaces until they are absorbed or escape.
 
 use crate::edges::{Edge, find_edges};
+use crate::fog::Fog;
 use crate::geometry::Hit;
 use crate::light::{EmittedPhoton, cosine_direction};
 use crate::optics::{Boundary, Interior, curvature_towards, facing_normal, reflect};
 use crate::random::{Emission, PathSampler};
 use crate::scene::{Material, Scene};
 use crate::surface::SurfacePhoton;
-use covbeam::{Beam, LightField, Medium};
+use covbeam::{Beam, Column, CovarianceGrid, Knot, LightField, Medium};
 use glam::Vec3;
 use std::time::{Duration, Instant};
 
-/// A beam ends where so little is left of it that single precision loses it beside the rest: e^-17 = 4e-8.
-const OPAQUE_DEPTH: f32 = 17.0;
+/// After this many events a path goes on with probability [`GOING_ON`] only, so that every path ends: without
+/// absorption and without walls it would not.
+const LONG_PATH: u32 = 64;
+const GOING_ON: f32 = 0.95;
 
 /// What a light field leaves along one straight piece of its path.
 #[derive(Clone, Copy, Debug)]
@@ -25,8 +28,20 @@ pub struct Deposit {
     pub field: LightField,
     /// Flux at `origin` (mean of the channels).
     pub power: f32,
-    /// Extinction (mean of the channels).
-    pub extinction: f32,
+    /// Index of its medium.
+    pub medium: u32,
+    /// Whether it has met neither medium nor diffuse surfaces since its light.
+    pub unscattered: bool,
+}
+
+/// Adds `deposits` to a covariance grid, in their order. `fogs` are the scene's media ([`Fog::all`]).
+pub fn deposit_into(grid: &mut CovarianceGrid, fogs: &[Fog], deposits: &[Deposit]) {
+    let mut knots = Vec::new();
+    for d in deposits {
+        let fog = &fogs[d.medium as usize];
+        let column = fog.column(d.origin, d.field.direction, d.length, &mut knots);
+        grid.deposit_segment(d.origin, d.length, &d.field, d.power, d.unscattered, &fog.attenuation(column));
+    }
 }
 
 /// A contribution of a path vertex to one pixel.
@@ -115,6 +130,7 @@ pub enum Record {
 /// Traces light paths of a scene.
 pub struct PhotonTracer<'a> {
     scene: &'a Scene,
+    fogs: Vec<Fog<'a>>,
     /// Cumulative share of the flux and what each light is inside of.
     lights: Vec<(f32, Interior)>,
     camera: Interior,
@@ -151,7 +167,7 @@ impl<'a> PhotonTracer<'a> {
             })
             .collect();
         let camera = Interior::at(scene, scene.camera.position);
-        Self { scene, lights, camera, seed, emission }
+        Self { scene, fogs: Fog::all(scene), lights, camera, seed, emission }
     }
 
     /// Traces light path `index` of `sequence`; its power is divided by `paths`.
@@ -170,8 +186,23 @@ impl<'a> PhotonTracer<'a> {
             field: self.start_field(light, &emitted, record),
         };
         add(&mut out.energy.emitted, photon.power);
-        if photon.power.max_element() > 0.0 {
-            while self.step(&mut photon, &mut sampler, record, out) {}
+        if !(photon.power.max_element() > 0.0) {
+            return;
+        }
+        let mut knots = Vec::new();
+        for event in 1.. {
+            if !self.step(&mut photon, &mut sampler, record, out, &mut knots) {
+                return;
+            }
+            if event > LONG_PATH {
+                let before = photon.power;
+                if sampler.uniform() >= GOING_ON {
+                    add(&mut out.energy.roulette, before);
+                    return;
+                }
+                photon.power /= GOING_ON;
+                add(&mut out.energy.roulette, before - photon.power);
+            }
         }
     }
 
@@ -192,77 +223,89 @@ impl<'a> PhotonTracer<'a> {
             .then(|| self.scene.lights[light].light_field(emitted))
     }
 
-    /// One segment and the event at its end. False = the path has ended.
+    /// One segment and the event at its end. False = the path has ended. `knots` is memory for the segment's column.
     fn step(
         &self,
         photon: &mut Photon,
         sampler: &mut PathSampler,
         record: Record,
         out: &mut PhotonRecord,
+        knots: &mut Vec<Knot>,
     ) -> bool {
         let scene = self.scene;
         let hit = scene.intersect(photon.origin, photon.direction, f32::INFINITY);
         let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
         let medium_id = photon.interior.medium(scene);
-        let medium = medium_id.map(|id| &scene.media[id as usize]);
-        if let Some((id, medium)) = medium_id.zip(medium)
+        let fog = medium_id.map(|id| &self.fogs[id as usize]);
+        let column = fog.map(|fog| fog.column(photon.origin, photon.direction, reach, knots));
+        let inside = medium_id.zip(fog).zip(column);
+        if let Some(((id, fog), column)) = &inside
             && matches!(record, Record::Beams | Record::BeamsAndField)
         {
-            out.beams.extend(beam_of(photon, hit.as_ref(), medium).map(|beam| (id, beam)));
+            out.beams.extend(beam_of(photon, hit.as_ref(), fog, column).map(|beam| (*id, beam)));
         }
-        if let Some(medium) = medium
+        if let Some(((_, fog), column)) = &inside
             && record == Record::Connections
         {
-            self.connect_segment(photon, reach, medium, sampler, out);
+            self.connect_segment(photon, reach, fog, column, sampler, out);
         }
         let edges = photon.field.map(|field| {
             let start = Instant::now();
             let edges = find_edges(scene, photon.origin, photon.direction, hit.as_ref());
-            if let Some(medium) = medium {
-                deposit(photon, field, &edges, reach, medium, out);
+            if let Some(((id, fog), column)) = &inside {
+                deposit(photon, field, &edges, reach, (*id, fog), column, out);
             }
             out.field_time += start.elapsed();
             edges
         });
-        let flight = medium.map_or(f32::INFINITY, |medium| free_flight(photon.power, medium, sampler));
+        let target = fog.map_or(f32::INFINITY, |fog| free_column(photon.power, fog.medium, sampler));
+        let flight = column.map_or(f32::INFINITY, |column| column.distance_at(target));
         let distance = flight.min(reach);
         if let (Some(field), Some(edges)) = (&mut photon.field, edges) {
             let start = Instant::now();
-            travel(field, &edges, distance);
+            travel(field, fog, photon.origin, &edges, distance);
             out.field_time += start.elapsed();
         }
-        match (medium, hit) {
-            (Some(medium), _) if flight < reach => self.scatter(photon, flight, medium, sampler, out),
-            (medium, Some(hit)) => {
-                if let Some(medium) = medium {
+        match (inside, hit) {
+            (Some(((_, fog), _)), _) if flight < reach => {
+                photon.origin += flight * photon.direction;
+                self.scatter(photon, target, fog.medium, sampler, out)
+            }
+            (inside, Some(hit)) => {
+                if let Some(((_, fog), column)) = inside {
                     let before = photon.power;
-                    photon.power *= passage_weight(photon.power, medium, reach);
+                    photon.power *= passage_weight(photon.power, fog.medium, column.at(reach));
                     add(&mut out.energy.roulette, before - photon.power);
                 }
                 self.interact(photon, &hit, sampler, record, out)
             }
-            (_, None) => {
+            (inside, None) => {
+                if let Some(((_, fog), column)) = inside {
+                    let before = photon.power;
+                    photon.power *= passage_weight(photon.power, fog.medium, column.at(f32::INFINITY));
+                    add(&mut out.energy.roulette, before - photon.power);
+                }
                 add(&mut out.energy.escaped, photon.power);
                 false
             }
         }
     }
 
+    /// A collision after the column `column`, at the photon's origin.
     fn scatter(
         &self,
         photon: &mut Photon,
-        distance: f32,
+        column: f32,
         medium: &Medium,
         sampler: &mut PathSampler,
         out: &mut PhotonRecord,
     ) -> bool {
         let before = photon.power;
-        let collided = before * collision_weight(before, medium, distance);
+        let collided = before * collision_weight(before, medium, column);
         let scattered =
             collided * (medium.scattering / medium.extinction().max(Vec3::splat(f32::MIN_POSITIVE)));
         add(&mut out.energy.roulette, before - collided);
         add(&mut out.energy.medium, collided - scattered);
-        photon.origin += distance * photon.direction;
         let [u, v] = sampler.uniform_pair();
         let Some(u) = roulette(photon, before, scattered, u, out) else { return false };
         let direction = medium.phase.sample(photon.direction, [u, v]);
@@ -369,7 +412,8 @@ impl<'a> PhotonTracer<'a> {
         &self,
         photon: &Photon,
         reach: f32,
-        medium: &Medium,
+        fog: &Fog,
+        column: &Column,
         sampler: &mut PathSampler,
         out: &mut PhotonRecord,
     ) {
@@ -387,10 +431,10 @@ impl<'a> PhotonTracer<'a> {
         if !(s.is_finite() && density > 0.0) {
             return;
         }
-        let scattered = photon.power * medium.transmittance(s) * medium.scattering / density;
-        self.connect(photon.origin + s * direction, out, |to_camera| {
-            scattered * medium.phase.evaluate(direction.dot(to_camera))
-        });
+        let (medium, point) = (fog.medium, photon.origin + s * direction);
+        let scattering = medium.scattering * fog.density.at(point);
+        let scattered = photon.power * medium.transmittance(column.at(s)) * scattering / density;
+        self.connect(point, out, |to_camera| scattered * medium.phase.evaluate(direction.dot(to_camera)));
     }
 
     /// Connects a vertex with the pinhole; `flux` gives the flux per steradian towards the camera.
@@ -403,16 +447,16 @@ impl<'a> PhotonTracer<'a> {
         if self.scene.occluded(vertex, camera.position) {
             return;
         }
-        let medium = self.camera.medium(self.scene).map(|id| &self.scene.media[id as usize]);
-        let transmittance = medium.map_or(Vec3::ONE, |medium| medium.transmittance(distance));
+        let fog = self.camera.medium(self.scene).map(|id| &self.fogs[id as usize]);
+        let transmittance = fog.map_or(Vec3::ONE, |fog| fog.transmittance(vertex, camera.position));
         let radiance = flux(offset / distance) * transmittance * (importance / distance2);
         out.splats.push(Splat { pixel: y as u32 * camera.width + x as u32, radiance });
     }
 }
 
 /// The beam along a photon's segment: to the next surface, or until nothing is left.
-fn beam_of(photon: &Photon, hit: Option<&Hit>, medium: &Medium) -> Option<Beam> {
-    let opaque = OPAQUE_DEPTH / medium.extinction().min_element();
+fn beam_of(photon: &Photon, hit: Option<&Hit>, fog: &Fog, column: &Column) -> Option<Beam> {
+    let opaque = fog.reach(photon.origin, photon.direction, column);
     let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
     let length = reach.min(opaque);
     let end_normal = match hit {
@@ -422,7 +466,7 @@ fn beam_of(photon: &Photon, hit: Option<&Hit>, medium: &Medium) -> Option<Beam> 
         }
         _ => Vec3::ZERO,
     };
-    (length.is_finite() && medium.scattering.max_element() > 0.0).then_some(Beam {
+    (length.is_finite() && fog.medium.scattering.max_element() > 0.0).then_some(Beam {
         origin: photon.origin,
         direction: photon.direction,
         length,
@@ -432,15 +476,19 @@ fn beam_of(photon: &Photon, hit: Option<&Hit>, medium: &Medium) -> Option<Beam> 
     })
 }
 
-/// Moves a light field on by `distance` past the edges on the way.
-fn travel(field: &mut LightField, edges: &[Edge], distance: f32) {
+/// Moves a light field on from `origin` by `distance` past the edges on the way.
+fn travel(field: &mut LightField, fog: Option<&Fog>, origin: Vec3, edges: &[Edge], distance: f32) {
+    let advance = |field: &mut LightField, from: f32, to: f32| match fog {
+        Some(fog) => fog.advance(field, origin, from, to),
+        None => field.travel(to - from),
+    };
     let mut at = 0.0;
     for edge in edges.iter().filter(|edge| edge.depth <= distance) {
-        field.travel(edge.depth - at);
+        advance(field, at, edge.depth);
         field.occlude(edge.towards, edge.distance);
         at = edge.depth;
     }
-    field.travel(distance - at);
+    advance(field, at, distance);
 }
 
 /// Records what the field leaves along the whole segment, cut at the edges.
@@ -449,12 +497,13 @@ fn deposit(
     mut field: LightField,
     edges: &[Edge],
     reach: f32,
-    medium: &Medium,
+    (medium, fog): (u32, &Fog),
+    column: &Column,
     out: &mut PhotonRecord,
 ) {
-    let extinction = medium.extinction().element_sum() / 3.0;
+    let extinction = fog.mean_extinction();
     let power = photon.power.element_sum() / 3.0;
-    let length = reach.min(OPAQUE_DEPTH / extinction);
+    let length = reach.min(fog.reach(photon.origin, photon.direction, column));
     let mut at = 0.0;
     let cuts = edges.iter().map(|edge| (edge.depth, Some(edge))).chain([(length, None)]);
     for (depth, edge) in cuts {
@@ -463,10 +512,11 @@ fn deposit(
             origin: photon.origin + at * photon.direction,
             length: depth - at,
             field,
-            power: power * (-extinction * at).exp(),
-            extinction,
+            power: power * (-extinction * column.at(at)).exp(),
+            medium,
+            unscattered: photon.specular,
         });
-        field.travel(depth - at);
+        fog.advance(&mut field, photon.origin, at, depth);
         if let Some(edge) = edge {
             field.occlude(edge.towards, edge.distance);
         }
@@ -474,8 +524,8 @@ fn deposit(
     }
 }
 
-/// Distance to the next collision: one channel, chosen by its power, decides for all three.
-fn free_flight(power: Vec3, medium: &Medium, sampler: &mut PathSampler) -> f32 {
+/// The column up to the next collision: one channel, chosen by its power, decides for all three.
+fn free_column(power: Vec3, medium: &Medium, sampler: &mut PathSampler) -> f32 {
     let u = sampler.uniform();
     let extinction = medium.extinction();
     let grey = extinction.x == extinction.y && extinction.y == extinction.z;
@@ -494,15 +544,15 @@ fn free_flight(power: Vec3, medium: &Medium, sampler: &mut PathSampler) -> f32 {
     if extinction > 0.0 { -(-u).ln_1p() / extinction } else { f32::INFINITY }
 }
 
-/// σ_t T(s) / pdf(s) per channel.
-fn collision_weight(power: Vec3, medium: &Medium, distance: f32) -> Vec3 {
-    let density = medium.extinction() * medium.transmittance(distance);
+/// σ_t T / pdf per channel after a column; the density at the collision stands in both.
+fn collision_weight(power: Vec3, medium: &Medium, column: f32) -> Vec3 {
+    let density = medium.extinction() * medium.transmittance(column);
     density / (density.dot(power) / power.element_sum())
 }
 
-/// T(s) / P(no collision before s) per channel.
-fn passage_weight(power: Vec3, medium: &Medium, distance: f32) -> Vec3 {
-    let transmittance = medium.transmittance(distance);
+/// T / P(no collision) per channel after a column.
+fn passage_weight(power: Vec3, medium: &Medium, column: f32) -> Vec3 {
+    let transmittance = medium.transmittance(column);
     transmittance / (transmittance.dot(power) / power.element_sum())
 }
 

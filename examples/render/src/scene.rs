@@ -2,7 +2,8 @@
 
 use crate::camera::Camera;
 use crate::mesh::Mesh;
-use covbeam::Medium;
+use crate::volume::Volume;
+use covbeam::{ExponentialDensity, Medium};
 use glam::Vec3;
 
 /// Index into [`Scene::media`].
@@ -16,7 +17,7 @@ pub struct Scene {
     /// At least one.
     pub lights: Vec<Light>,
     /// Scattering media.
-    pub media: Vec<Medium>,
+    pub media: Vec<SceneMedium>,
     /// The medium outside all closed dielectric objects; None = vacuum.
     pub outside: Option<MediumId>,
     /// Where the picture is taken from.
@@ -25,6 +26,26 @@ pub struct Scene {
     pub grid: covbeam::GridLayout,
     /// Defaults of a render.
     pub settings: Settings,
+}
+
+/// A medium and where there is how much of it.
+#[derive(Clone, Debug)]
+pub struct SceneMedium {
+    /// Coefficients at density 1, and the phase function.
+    pub medium: Medium,
+    /// Relative density.
+    pub density: MediumDensity,
+}
+
+/// How the relative density of a medium varies.
+#[derive(Clone, Debug)]
+pub enum MediumDensity {
+    /// 1 everywhere.
+    Uniform,
+    /// Falls exponentially with height.
+    Exponential(ExponentialDensity),
+    /// Given by voxels; nothing outside their box.
+    Grid(Volume),
 }
 
 /// A shape with what it is made of.

@@ -6,14 +6,15 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use covbeam::{GridLayout, Kernel, Medium, PhaseFunction, PhaseKind};
+use covbeam::{GridLayout, Kernel};
 use glam::{Quat, Vec3};
 
 use crate::camera::Camera;
 pub use crate::fields::SceneError;
 use crate::fields::{Field, Source, Table};
+use crate::medium_file::{check_exponential, read_media, read_medium_name};
 use crate::mesh::{MAX_COORDINATE, Mesh, Placement};
-use crate::scene::{Light, Material, MediumId, Object, Scene, Settings, Shape};
+use crate::scene::{Light, Material, MediumDensity, Object, Scene, SceneMedium, Settings, Shape};
 
 /// Most pixels along one side of the picture.
 pub const MAX_IMAGE_SIDE: u32 = 16384;
@@ -25,14 +26,14 @@ pub const MAX_GRID_CELLS: u64 = 1 << 24;
 const MAX_FILE_BYTES: u64 = 1 << 24;
 
 impl Scene {
-    /// Reads a scene file; mesh files are looked up relative to it.
+    /// Reads a scene file; mesh and volume files are looked up relative to it.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
         let file = path.display().to_string();
         let text = read_text(path).map_err(|source| SceneError::Unreadable { file: file.clone(), source })?;
         Self::parse(&text, &file, path.parent().unwrap_or(Path::new("")))
     }
 
-    /// Reads a scene from `text`. `source_name` appears in errors; mesh files are relative to `base_dir`.
+    /// Reads a scene from `text`. `source_name` appears in errors; mesh and volume files are relative to `base_dir`.
     ///
     /// The result is valid: finite, in range, every name resolved. Anything else is refused with file, line,
     /// field, what was found and what was expected.
@@ -41,20 +42,21 @@ impl Scene {
         let document = source.parse()?;
         let root = Table::root(source, &document);
         root.only(&["outside_medium", "camera", "medium", "object", "light", "grid", "render"])?;
-        let (media, names) = read_media(&root)?;
+        let (media, names) = read_media(&root, base_dir)?;
         let outside =
             root.optional("outside_medium").map(|field| read_medium_name(&field, &names)).transpose()?;
         let camera = read_camera(&root.required("camera")?.table()?)?;
         let objects: Vec<Object> = root
             .tables("object")?
             .iter()
-            .map(|t| read_object(t, &names, base_dir))
+            .map(|t| read_object(t, &media, &names, base_dir))
             .collect::<Result<_, _>>()?;
         let lights: Vec<Light> = root.tables("light")?.iter().map(read_light).collect::<Result<_, _>>()?;
         if lights.is_empty() {
             return Err(root.lacks("light", "at least one [[light]]"));
         }
         let grid = read_grid(&root, &objects)?;
+        check_exponential(&root, &media, outside, &grid, &camera, &lights)?;
         let settings = read_settings(&root, &grid)?;
         Ok(Self { objects, lights, media, outside, camera, grid, settings })
     }
@@ -68,54 +70,6 @@ fn read_text(path: &Path) -> std::io::Result<String> {
         return Err(std::io::Error::other(format!("longer than {MAX_FILE_BYTES} bytes")));
     }
     Ok(text)
-}
-
-fn read_media<'a>(root: &Table<'a>) -> Result<(Vec<Medium>, Vec<&'a str>), SceneError> {
-    let (mut media, mut names) = (Vec::new(), Vec::new());
-    for table in root.tables("medium")? {
-        table.only(&["name", "scattering", "absorption", "phase"])?;
-        let name = table.required("name")?;
-        let text = name.text("a name in quotes")?;
-        if names.contains(&text) {
-            return Err(name.refuse("a name that no other medium has"));
-        }
-        let coefficient = |key| {
-            let coefficient = |value: f32| (0.0..=MAX_COORDINATE).contains(&value);
-            table.required(key)?.color("a coefficient in 0..=1e9, per unit of length", coefficient)
-        };
-        media.push(Medium {
-            scattering: coefficient("scattering")?,
-            absorption: coefficient("absorption")?,
-            phase: table
-                .optional("phase")
-                .map_or(Ok(PhaseFunction::ISOTROPIC), |field| read_phase(&field))?,
-        });
-        names.push(text);
-    }
-    Ok((media, names))
-}
-
-fn read_phase(field: &Field<'_>) -> Result<PhaseFunction, SceneError> {
-    let expected = "\"isotropic\", \"rayleigh\" or { henyey_greenstein = g }";
-    match field.choice(expected)? {
-        ("isotropic", None) => Ok(PhaseFunction::ISOTROPIC),
-        ("rayleigh", None) => Ok(PhaseFunction { kind: PhaseKind::Rayleigh, asymmetry: 0.0 }),
-        ("henyey_greenstein", Some(g)) => {
-            // 1 - |g| is squared and divided by.
-            let asymmetry = g.number("a mean cosine in -0.999..=0.999", |g| g.abs() <= 0.999)?;
-            Ok(PhaseFunction { kind: PhaseKind::HenyeyGreenstein, asymmetry })
-        }
-        _ => Err(field.refuse(expected)),
-    }
-}
-
-fn read_medium_name(field: &Field<'_>, names: &[&str]) -> Result<MediumId, SceneError> {
-    let name = field.text("the name of a [[medium]] in quotes")?;
-    match names.iter().position(|known| *known == name) {
-        Some(index) => Ok(index as MediumId),
-        None if names.is_empty() => Err(field.refuse("the name of a [[medium]], but there is none")),
-        None => Err(field.refuse(format!("one of the media {}", names.join(", ")))),
-    }
 }
 
 fn read_camera(table: &Table<'_>) -> Result<Camera, SceneError> {
@@ -149,7 +103,12 @@ fn read_camera(table: &Table<'_>) -> Result<Camera, SceneError> {
     })
 }
 
-fn read_object(table: &Table<'_>, media: &[&str], base_dir: &Path) -> Result<Object, SceneError> {
+fn read_object(
+    table: &Table<'_>,
+    media: &[SceneMedium],
+    names: &[&str],
+    base_dir: &Path,
+) -> Result<Object, SceneError> {
     let shape_field = table.required("shape")?;
     let expected = "\"sphere\", \"rectangle\", \"box\" or \"mesh\"";
     let kind = shape_field.text(expected)?;
@@ -186,9 +145,14 @@ fn read_object(table: &Table<'_>, media: &[&str], base_dir: &Path) -> Result<Obj
         return Err(material_field.refuse(format!("a dielectric only on a closed shape ({why})")));
     }
     let inside_field = table.optional("inside");
-    let inside = inside_field.as_ref().map(|field| read_medium_name(field, media)).transpose()?;
-    if let (Some(field), false) = (inside_field, matches!(material, Material::Dielectric { .. })) {
+    let inside = inside_field.as_ref().map(|field| read_medium_name(field, names)).transpose()?;
+    if let (Some(field), false) = (&inside_field, matches!(material, Material::Dielectric { .. })) {
         return Err(field.refuse("no medium inside an object that is not a dielectric"));
+    }
+    if let (Some(field), Some(id)) = (&inside_field, inside)
+        && !matches!(media[id as usize].density, MediumDensity::Uniform)
+    {
+        return Err(field.refuse("a medium without `density`: inside objects media are homogeneous"));
     }
     let name = match table.optional("name") {
         Some(field) => field.text("a name in quotes")?.to_owned(),
@@ -214,8 +178,8 @@ fn read_rectangle(table: &Table<'_>) -> Result<Shape, SceneError> {
     Ok(Shape::Rectangle { corner, edge_u, edge_v })
 }
 
-/// `min` and `max` of a box or of the grid.
-fn read_corners(table: &Table<'_>) -> Result<(Vec3, Vec3), SceneError> {
+/// `min` and `max` of a box, of the grid or of a volume.
+pub(crate) fn read_corners(table: &Table<'_>) -> Result<(Vec3, Vec3), SceneError> {
     let (min, max_field) = (table.required("min")?.vector()?, table.required("max")?);
     let max = max_field.vector()?;
     let size = max.as_dvec3() - min.as_dvec3();

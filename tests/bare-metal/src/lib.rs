@@ -8,7 +8,7 @@ use core::{ptr, slice};
 
 use covbeam::{
     Beam, CovarianceGrid, EyeRay, FluenceCell, FluenceGrid, Gathered, GridCell, GridLayout, Kernel,
-    KernelRadius, LightField, Medium, Vec3, gather_pair,
+    KernelRadius, LightField, Medium, Passage, Vec3, gather_pair,
 };
 
 unsafe extern "C" {
@@ -116,7 +116,7 @@ fn chain(
     // Straight across the beam, past it by nothing: K(0) = 3/(4r).
     let ray = EyeRay { origin: Vec3::new(0.0, -1.0, 4.0), direction: Vec3::Y, length: 5.0 };
     let mut gathered = Gathered::default();
-    if !gather_pair(&ray, &beam, 0.0, beam.length, &medium, &radius, &mut gathered) {
+    if !gather_pair(&ray, &beam, 0.0, beam.length, &Passage::homogeneous(&medium), &radius, &mut gathered) {
         return None;
     }
     Some(Results {

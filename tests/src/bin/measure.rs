@@ -6,7 +6,7 @@ use covbeam_render::film::{Film, Picture};
 use covbeam_render::output::{RenderInfo, read_picture, write_exr};
 use covbeam_render::pass::{Method, PassTimes, Renderer};
 use covbeam_render::random::Emission;
-use covbeam_render::scene::{Material, Scene};
+use covbeam_render::scene::{Material, Scene, SceneMedium};
 use covbeam_tests::regions::{CAUSTIC, REGIONS, Region, SMOOTH, VOLUME};
 use covbeam_tests::statistics::{Sample, sidak, welch};
 use glam::Vec3;
@@ -358,7 +358,7 @@ fn means(path: &Path, reference: Option<&Path>, runs: u32) -> Outcome<()> {
 /// Scales scattering down by a thousand at equal extinction and makes diffuse surfaces black: the second order of
 /// scattering is lost in the first.
 fn scatter_once(scene: &mut Scene) {
-    for medium in &mut scene.media {
+    for SceneMedium { medium, .. } in &mut scene.media {
         let extinction = medium.extinction();
         medium.scattering *= 1e-3;
         medium.absorption = extinction - medium.scattering;

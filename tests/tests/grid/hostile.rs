@@ -1,6 +1,8 @@
 //! Any bits in any argument.
 
-use covbeam::{CovarianceGrid, FluenceCell, FluenceGrid, GridCell, GridLayout, LightField, Vec3};
+use covbeam::{
+    Attenuation, CovarianceGrid, FluenceCell, FluenceGrid, GridCell, GridLayout, LightField, Vec3,
+};
 use proptest::prelude::*;
 
 use super::{UNIT, resolved, spectrum};
@@ -37,7 +39,7 @@ proptest! {
         let mut cells = vec![GridCell::default(); layout.cell_count().min(1000)];
         if let Ok(mut grid) = CovarianceGrid::new(layout, &mut cells) {
             grid.deposit(origin, &spectrum(values), power);
-            grid.deposit_segment(origin, length, &LightField { root, x_axis, direction }, power, extinction);
+            grid.deposit_segment(origin, length, &LightField { root, x_axis, direction }, power, true, &Attenuation::homogeneous(extinction));
             let mut out = vec![FluenceCell::default(); layout.cell_count()];
             grid.resolve(&mut out).unwrap();
             for cell in &cells {

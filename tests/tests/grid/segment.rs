@@ -1,6 +1,6 @@
 //! Deposits along segments, against a naive twin that clips the segment to every voxel in f64.
 
-use covbeam::{CovarianceGrid, GridCell, GridLayout, LightField, Vec3};
+use covbeam::{Attenuation, CovarianceGrid, GridCell, GridLayout, LightField, Vec3};
 use covbeam_tests::random::Stream;
 
 use super::{SKEW, UNIT, empty, point, resolved};
@@ -77,7 +77,14 @@ impl Segment {
     fn deposit(&self, layout: GridLayout, power: f32) -> Vec<GridCell> {
         let mut cells = empty(layout);
         let mut grid = CovarianceGrid::new(layout, &mut cells).unwrap();
-        grid.deposit_segment(self.origin, self.length, &field(self.direction), power, self.extinction);
+        grid.deposit_segment(
+            self.origin,
+            self.length,
+            &field(self.direction),
+            power,
+            true,
+            &Attenuation::homogeneous(self.extinction),
+        );
         cells
     }
 }
@@ -132,7 +139,12 @@ fn every_voxel_gets_the_piece_and_the_spectrum_of_the_naive_twin() {
             if let Some((from, to)) = piece.filter(|(from, to)| to - from > 1e-9) {
                 let mut field = field(segment.direction);
                 field.travel((0.5 * (from + to)) as f32);
-                let expected = field.fluence();
+                // At most one cycle over the smallest side of a voxel.
+                let finest = (0..3).map(|axis| f64::from(SKEW.cells[axis]) / size[axis]).fold(0.0, f64::max);
+                let finest = finest as f32;
+                let mut expected = field.fluence_within(finest);
+                let along = field.variance_along_ray(segment.extinction).min(finest * finest);
+                expected.add_along(field.direction, along);
                 let scale = expected.xx + expected.yy + expected.zz;
                 for (a, b) in out[index].spectrum.to_array().into_iter().zip(expected.to_array()) {
                     // One travel against up to 15 of them, each rounded to f32.
@@ -206,7 +218,7 @@ fn segments_without_meaning_deposit_nothing() {
         let mut cells = empty(UNIT);
         let mut grid = CovarianceGrid::new(UNIT, &mut cells).unwrap();
         let field = LightField { direction, ..field(Vec3::Z) };
-        grid.deposit_segment(origin, length, &field, power, extinction);
+        grid.deposit_segment(origin, length, &field, power, true, &Attenuation::homogeneous(extinction));
         cells.iter().map(|cell| cell.weight).sum::<f64>()
     };
     let inside = Vec3::splat(0.3);
