@@ -11,6 +11,9 @@ use libm::expf;
 use crate::walk::{Lattice, Walk};
 use crate::{Column, Density, FluenceSpectrum, LightField};
 
+/// Least weight of a voxel with data: the dimmest still counts where no other does, with all digits.
+const DIMMEST: f32 = 1e-30;
+
 /// Largest number of voxels that a grid may have.
 const MAX_CELLS: usize = 1 << 24;
 
@@ -42,7 +45,7 @@ pub struct GridCell {
 pub struct FluenceCell {
     /// Flux-weighted mean of what was deposited.
     pub spectrum: FluenceSpectrum,
-    /// Σ w; 0 = no data.
+    /// Σ w over that of the brightest voxel, in (0, 1]; 0 = no data.
     pub weight: f32,
 }
 
@@ -165,8 +168,8 @@ impl<'a> CovarianceGrid<'a> {
     /// Adds the spectra along a segment of a beam: to each voxel on the way, the spectrum at the middle of the piece
     /// inside it.
     ///
-    /// The spectrum is that of [`LightField::fluence_within`], with a limit of one cycle over the voxel's smallest side.
-    /// The weight in a voxel is `power` x ∫ transmittance ds over that piece, from `origin`. In a medium whose density
+    /// The spectrum is that of [`LightField::fluence_within`] up to the voxels' Nyquist frequency, half a cycle over their
+    /// smallest side. The weight in a voxel is `power` x ∫ transmittance ds over that piece, from `origin`. In a medium whose density
     /// varies, the field is attenuated on its way as well ([`LightField::attenuate`]); in a homogeneous one that costs nothing.
     ///
     /// - `origin` \[m\]: where the segment starts, in or out of the box. It runs along `field.direction`.
@@ -219,8 +222,8 @@ impl<'a> CovarianceGrid<'a> {
         let Some(mut walk) = Walk::new(&self.layout, Lattice::Voxels, origin, field.direction, length) else {
             return;
         };
-        let homogeneous = matches!(density, Density::Uniform);
-        let finest = self.scale.max_element();
+        let uniform = matches!(column, Column::Uniform);
+        let finest = 0.5 * self.scale.max_element();
         let mut field = *field;
         let mut travelled = 0.0_f64;
         let mut before = column.at(walk.position() as f32);
@@ -231,7 +234,7 @@ impl<'a> CovarianceGrid<'a> {
             field.travel((middle - travelled) as f32);
             travelled = middle;
             let step = (to - from) as f32;
-            let depth = if homogeneous {
+            let depth = if uniform {
                 extinction * step
             } else {
                 let after = column.at(to as f32);
@@ -248,7 +251,7 @@ impl<'a> CovarianceGrid<'a> {
             }
             add(&mut self.cells[index], &spectrum, flux * mean * step);
             flux *= left;
-            if !homogeneous {
+            if !matches!(density, Density::Uniform) {
                 let here = origin + middle as f32 * field.direction;
                 field.attenuate(&density.hessian(here).map(|second| extinction * second), step);
             }
@@ -282,11 +285,14 @@ impl<'a> CovarianceGrid<'a> {
         if out.len() != self.cells.len() {
             return Err(GridError::Length);
         }
+        let finite = |weight: f64| if weight < f64::INFINITY { weight } else { 0.0 };
+        let brightest = self.cells.iter().fold(0.0, |most: f64, cell| most.max(finite(cell.weight)));
         for (out, cell) in out.iter_mut().zip(self.cells.iter()) {
             let spectrum = FluenceSpectrum::from_array(cell.sum.map(|sum| (sum / cell.weight) as f32));
-            let has_data = cell.weight > 0.0 && is_finite(&spectrum);
+            let has_data = finite(cell.weight) > 0.0 && is_finite(&spectrum);
             *out = if has_data {
-                FluenceCell { spectrum, weight: cell.weight.min(f64::from(f32::MAX)) as f32 }
+                let weight = (cell.weight / brightest) as f32;
+                FluenceCell { spectrum, weight: weight.max(DIMMEST) }
             } else {
                 FluenceCell::default()
             };
@@ -368,17 +374,21 @@ impl<'a> FluenceGrid<'a> {
         })
     }
 
-    /// The spectrum of the fluence around a point: trilinear between the centres of the voxels that have data.
+    /// The spectrum of the fluence around a point: the flux-weighted mean of the eight voxels around it, with trilinear
+    /// weights.
+    ///
+    /// The weight of a voxel is its fluence as well as its nearness, as in the sum over light paths that defines the spectrum: in
+    /// the dark beside a shaft, the shaft's border speaks.
     ///
     /// - `position` \[m\]. Within half a voxel of the border the border's value holds.
     ///
     /// None outside the box, for NaN, and where none of the voxels that would count has data.
     ///
-    /// Guarantee: exact on a field that is linear in position, where all voxels have data (test
+    /// Guarantee: exact on a field that is linear in position, where all voxels are equally bright (test
     /// `look_ups_reproduce_a_linear_field_and_hold_it_at_the_border`); always a convex combination, so positive
     /// semi-definite where the cells are. Cost: 20 ns.
     ///
-    /// Source: thesis 5.3.1; trilinear instead of by voxel, whose steps would print into the radii.
+    /// Source: thesis 5.3.1, Eq 5.15; trilinear instead of by voxel, whose steps would print into the radii.
     ///
     /// ```
     /// use covbeam::{FluenceCell, FluenceGrid, GridLayout, Vec3};
@@ -426,7 +436,8 @@ struct Sum {
 impl Sum {
     #[inline(always)]
     fn add(&mut self, cell: &FluenceCell, weight: f32) {
-        let weight = if cell.weight > 0.0 { weight } else { 0.0 };
+        // A weight that is NaN or negative is none.
+        let weight = weight * cell.weight.max(0.0);
         let s = &cell.spectrum;
         self.first += Vec4::new(s.xx, s.yy, s.zz, s.xy) * weight;
         self.last += Vec4::new(s.xz, s.yz, 1.0, 0.0) * weight;

@@ -568,8 +568,8 @@ impl LightField {
     /// Spectrum: that of [`LightField::fluence`] with each of the root's two spatial columns cut to `limit`.
     ///
     /// - `limit` \[cycles/m\] > 0: the largest deviation kept. Light beside an edge has a variance of 1/(π²ρ²), whose mean
-    ///   over all distances ρ does not exist: a few photons next to an edge would speak for all. A voxel of side h
-    ///   cannot tell 1/h from more.
+    ///   over all distances ρ does not exist: a few photons next to an edge would speak for all. Voxels of
+    ///   side h cannot tell their Nyquist frequency, 1/(2h), from more.
     ///
     /// Guarantee: positive semi-definite up to rounding, no deviation above √2 `limit`.
     ///

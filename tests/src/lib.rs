@@ -2,6 +2,7 @@
 
 pub mod random;
 pub mod regions;
+pub mod single_scatter;
 pub mod stability;
 pub mod statistics;
 pub mod twin;

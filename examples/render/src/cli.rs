@@ -3,7 +3,9 @@
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use covbeam_render::compare::Region;
 use covbeam_render::pass::Method;
+use glam::Vec3;
 use std::path::PathBuf;
+use std::str::FromStr;
 use std::time::Duration;
 
 const EXAMPLES: &str = "\
@@ -13,6 +15,7 @@ Examples:
   covbeam render scene.toml --method ppb              plain progressive photon beams
   covbeam render scene.toml --passes 1000 --seed 2 --out reference.exr
   covbeam compare scene-adaptive.exr reference.exr --region caustic=116,172,140,236
+  covbeam spectrum scene.toml                         is the predicted bandwidth that of the light?
 
 Ctrl-C stops a render and keeps the passes finished until then.";
 
@@ -32,6 +35,8 @@ pub(crate) enum Command {
     Render(RenderArgs),
     /// Say how far a picture is from a reference
     Compare(CompareArgs),
+    /// Test the predicted bandwidth of the light against the measured one, voxel by voxel
+    Spectrum(SpectrumArgs),
 }
 
 #[derive(Args, Debug, Default)]
@@ -106,6 +111,98 @@ pub(crate) struct CompareArgs {
     pub(crate) regions: Vec<NamedRegion>,
 }
 
+const SPECTRUM_HELP: &str = "\
+The adaptive radius of a photon beam is only as good as the bandwidth that the covariance grid predicts. This
+command measures the fluence of every voxel with many plain light paths, takes from its differences the standard
+deviation of the spectrum that the light really has along x, y and z, and sets the predicted one beside it.
+
+In the folder:
+  summary.txt     what is compared and how; shares within a factor of 2, too small (biased), too large (noisy);
+                  the worst voxels (also printed)
+  table.csv       all of it, a line a voxel
+  lines.svg       predicted and measured along lines, with the noise
+  slice-*.svg     maps of predicted, measured and their ratio in three planes
+  gaussians.svg   the equivalent Gaussians of the spectrum at some points
+
+Examples:
+  covbeam spectrum scene.toml                               the grid of the scene and its passes
+  covbeam spectrum scene.toml --grid 64 --photons 128000000 finer; more light paths keep the noise down
+  covbeam spectrum scene.toml --share 0.01 --passes 8       what little data says
+  covbeam spectrum scene.toml --line 0,-1,-2:0,-1,2 --point 0,-1,0
+
+Ctrl-C stops it; then nothing is written.";
+
+#[derive(Args, Debug)]
+#[command(after_help = SPECTRUM_HELP)]
+pub(crate) struct SpectrumArgs {
+    /// The scene file
+    #[arg(value_name = "SCENE.toml")]
+    pub(crate) scene: PathBuf,
+    /// The folder to write into; created if it is missing [default: SCENE-spectrum in the current folder]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Light paths of the measurement. If more than 2 % of the voxels are undecided, ask for more
+    #[arg(long, value_name = "N", default_value_t = 16_000_000, value_parser = clap::value_parser!(u32).range(16..=2_000_000_000))]
+    pub(crate) photons: u32,
+    /// Passes of the prediction: what a render's grid holds after so many [default: the scene's]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) passes: Option<u32>,
+    /// Share of a pass' light paths that carry a light field, above 0 and at most 1 [default: the scene's]
+    #[arg(long, value_name = "S", value_parser = share, allow_negative_numbers = true)]
+    pub(crate) share: Option<f32>,
+    /// Voxels along each axis, 2 to 128 [default: the scene's]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=128))]
+    pub(crate) grid: Option<u32>,
+    /// Another seed gives another noise, the same seed the same bits [default: the scene's]
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u32>,
+    /// Threads; 0 = one for each core. The results are the same bits for any number
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024))]
+    pub(crate) threads: u32,
+    /// A line to plot along; may be repeated [default: along x, y and z through the caustic or the middle of the light]
+    #[arg(long = "line", value_name = "x0,y0,z0:x1,y1,z1", allow_hyphen_values = true)]
+    pub(crate) lines: Vec<LineArgument>,
+    /// A point whose Gaussian is drawn; may be repeated, the slices go through the first [default: smooth light, a
+    /// border, a caustic]
+    #[arg(long = "point", value_name = "x,y,z", value_parser = point, allow_hyphen_values = true)]
+    pub(crate) points: Vec<Vec3>,
+}
+
+/// `x0,y0,z0:x1,y1,z1`
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LineArgument {
+    pub(crate) from: Vec3,
+    pub(crate) to: Vec3,
+}
+
+impl FromStr for LineArgument {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = "expected two points x0,y0,z0:x1,y1,z1";
+        let (from, to) = text.split_once(':').ok_or(expected)?;
+        let (from, to) = (point(from)?, point(to)?);
+        if from == to {
+            Err("the line has no length: both points are the same".into())
+        } else {
+            Ok(Self { from, to })
+        }
+    }
+}
+
+fn point(text: &str) -> Result<Vec3, String> {
+    let numbers: Result<Vec<f32>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok(&[x, y, z]) if [x, y, z].iter().all(|v| v.is_finite()) => Ok(Vec3::new(x, y, z)),
+        _ => Err(format!("expected three finite numbers x,y,z, not '{text}'")),
+    }
+}
+
+fn share(text: &str) -> Result<f32, String> {
+    let share = text.parse().ok().filter(|share| *share > 0.0 && *share <= 1.0);
+    share.ok_or_else(|| "expected a number above 0 and at most 1".to_owned())
+}
+
 /// `name=x0,y0,x1,y1`; without a name the numbers are the name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct NamedRegion {
@@ -162,6 +259,25 @@ mod tests {
         assert_eq!(named_region("fog=1,2,3,4").unwrap(), NamedRegion { name: "fog".into(), region });
         assert_eq!(named_region("1,2,3,4").unwrap(), NamedRegion { name: "1,2,3,4".into(), region });
         assert!(named_region("fog").is_err());
+    }
+
+    #[test]
+    fn a_line_is_two_different_points() {
+        let line = LineArgument { from: Vec3::new(-1.0, 0.5, 2.0), to: Vec3::new(3.0, 0.5, 2.0) };
+        assert_eq!("-1,0.5,2:3, 0.5,2".parse(), Ok(line));
+        for text in ["", "1,2,3", "1,2:3,4", "1,2,3:4,5,nan", "1,2,3:4,5,6:7,8,9"] {
+            assert!(text.parse::<LineArgument>().unwrap_err().starts_with("expected"), "{text}");
+        }
+        assert!("1,2,3:1,2,3".parse::<LineArgument>().unwrap_err().contains("no length"));
+    }
+
+    #[test]
+    fn a_share_is_above_zero_and_at_most_one() {
+        assert_eq!(share("0.5"), Ok(0.5));
+        assert_eq!(share("1"), Ok(1.0));
+        for text in ["0", "-0.1", "1.01", "nan", "some"] {
+            assert!(share(text).is_err(), "{text}");
+        }
     }
 
     #[test]

@@ -13,6 +13,7 @@ pub mod light;
 mod medium_file;
 pub mod mesh;
 pub mod obj;
+pub mod operators;
 pub mod optics;
 pub mod output;
 pub mod pass;

@@ -12,8 +12,9 @@ use std::f32::consts::{PI, TAU};
 /// `variance / d²` reproduces with variance = 2/(4π²).
 pub const POINT_ANGULAR_VARIANCE: f32 = 2.0 / (4.0 * PI * PI);
 
-/// Angular variance of a diffuse emitter: the relative curvature of cos θ at its peak is 1.
-const DIFFUSE_ANGULAR_VARIANCE: f32 = 1.0 / (4.0 * PI * PI);
+/// Angular variance of a diffuse emitter: the relative curvature of cos θ/d² across the ray is 3/d², in the plane of the
+/// normal and across it alike.
+const DIFFUSE_ANGULAR_VARIANCE: f32 = 3.0 / (4.0 * PI * PI);
 
 /// A photon leaving a light.
 #[derive(Clone, Copy, Debug)]
@@ -28,20 +29,29 @@ pub struct EmittedPhoton {
     pub normal: Vec3,
 }
 
-/// Smooth fall-off of a spot between its two cones and the variance that this rim adds across it.
-///
-/// A smoothstep over the width w has a largest curvature of 6/w².
-fn spot_falloff(cos_theta: f32, inner: f32, outer: f32) -> (f32, f32) {
+/// Smooth fall-off of a spot between its two cones.
+fn spot_falloff(cos_theta: f32, inner: f32, outer: f32) -> f32 {
     let theta = cos_theta.clamp(-1.0, 1.0).acos();
-    if theta <= inner {
-        return (1.0, 0.0);
+    let q = ((outer - theta) / (outer - inner)).clamp(0.0, 1.0);
+    q * q * (3.0 - 2.0 * q)
+}
+
+/// Angular variance of a spot's field in the direction `theta` off its axis: towards the axis, and around it.
+///
+/// The Hessian of I(θ)/d² across the ray, over I/d²: I''/I - 2 and I' cot θ/I - 2. Where the fall-off has its
+/// inflection the gradient speaks.
+fn spot_angular_variance(theta: f32, inner: f32, outer: f32) -> [f32; 2] {
+    if theta <= inner || theta >= outer {
+        return [POINT_ANGULAR_VARIANCE; 2];
     }
-    if theta >= outer {
-        return (0.0, 0.0);
-    }
-    let q = (outer - theta) / (outer - inner);
     let width = outer - inner;
-    (q * q * (3.0 - 2.0 * q), 6.0 / (4.0 * PI * PI * width * width))
+    let q = (outer - theta) / width;
+    let falloff = q * q * (3.0 - 2.0 * q);
+    let slope = -6.0 * q * (1.0 - q) / (width * falloff);
+    let curvature = (6.0 - 12.0 * q) / (width * width * falloff);
+    let towards = (curvature - 2.0).abs().max(slope * slope);
+    let around = 2.0 - slope / theta.tan();
+    [towards, around].map(|relative| relative / (4.0 * PI * PI))
 }
 
 impl Light {
@@ -80,7 +90,7 @@ impl Light {
                 let r = (1.0 - z * z).max(0.0).sqrt();
                 let (e, f) = axis.any_orthonormal_pair();
                 let direction = (r * cos_phi * e + r * sin_phi * f + z * axis).normalize();
-                let (falloff, _) = spot_falloff(direction.dot(axis), inner_angle, outer_angle);
+                let falloff = spot_falloff(direction.dot(axis), inner_angle, outer_angle);
                 let power = falloff * TAU * height * intensity;
                 EmittedPhoton { origin: position, direction, power, normal: Vec3::ZERO }
             }
@@ -101,15 +111,17 @@ impl Light {
         match *self {
             Light::Point { .. } => LightField::point(photon.direction, POINT_ANGULAR_VARIANCE),
             Light::Spot { direction: axis, inner_angle, outer_angle, .. } => {
-                let mut field = LightField::point(photon.direction, POINT_ANGULAR_VARIANCE);
-                let (_, variance) = spot_falloff(photon.direction.dot(axis), inner_angle, outer_angle);
-                if variance > 0.0 {
-                    field.narrow(photon.direction - axis, variance);
-                }
-                field
+                let theta = photon.direction.angle_between(axis);
+                let variance = spot_angular_variance(theta, inner_angle, outer_angle);
+                LightField::gaussian(photon.direction, axis, [f32::INFINITY; 2], variance)
             }
             Light::Disk { normal, radius, .. } => {
-                LightField::disk(photon.direction, normal, radius, DIFFUSE_ANGULAR_VARIANCE)
+                let mut field = LightField::disk(photon.direction, normal, radius, DIFFUSE_ANGULAR_VARIANCE);
+                // Beyond 60° the gradient of cos θ, tan² θ, outweighs the curvature.
+                let cos_theta = photon.direction.dot(normal);
+                let tan2_theta = 1.0 / (cos_theta * cos_theta) - 1.0;
+                field.narrow(normal, tan2_theta / (4.0 * PI * PI) - DIFFUSE_ANGULAR_VARIANCE);
+                field
             }
         }
     }
@@ -127,7 +139,7 @@ impl Light {
                 let offset = position - point;
                 let d2 = offset.length_squared();
                 let d = d2.sqrt();
-                let (falloff, _) = spot_falloff(-offset.dot(axis) / d, inner_angle, outer_angle);
+                let falloff = spot_falloff(-offset.dot(axis) / d, inner_angle, outer_angle);
                 (intensity * falloff * (offset.dot(normal) / (d2 * d)).max(0.0), position)
             }
             Light::Disk { center, normal: disk_normal, radius, radiance } => {

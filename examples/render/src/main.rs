@@ -1,7 +1,8 @@
-//! `covbeam`: renders a scene, or compares two pictures.
+//! `covbeam`: renders a scene, compares two pictures, or tests the predicted spectra.
 
 mod cli;
 mod render_command;
+mod spectrum_command;
 
 use clap::Parser;
 use cli::{Cli, Command, CompareArgs, RenderArgs};
@@ -22,6 +23,7 @@ fn main() -> ExitCode {
     let done = match Cli::parse().command.unwrap_or(Command::Render(first_look)) {
         Command::Render(args) => render_command::run(&args),
         Command::Compare(args) => run_compare(&args),
+        Command::Spectrum(args) => spectrum_command::run(&args),
     };
     done.unwrap_or_else(|error| {
         eprintln!("error: {error}");

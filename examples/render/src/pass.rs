@@ -3,8 +3,9 @@
 use crate::eye::{EyeSegment, EyeTracer};
 use crate::film::PassImage;
 use crate::fog::Fog;
+use crate::operators::Operator;
 use crate::optics::Interior;
-use crate::photon::{Energy, PhotonRecord, PhotonTracer, Record, deposit_into};
+use crate::photon::{Energy, PhotonRecord, PhotonTracer, Record};
 use crate::random::{Emission, Random};
 use crate::scene::Scene;
 use crate::surface::SurfaceMap;
@@ -126,6 +127,11 @@ impl<'a> Renderer<'a> {
         }
     }
 
+    /// Leaves an operator out of all light fields, to see what it buys. For the first pass to see it, call it before.
+    pub fn leave_out(&mut self, operator: Operator) {
+        self.tracer.leave_out(operator);
+    }
+
     /// Where the power of the latest pass' light paths went.
     pub fn energy(&self) -> Energy {
         self.energy
@@ -188,7 +194,7 @@ impl<'a> Renderer<'a> {
     fn deposit(&mut self, record: &PhotonRecord) {
         let mut grid =
             CovarianceGrid::new(self.scene.grid, &mut self.grid).expect("the scene's grid was validated");
-        deposit_into(&mut grid, &self.fogs, &record.deposits);
+        self.tracer.deposit_into(&mut grid, &record.deposits);
         self.deposited += 1;
     }
 

@@ -4,12 +4,14 @@ use crate::edges::{Edge, find_edges};
 use crate::fog::Fog;
 use crate::geometry::Hit;
 use crate::light::{EmittedPhoton, cosine_direction};
+use crate::operators::Operator;
 use crate::optics::{Boundary, Interior, curvature_towards, facing_normal, reflect};
 use crate::random::{Emission, PathSampler};
 use crate::scene::{Material, Scene};
 use crate::surface::SurfacePhoton;
-use covbeam::{Beam, Column, CovarianceGrid, Knot, LightField, Medium};
+use covbeam::{Beam, Column, CovarianceGrid, Curvature, Density, Knot, LightField, Medium};
 use glam::Vec3;
+use smallvec::SmallVec;
 use std::time::{Duration, Instant};
 
 /// After this many events a path goes on with probability [`GOING_ON`] only, so that every path ends: without
@@ -32,16 +34,6 @@ pub struct Deposit {
     pub medium: u32,
     /// Whether it has met neither medium nor diffuse surfaces since its light.
     pub unscattered: bool,
-}
-
-/// Adds `deposits` to a covariance grid, in their order. `fogs` are the scene's media ([`Fog::all`]).
-pub fn deposit_into(grid: &mut CovarianceGrid, fogs: &[Fog], deposits: &[Deposit]) {
-    let mut knots = Vec::new();
-    for d in deposits {
-        let fog = &fogs[d.medium as usize];
-        let column = fog.column(d.origin, d.field.direction, d.length, &mut knots);
-        grid.deposit_segment(d.origin, d.length, &d.field, d.power, d.unscattered, &fog.attenuation(column));
-    }
 }
 
 /// A contribution of a path vertex to one pixel.
@@ -136,6 +128,7 @@ pub struct PhotonTracer<'a> {
     camera: Interior,
     seed: u32,
     emission: Emission,
+    left_out: Option<Operator>,
 }
 
 /// The moving photon.
@@ -167,7 +160,30 @@ impl<'a> PhotonTracer<'a> {
             })
             .collect();
         let camera = Interior::at(scene, scene.camera.position);
-        Self { scene, fogs: Fog::all(scene), lights, camera, seed, emission }
+        Self { scene, fogs: Fog::all(scene), lights, camera, seed, emission, left_out: None }
+    }
+
+    /// Leaves an operator out of all light fields, to see what it buys.
+    pub fn leave_out(&mut self, operator: Operator) {
+        self.left_out = Some(operator);
+    }
+
+    fn acts(&self, operator: Operator) -> bool {
+        self.left_out != Some(operator)
+    }
+
+    /// Adds deposits that this tracer made to a covariance grid, in their order.
+    pub fn deposit_into(&self, grid: &mut CovarianceGrid, deposits: &[Deposit]) {
+        let mut knots = Vec::new();
+        for d in deposits {
+            let fog = &self.fogs[d.medium as usize];
+            let column = fog.column(d.origin, d.field.direction, d.length, &mut knots);
+            let mut attenuation = fog.attenuation(column);
+            if !self.acts(Operator::Attenuation) {
+                attenuation.density = Density::Uniform;
+            }
+            grid.deposit_segment(d.origin, d.length, &d.field, d.power, d.unscattered, &attenuation);
+        }
     }
 
     /// Traces light path `index` of `sequence`; its power is divided by `paths`.
@@ -219,8 +235,10 @@ impl<'a> PhotonTracer<'a> {
     }
 
     fn start_field(&self, light: usize, emitted: &EmittedPhoton, record: Record) -> Option<LightField> {
-        matches!(record, Record::BeamsAndField | Record::Field)
-            .then(|| self.scene.lights[light].light_field(emitted))
+        matches!(record, Record::BeamsAndField | Record::Field).then(|| match self.acts(Operator::Emission) {
+            true => self.scene.lights[light].light_field(emitted),
+            false => LightField::point(emitted.direction, 0.0),
+        })
     }
 
     /// One segment and the event at its end. False = the path has ended. `knots` is memory for the segment's column.
@@ -251,9 +269,13 @@ impl<'a> PhotonTracer<'a> {
         }
         let edges = photon.field.map(|field| {
             let start = Instant::now();
-            let edges = find_edges(scene, photon.origin, photon.direction, hit.as_ref());
+            let edges = if self.acts(Operator::Occlusion) {
+                find_edges(scene, photon.origin, photon.direction, hit.as_ref())
+            } else {
+                SmallVec::new()
+            };
             if let Some(((id, fog), column)) = &inside {
-                deposit(photon, field, &edges, reach, (*id, fog), column, out);
+                self.deposit(photon, field, &edges, (fog, column, reach), *id, out);
             }
             out.field_time += start.elapsed();
             edges
@@ -263,7 +285,7 @@ impl<'a> PhotonTracer<'a> {
         let distance = flight.min(reach);
         if let (Some(field), Some(edges)) = (&mut photon.field, edges) {
             let start = Instant::now();
-            travel(field, fog, photon.origin, &edges, distance);
+            self.travel(field, fog, photon.origin, &edges, distance);
             out.field_time += start.elapsed();
         }
         match (inside, hit) {
@@ -310,7 +332,8 @@ impl<'a> PhotonTracer<'a> {
         let Some(u) = roulette(photon, before, scattered, u, out) else { return false };
         let direction = medium.phase.sample(photon.direction, [u, v]);
         if let Some(field) = &mut photon.field {
-            field.scatter(direction, medium.phase.angular_variance());
+            let blurs = self.acts(Operator::Scattering);
+            field.scatter(direction, if blurs { medium.phase.angular_variance() } else { f32::INFINITY });
         }
         photon.direction = direction;
         photon.normal = Vec3::ZERO;
@@ -369,14 +392,14 @@ impl<'a> PhotonTracer<'a> {
                     return false;
                 }
                 if let Some(field) = &mut photon.field {
-                    field.reflect(normal, &curvature_towards(hit, normal));
+                    field.reflect(normal, &self.curvature(hit, normal));
                 }
                 photon.direction = reflect(photon.direction, normal);
                 photon.normal = normal;
             }
             Material::Dielectric { .. } => {
                 let boundary = Boundary::new(self.scene, hit, photon.direction, &photon.interior);
-                let curvature = curvature_towards(hit, boundary.normal);
+                let curvature = self.curvature(hit, boundary.normal);
                 let through =
                     (sampler.uniform() >= boundary.reflectance).then_some(boundary.refracted).flatten();
                 photon.normal = boundary.normal;
@@ -401,6 +424,63 @@ impl<'a> PhotonTracer<'a> {
         photon.direct = false;
         photon.origin = hit.leave(photon.direction);
         true
+    }
+
+    /// The curvature that a light field meets at a hit.
+    fn curvature(&self, hit: &Hit, normal: Vec3) -> Curvature {
+        if self.acts(Operator::Curvature) { curvature_towards(hit, normal) } else { Curvature::default() }
+    }
+
+    /// Moves a light field on from `from` to `to`, measured from `origin`.
+    fn advance(&self, field: &mut LightField, fog: Option<&Fog>, origin: Vec3, from: f32, to: f32) {
+        match fog {
+            Some(fog) if self.acts(Operator::Attenuation) => fog.advance(field, origin, from, to),
+            _ => field.travel(to - from),
+        }
+    }
+
+    /// Moves a light field on from `origin` by `distance` past the edges on the way.
+    fn travel(&self, field: &mut LightField, fog: Option<&Fog>, origin: Vec3, edges: &[Edge], distance: f32) {
+        let mut at = 0.0;
+        for edge in edges.iter().filter(|edge| edge.depth <= distance) {
+            self.advance(field, fog, origin, at, edge.depth);
+            field.occlude(edge.towards, edge.distance);
+            at = edge.depth;
+        }
+        self.advance(field, fog, origin, at, distance);
+    }
+
+    /// Records what the field leaves along the whole segment, cut at the edges.
+    fn deposit(
+        &self,
+        photon: &Photon,
+        mut field: LightField,
+        edges: &[Edge],
+        (fog, column, reach): (&Fog, &Column, f32),
+        medium: u32,
+        out: &mut PhotonRecord,
+    ) {
+        let extinction = fog.mean_extinction();
+        let power = photon.power.element_sum() / 3.0;
+        let length = reach.min(fog.reach(photon.origin, photon.direction, column));
+        let mut at = 0.0;
+        let cuts = edges.iter().map(|edge| (edge.depth, Some(edge))).chain([(length, None)]);
+        for (depth, edge) in cuts {
+            let depth = depth.min(length);
+            out.deposits.push(Deposit {
+                origin: photon.origin + at * photon.direction,
+                length: depth - at,
+                field,
+                power: power * (-extinction * column.at(at)).exp(),
+                medium,
+                unscattered: photon.specular && self.acts(Operator::Spreading),
+            });
+            self.advance(&mut field, Some(fog), photon.origin, at, depth);
+            if let Some(edge) = edge {
+                field.occlude(edge.towards, edge.distance);
+            }
+            at = depth;
+        }
     }
 
     /// Connects one point of a segment with the pinhole.
@@ -474,54 +554,6 @@ fn beam_of(photon: &Photon, hit: Option<&Hit>, fog: &Fog, column: &Column) -> Op
         start_normal: photon.normal,
         end_normal,
     })
-}
-
-/// Moves a light field on from `origin` by `distance` past the edges on the way.
-fn travel(field: &mut LightField, fog: Option<&Fog>, origin: Vec3, edges: &[Edge], distance: f32) {
-    let advance = |field: &mut LightField, from: f32, to: f32| match fog {
-        Some(fog) => fog.advance(field, origin, from, to),
-        None => field.travel(to - from),
-    };
-    let mut at = 0.0;
-    for edge in edges.iter().filter(|edge| edge.depth <= distance) {
-        advance(field, at, edge.depth);
-        field.occlude(edge.towards, edge.distance);
-        at = edge.depth;
-    }
-    advance(field, at, distance);
-}
-
-/// Records what the field leaves along the whole segment, cut at the edges.
-fn deposit(
-    photon: &Photon,
-    mut field: LightField,
-    edges: &[Edge],
-    reach: f32,
-    (medium, fog): (u32, &Fog),
-    column: &Column,
-    out: &mut PhotonRecord,
-) {
-    let extinction = fog.mean_extinction();
-    let power = photon.power.element_sum() / 3.0;
-    let length = reach.min(fog.reach(photon.origin, photon.direction, column));
-    let mut at = 0.0;
-    let cuts = edges.iter().map(|edge| (edge.depth, Some(edge))).chain([(length, None)]);
-    for (depth, edge) in cuts {
-        let depth = depth.min(length);
-        out.deposits.push(Deposit {
-            origin: photon.origin + at * photon.direction,
-            length: depth - at,
-            field,
-            power: power * (-extinction * column.at(at)).exp(),
-            medium,
-            unscattered: photon.specular,
-        });
-        fog.advance(&mut field, photon.origin, at, depth);
-        if let Some(edge) = edge {
-            field.occlude(edge.towards, edge.distance);
-        }
-        at = depth;
-    }
 }
 
 /// The column up to the next collision: one channel, chosen by its power, decides for all three.

@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// As shells report a program that Ctrl-C stopped.
-const STOPPED: u8 = 130;
+pub(crate) const STOPPED: u8 = 130;
 
 /// What is rendered when no scene is named.
 const DEFAULT_SCENE: &str = include_str!("../../scenes/glass-ball.toml");
@@ -232,7 +232,7 @@ fn summary(progress: &Progress) -> String {
     text
 }
 
-fn seconds(time: Duration) -> String {
+pub(crate) fn seconds(time: Duration) -> String {
     let all = time.as_secs_f64();
     match all {
         ..60.0 => format!("{all:.1} s"),

@@ -58,8 +58,11 @@ fn look_ups_at_centres_are_the_cells_themselves() {
     let grid = FluenceGrid::new(UNIT, &cells).unwrap();
     for (index, cell) in cells.iter().enumerate() {
         let centre = Vec3::new((index % 4) as f32, (index / 4 % 4) as f32, (index / 16) as f32);
-        // Quarters and eighths: exact.
-        assert_eq!(grid.look_up((centre + 0.5) / 4.0), Some(cell.spectrum));
+        let found = grid.look_up((centre + 0.5) / 4.0).expect("data").to_array();
+        for (found, expected) in found.iter().zip(cell.spectrum.to_array()) {
+            // Times the weight and divided by it: two roundings.
+            assert!((found - expected).abs() <= 2.0 * f32::EPSILON * expected.abs(), "{found} {expected}");
+        }
     }
 }
 
@@ -109,5 +112,26 @@ fn voxels_without_data_do_not_dilute_their_neighbours() {
     for (a, b) in grid.look_up(at).unwrap().to_array().into_iter().zip(expected) {
         // The position is rounded at 6e-8, values reach 4.
         assert!((f64::from(a) - b / total).abs() < 4e-6, "{a} for {}", b / total);
+    }
+}
+
+#[test]
+fn a_look_up_is_the_mean_that_flux_and_nearness_weigh() {
+    let layout = GridLayout { min: Vec3::ZERO, max: Vec3::new(2.0, 1.0, 1.0), cells: [2, 1, 1] };
+    let cell = |value: f32, weight: f32| FluenceCell { spectrum: spectrum([value; 6]), weight };
+    let cells = [cell(8.0, 1.0), cell(2.0, 0.25)];
+    let grid = FluenceGrid::new(layout, &cells).unwrap();
+    for x in [0.6f32, 1.0, 1.3] {
+        let near = [1.5 - x, 0.25 * (x - 0.5)];
+        let expected = (8.0 * near[0] + 2.0 * near[1]) / (near[0] + near[1]);
+        let found = grid.look_up(Vec3::new(x, 0.5, 0.5)).unwrap().xx;
+        assert!((found - expected).abs() < 1e-5, "{x}: {found} {expected}");
+    }
+    // Weights without meaning count as no data.
+    for bad in [f32::NAN, -1.0, 0.0] {
+        let cells = [cell(8.0, 1.0), cell(2.0, bad)];
+        let grid = FluenceGrid::new(layout, &cells).unwrap();
+        assert_eq!(grid.look_up(Vec3::new(1.3, 0.5, 0.5)).unwrap().xx, 8.0);
+        assert!(grid.look_up(Vec3::new(1.6, 0.5, 0.5)).is_none());
     }
 }

@@ -132,7 +132,9 @@ fn the_mean_of_a_voxel_is_weighted_by_flux() {
     let out = resolved(UNIT, &mut cells);
     let index = 2 + 4 * (1 + 4 * 3);
     assert_eq!(out[index].spectrum.to_array(), [2.0, 3.0, 4.0, 0.5, 0.0, 2.0]);
-    assert_eq!(out[index].weight, 4.0);
+    assert_eq!(cells[index].weight, 4.0);
+    // The brightest voxel has weight 1.
+    assert_eq!(out[index].weight, 1.0);
     assert_eq!(out[0], FluenceCell::default());
 }
 

@@ -1,0 +1,65 @@
+//! What a render would use: the covariance grid after some passes.
+
+use crate::photon::{PhotonRecord, PhotonTracer, Record};
+use crate::random::Emission;
+use crate::scene::Scene;
+use covbeam::{CovarianceGrid, FluenceCell, GridCell, GridLayout};
+use rayon::prelude::*;
+
+/// The sequence of a render's light paths that carry a light field.
+const FIELD_SEQUENCE: u32 = 1;
+
+/// Light paths that one task traces.
+const CHUNK: u32 = 64;
+
+/// How the predicted spectra are made, as in a render.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prediction {
+    /// Passes, > 0.
+    pub passes: u32,
+    /// Light paths a pass that carry a light field, > 0.
+    pub field_paths: u32,
+    /// Of the random numbers.
+    pub seed: u32,
+}
+
+/// The resolved covariance grid: the same spectra as in a render's last pass. `report` as in
+/// [`super::Fluence::measure`].
+///
+/// Guarantee: the same bits for any number of threads.
+///
+/// # Panics
+/// If `layout` is not sound.
+pub fn predict(
+    scene: &Scene,
+    layout: &GridLayout,
+    prediction: &Prediction,
+    report: &(dyn Fn(u32) -> bool + Sync),
+) -> Option<Vec<FluenceCell>> {
+    let Prediction { passes, field_paths, seed } = *prediction;
+    let tracer = PhotonTracer::new(scene, seed, Emission::LowDiscrepancy);
+    let mut cells = vec![GridCell::default(); layout.cell_count()];
+    let mut grid = CovarianceGrid::new(*layout, &mut cells).expect("the grid was validated");
+    for pass in 0..passes {
+        let first = pass.wrapping_mul(field_paths);
+        let chunks: Vec<PhotonRecord> = (0..field_paths.div_ceil(CHUNK))
+            .into_par_iter()
+            .map(|chunk| {
+                let mut out = PhotonRecord::default();
+                for i in chunk * CHUNK..((chunk + 1) * CHUNK).min(field_paths) {
+                    tracer.trace(FIELD_SEQUENCE, first.wrapping_add(i), field_paths, Record::Field, &mut out);
+                }
+                out
+            })
+            .collect();
+        for chunk in &chunks {
+            tracer.deposit_into(&mut grid, &chunk.deposits);
+        }
+        if !report(field_paths) {
+            return None;
+        }
+    }
+    let mut resolved = vec![FluenceCell::default(); layout.cell_count()];
+    grid.resolve(&mut resolved).expect("as many cells as the grid has");
+    Some(resolved)
+}

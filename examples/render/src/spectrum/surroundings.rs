@@ -1,0 +1,143 @@
+//! Which voxels are all fog, and between which of them a surface stands.
+
+use super::walk::{center_of, index_of, voxel_of, voxel_size};
+use crate::fog::Fog;
+use crate::optics::Interior;
+use crate::random::Random;
+use crate::scene::{Material, Scene};
+use covbeam::GridLayout;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+/// Rays along a side of a voxel's face, to find surfaces in it.
+const RAYS: u32 = 4;
+
+/// Points along an edge of a voxel, to measure how much of it is medium.
+const POINTS: u32 = 6;
+
+/// What counts as on a voxel's face rather than inside, in voxels: surfaces often lie exactly there.
+const SHIFT: f64 = 0.01;
+
+/// What stands in the voxels of a grid.
+pub(super) struct Surroundings {
+    /// Share of each voxel that is filled with a medium and can be reached by light.
+    pub(super) medium: Vec<f32>,
+    /// Per voxel and axis: a bit for each of `RAYS`² parallel rays, set if it meets a surface inside the voxel.
+    inside: Vec<[u16; 3]>,
+    /// The same for surfaces on the voxel's lower face.
+    below: Vec<[u16; 3]>,
+}
+
+impl Surroundings {
+    pub(super) fn of(scene: &Scene, layout: &GridLayout) -> Self {
+        let (solids, fogs) = (solids(scene), Fog::all(scene));
+        let along = |index: usize, from: f64, to: f64| {
+            let voxel = voxel_of(layout, index);
+            std::array::from_fn(|axis| rays_met(scene, layout, voxel, axis, [from, to]))
+        };
+        let all = 0..layout.cell_count();
+        let inside: Vec<[u16; 3]> =
+            all.clone().into_par_iter().map(|index| along(index, SHIFT, 1.0 - SHIFT)).collect();
+        let below = all.clone().into_par_iter().map(|index| along(index, -SHIFT, SHIFT)).collect();
+        let share = |index: usize| {
+            let cut = inside[index] != [0; 3];
+            medium_share(scene, &fogs, &solids, layout, voxel_of(layout, index), cut)
+        };
+        let medium = all.into_par_iter().map(share).collect();
+        Self { medium, inside, below }
+    }
+
+    /// Share of the parallel rays along `axis` that meet a surface inside these neighbours or between them; they are in
+    /// rising order.
+    pub(super) fn cut(&self, voxels: &[usize], axis: usize) -> f64 {
+        let inside = voxels.iter().map(|voxel| self.inside[*voxel][axis]);
+        let between = voxels[1..].iter().map(|voxel| self.below[*voxel][axis]);
+        let met = inside.chain(between).fold(0, |met, rays| met | rays);
+        f64::from(met.count_ones()) / f64::from(RAYS * RAYS)
+    }
+}
+
+/// Which rays along `axis` meet a surface between two places, in voxels from the lower face of `voxel`.
+fn rays_met(scene: &Scene, layout: &GridLayout, voxel: [u32; 3], axis: usize, [from, to]: [f64; 2]) -> u16 {
+    let size = voxel_size(layout);
+    let low = center_of(layout, voxel) - 0.5 * size;
+    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+    let mut met = 0;
+    for ray in 0..RAYS * RAYS {
+        let mut start = low;
+        start[u] += size[u] * (f64::from(ray % RAYS) + 0.5) / f64::from(RAYS);
+        start[v] += size[v] * (f64::from(ray / RAYS) + 0.5) / f64::from(RAYS);
+        let mut end = start;
+        start[axis] += size[axis] * from;
+        end[axis] += size[axis] * to;
+        met |= u16::from(scene.occluded(start.as_vec3(), end.as_vec3())) << ray;
+    }
+    met
+}
+
+fn medium_share(
+    scene: &Scene,
+    fogs: &[Fog],
+    solids: &Solids,
+    layout: &GridLayout,
+    voxel: [u32; 3],
+    cut: bool,
+) -> f32 {
+    let center = center_of(layout, voxel);
+    let filled = |point: DVec3| {
+        let point = point.as_vec3();
+        let medium = Interior::at(scene, point).medium(scene);
+        let scatters = |id: u32| {
+            let fog = &fogs[id as usize];
+            fog.medium.scattering.max_element() > 0.0 && fog.density.at(point) > 0.0
+        };
+        medium.is_some_and(scatters) && solids.let_light_to(point)
+    };
+    if !cut {
+        return if filled(center) { 1.0 } else { 0.0 };
+    }
+    let size = voxel_size(layout);
+    let mut random = Random::new([index_of(layout, voxel) as u32, 0, 0, 0xf111]);
+    let mut jittered = |i: u32| (f64::from(i) + f64::from(random.uniform())) / f64::from(POINTS) - 0.5;
+    let mut inside = 0;
+    for i in 0..POINTS.pow(3) {
+        let cell = [i % POINTS, i / POINTS % POINTS, i / POINTS / POINTS];
+        let offset = DVec3::from(cell.map(&mut jittered));
+        inside += u32::from(filled(center + offset * size));
+    }
+    inside as f32 / POINTS.pow(3) as f32
+}
+
+/// Closed opaque objects: no light passes from their inside to their outside.
+struct Solids {
+    /// The objects alone. As glass, so that `Scene::containing` speaks of them.
+    scene: Scene,
+    /// Per object: whether a light is inside, and whether one is outside.
+    lit: Vec<[bool; 2]>,
+}
+
+fn solids(scene: &Scene) -> Solids {
+    let mut solids = scene.clone();
+    solids
+        .objects
+        .retain(|object| object.shape.is_closed() && !matches!(object.material, Material::Dielectric { .. }));
+    for object in &mut solids.objects {
+        object.material = Material::Dielectric { index: 1.0 };
+    }
+    let mut lit = vec![[false; 2]; solids.objects.len()];
+    for light in &scene.lights {
+        let around = solids.containing(light.position());
+        for (lit, object) in lit.iter_mut().zip(0..) {
+            lit[usize::from(!around.contains(&object))] = true;
+        }
+    }
+    Solids { scene: solids, lit }
+}
+
+impl Solids {
+    /// Whether no solid stands between `point` and all lights.
+    fn let_light_to(&self, point: Vec3) -> bool {
+        let around = self.scene.containing(point);
+        self.lit.iter().zip(0..).all(|(lit, object)| lit[usize::from(!around.contains(&object))])
+    }
+}
