@@ -258,7 +258,7 @@ impl<R: Real> Twin<R> {
             Event::Refract(normal, curvature, eta) => self.refract(normal, &curvature, eta),
             Event::Occlude(towards, distance) => {
                 let n = self.across(towards);
-                self.add(0, &n, &reciprocal_square(distance));
+                self.add(0, &n, &reciprocal_square(2.0 * distance));
             }
             Event::Narrow(across, angular) => {
                 let n = self.across(across);

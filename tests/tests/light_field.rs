@@ -30,7 +30,7 @@ fn a_shadow_blurs_with_distance_as_the_lever_rule_says() {
         let (d1, d2) = (2.0, 3.0);
         let mut field = LightField::gaussian(Vec3::Z, Vec3::X, [source as f32; 2], [0.0; 2]);
         field.travel(d1 as f32);
-        let radius = 1.0 / (PI * f64::sqrt(edge));
+        let radius = 1.0 / (2.0 * PI * f64::sqrt(edge));
         field.occlude(Vec3::X, radius as f32);
         field.occlude(Vec3::Y, radius as f32);
         field.travel(d2 as f32);
@@ -48,7 +48,7 @@ fn a_shadow_blurs_with_distance_as_the_lever_rule_says() {
 fn edges_of_unequal_distance_on_unequal_axes_are_kept_apart() {
     let mut field = LightField::gaussian(Vec3::Z, Vec3::X, [100.0, 4.0], [0.0; 2]);
     field.travel(2.0);
-    let radius = |variance: f64| (1.0 / (PI * variance.sqrt())) as f32;
+    let radius = |variance: f64| (1.0 / (2.0 * PI * variance.sqrt())) as f32;
     field.occlude(Vec3::X, radius(1e6));
     field.occlude(Vec3::Y, radius(9.0));
     field.travel(3.0);

@@ -85,7 +85,7 @@ fn closed_form(layout: &GridLayout) -> Vec<f64> {
 fn sigma(layout: &GridLayout, fluence: &[f64], cell: [u32; 3], axis: usize) -> f64 {
     let at = |step: i32| {
         let mut cell = cell;
-        cell[axis] = cell[axis].strict_add_signed(step);
+        cell[axis] = cell[axis].wrapping_add_signed(step);
         fluence[index(layout, cell)]
     };
     let h = size(layout)[axis];

@@ -44,13 +44,16 @@ pub fn default_points(analysis: &Analysis, scene: &Scene) -> Vec<Point> {
         Some(sigma(0)?.max(sigma(1)?).max(sigma(2)?))
     };
     let smooth = |voxel: &Voxel| (roughest(voxel)? <= 1.0).then_some(voxel.fluence);
-    // Where direct light begins: the largest jump between the two neighbours, in proportion. Without its fall-off with
-    // the distance, which is as steep next to a light.
+    // Where direct light begins: the largest jump between two neighbours, in proportion. Not next to a light, where it
+    // falls off as steeply.
+    let size = voxel_size(&analysis.layout);
+    let far = |voxel: &Voxel| {
+        let apart = |light: &Light| light.position().as_dvec3().distance(voxel.center);
+        scene.lights.iter().all(|light| apart(light) > 4.0 * size.max_element())
+    };
     let direct = |cell: [u32; 3]| {
         let voxel = &analysis.voxels[index_of(&analysis.layout, cell)];
-        let distance2 = |light: &Light| light.position().as_dvec3().distance_squared(voxel.center);
-        let nearest = scene.lights.iter().map(distance2).fold(f64::INFINITY, f64::min);
-        voxel.fluence * nearest * f64::from(voxel.origins[Origin::Direct as usize])
+        voxel.fluence * f64::from(voxel.origins[Origin::Direct as usize])
     };
     let edge = |voxel: &Voxel| {
         roughest(voxel)?;
@@ -59,8 +62,8 @@ pub fn default_points(analysis: &Analysis, scene: &Scene) -> Vec<Point> {
             (before[axis], after[axis]) = (before[axis] - 1, after[axis] + 1);
             (direct(after) - direct(before)).abs() / (direct(after) + direct(before))
         };
-        let sum: f64 = (0..3).map(jump).filter(|jump| jump.is_finite()).sum();
-        (voxel.bright && voxel.origins[Origin::Direct as usize] > 0.3).then_some(sum)
+        let lit = voxel.bright && voxel.origins[Origin::Direct as usize] > 0.3;
+        (lit && far(voxel)).then(|| (0..3).map(jump).fold(0.0, f64::max))
     };
     let point = |name: &str, cell: Option<[u32; 3]>| cell.map(|cell| Point { name: name.to_owned(), cell });
     [
