@@ -8,9 +8,9 @@
 //! - accepted pair: about 150 flops, one exp, two square roots, three divisions and a look-up, all scalar: 30 ns.
 
 use covbeam::{
-    Attenuation, Beam, BeamMap, CovarianceGrid, Curvature, Density, EyeRay, FluenceCell, FluenceGrid,
-    FluenceSpectrum, GatherScratch, Gathered, GridCell, GridLayout, Kernel, KernelRadius, LightField, Medium,
-    Passage, PhaseFunction, Vec3, gather_pair,
+    Attenuation, Beam, BeamMap, CovarianceGrid, Curvature, Density, DensityGrid, ExponentialDensity, EyeRay,
+    FluenceCell, FluenceGrid, FluenceSpectrum, GatherScratch, Gathered, GridCell, GridLayout, Kernel,
+    KernelRadius, LightField, Medium, Passage, PhaseFunction, Vec3, gather_pair,
 };
 use covbeam_render::random::Random;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
@@ -70,12 +70,15 @@ fn operators(c: &mut Criterion) {
     };
     bench("travel", &|field| field.travel(black_box(1.5)));
     bench("occlude", &|field| field.occlude(Vec3::X, black_box(0.1)));
+    bench("attenuate", &|field| field.attenuate(&[0.1, -0.2, 0.3, 0.1, 0.0, 0.2], black_box(0.5)));
     bench("scatter", &|field| field.scatter(Vec3::Y, black_box(0.1)));
     bench("reflect", &|field| field.reflect(normal, &curvature));
     bench("refract", &|field| {
         field.refract(normal, &curvature, black_box(1.0 / 1.5));
     });
     group.bench_function("fluence", |b| b.iter(|| black_box(field).fluence()));
+    group.bench_function("fluence_within", |b| b.iter(|| black_box(field).fluence_within(2.0)));
+    group.bench_function("variance_along_ray", |b| b.iter(|| black_box(field).variance_along_ray(0.2)));
     group.finish();
 }
 
@@ -105,6 +108,50 @@ fn grid(c: &mut Criterion) {
             )
         });
     });
+    group.finish();
+}
+
+/// Billows with features of about a metre, on 64³ voxels of the grid's box.
+fn billows() -> (GridLayout, Vec<f32>) {
+    let layout = GridLayout { cells: [64; 3], ..LAYOUT };
+    let wave = |i: usize| (0.8 * i as f32).sin();
+    let value = |i: usize| 1.0 + wave(i % 64) * wave(i / 64 % 64) * wave(i / 4096);
+    (layout, (0..layout.cell_count()).map(value).collect())
+}
+
+fn densities(c: &mut Criterion) {
+    let (layout, values) = billows();
+    let voxels = Density::Grid(DensityGrid::new(layout, &values).unwrap());
+    let air = Density::Exponential(ExponentialDensity { origin: Vec3::ZERO, up: Vec3::Y, scale_height: 2.0 });
+    let mut random = Random::new([4, 4, 4, 4]);
+    let rays: Vec<(Vec3, Vec3)> = (0..256).map(|_| (point(&mut random), direction(&mut random))).collect();
+    let mut group = c.benchmark_group("density");
+    group.throughput(Throughput::Elements(rays.len() as u64));
+    let mut knots = Vec::new();
+    // 5e-4 of the optical depth at an extinction of 0.22, as `BeamMap` asks for.
+    let mut tabulate = |origin, direction| {
+        knots.clear();
+        voxels.knots(origin, direction, 4.0, 2.3e-3, f32::INFINITY, &mut |knot| knots.push(knot));
+        knots.len()
+    };
+    let count: usize = rays.iter().map(|&(origin, direction)| tabulate(origin, direction)).sum();
+    println!("{:.1} knots a ray of length 4 across 64³ voxels of 0.125", count as f64 / rays.len() as f64);
+    group.bench_function("knots of a ray of length 4", |b| {
+        b.iter(|| rays.iter().map(|&(origin, direction)| tabulate(origin, direction)).sum::<usize>());
+    });
+    for (name, density) in [("exponential", air), ("voxels", voxels)] {
+        let (origin, direction) = rays[0];
+        let mut knots = Vec::new();
+        density.knots(origin, direction, 4.0, 2.3e-3, f32::INFINITY, &mut |knot| knots.push(knot));
+        let column = density.column(origin, direction, &knots);
+        let distances: Vec<f32> = rays.iter().map(|ray| 0.5 * ray.0.x.abs()).collect();
+        group.bench_function(BenchmarkId::new("column at a distance", name), |b| {
+            b.iter(|| distances.iter().map(|&s| column.at(black_box(s))).sum::<f32>());
+        });
+        group.bench_function(BenchmarkId::new("density at a point", name), |b| {
+            b.iter(|| rays.iter().map(|&(point, _)| density.at(black_box(point))).sum::<f32>());
+        });
+    }
     group.finish();
 }
 
@@ -166,6 +213,24 @@ fn gather(c: &mut Criterion) {
             });
         }
     }
+    let (layout, values) = billows();
+    let air = ExponentialDensity { origin: Vec3::ZERO, up: Vec3::Y, scale_height: 2.0 };
+    for (name, density) in [
+        ("homogeneous", Density::Uniform),
+        ("exponential", Density::Exponential(air)),
+        ("voxels", Density::Grid(DensityGrid::new(layout, &values).unwrap())),
+    ] {
+        let map = BeamMap::build(beams(10_000), 0.05, &FOG, &density);
+        println!("{name}: {:.0} bytes a beam", map.memory() as f64 / 10_000.0);
+        let mut scratch = GatherScratch::default();
+        let mut gathered = vec![Gathered::default(); rays.len()];
+        map.gather(&rays, &FOG, &density, &plain(0.05), &mut gathered, &mut scratch);
+        let pairs: u64 = gathered.iter().map(|g| u64::from(g.pairs)).sum();
+        group.throughput(Throughput::Elements(pairs));
+        group.bench_function(BenchmarkId::new("medium", name), |b| {
+            b.iter(|| map.gather(&rays, &FOG, &density, &plain(0.05), &mut gathered, &mut scratch));
+        });
+    }
     let beam = Beam {
         origin: Vec3::new(-1.0, 0.001, 0.0),
         direction: Vec3::X,
@@ -192,5 +257,5 @@ fn gather(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, operators, grid, gather);
+criterion_group!(benches, operators, grid, densities, gather);
 criterion_main!(benches);

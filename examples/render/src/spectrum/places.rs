@@ -62,7 +62,7 @@ pub fn default_points(analysis: &Analysis, scene: &Scene) -> Vec<Point> {
             (before[axis], after[axis]) = (before[axis] - 1, after[axis] + 1);
             (direct(after) - direct(before)).abs() / (direct(after) + direct(before))
         };
-        let lit = voxel.bright && voxel.origins[Origin::Direct as usize] > 0.3;
+        let lit = voxel.bright && voxel.origins[Origin::Direct as usize] > 0.1;
         (lit && far(voxel)).then(|| (0..3).map(jump).fold(0.0, f64::max))
     };
     let point = |name: &str, cell: Option<[u32; 3]>| cell.map(|cell| Point { name: name.to_owned(), cell });
