@@ -43,7 +43,7 @@ pub use beam::{
 #[cfg(feature = "bvh")]
 pub use beam_map::{BeamMap, GatherScratch};
 pub use column::{Column, Knot};
-pub use density::{Density, DensityGrid, ExponentialDensity};
+pub use density::{Density, DensityGrid, Derivatives, ExponentialDensity};
 pub use fluence::FluenceSpectrum;
 pub use grid::{Attenuation, CovarianceGrid, FluenceCell, FluenceGrid, GridCell, GridError, GridLayout};
 pub use kernel::{Kernel, KernelRadius, error_bound, progressive_radius};

@@ -347,37 +347,34 @@ impl LightField {
         self.multiply([0.0, 0.0, n_x * root, n_y * root]);
     }
 
-    /// Attenuation over a step through a medium whose extinction varies across the ray.
+    /// Attenuation by a stretch of medium whose optical depth τ varies across the ray.
     ///
-    /// Spectrum: spatial variance `distance`/(4π²) |H| is added, H the extinction's second derivatives across the ray
-    /// and |H| the matrix with the magnitudes of its eigenvalues: the relative curvature of exp(-κ d), to first order in the
-    /// optical depth, as an envelope that knows no sign.
+    /// Spectrum: the signal is multiplied by exp(-τ), whose relative gradient is -∇τ and whose relative curvature is
+    /// ∇τ ∇τᵀ - Hess τ. Spatial variance (|Hess τ| + ∇τ ∇τᵀ)/(4π²) is added, both across the ray, |·| with the magnitudes
+    /// of the eigenvalues: an envelope that knows no sign.
     ///
-    /// - `hessian` \[1/m³\]: of the extinction κ at the middle of the step, in world axes, \[xx, yy, zz, xy, xz, yz\];
-    ///   0 (a homogeneous medium) changes nothing.
-    /// - `distance` \[m\] > 0: length of the step, short enough for H to be constant.
+    /// - `gradient` ∇τ \[1/m\] and `hessian` Hess τ \[1/m²\] of the stretch's optical depth, in world axes,
+    ///   \[xx, yy, zz, xy, xz, yz\]: the extinction's derivatives integrated along the ray, with their signs. Structure that
+    ///   cancels along the way attenuates evenly. All 0 (a homogeneous medium) changes nothing.
     ///
-    /// Numbers that are not finite, and a distance that is not > 0, leave the field as it was.
-    ///
-    /// Guarantee: with the same H, two steps do what one of their summed length does. The second order, the square of the
-    /// optical depth's gradient, is left out: it would depend on how the way is cut into steps.
+    /// Numbers that are not finite leave the field as it was.
     ///
     /// Source: thesis 5.3.1 (products in the primal domain); the positive form is derived from Hess f = -4π² f Σ.
     ///
     /// ```
     /// use covbeam::{LightField, Vec3};
     /// let mut light = LightField::gaussian(Vec3::Z, Vec3::X, [0.0, 0.0], [1.0, 1.0]);
-    /// light.attenuate(&[0.0, -4.0, 7.0, 0.0, 0.0, 0.0], std::f32::consts::PI.powi(2));
-    /// let [xx, xy, yy] = light.slice();
-    /// assert!(xx == 0.0 && xy == 0.0 && (yy - 1.0).abs() < 1e-6);
+    /// light.attenuate(Vec3::new(0.0, 3.0, 5.0), &[0.0, -7.0, 0.0, 0.0, 0.0, 0.0]);
+    /// let [xx, xy, yy] = light.slice().map(|variance| variance * 4.0 * std::f32::consts::PI.powi(2));
+    /// assert!(xx.abs() < 1e-5 && xy.abs() < 1e-5 && (yy - 16.0).abs() < 1e-4);
     /// ```
-    pub fn attenuate(&mut self, hessian: &[f32; 6], distance: f32) {
-        let sound =
-            hessian.iter().all(|second| second.is_finite()) && distance > 0.0 && distance < f32::INFINITY;
-        if !sound || *hessian == [0.0; 6] {
+    pub fn attenuate(&mut self, gradient: Vec3, hessian: &[f32; 6]) {
+        if !(gradient.is_finite() && hessian.iter().all(|second| second.is_finite())) {
             return;
         }
         let frame = self.frame();
+        let slope: Vector = gradient.to_array().map(f64::from);
+        let (g_x, g_y) = (dot(frame.x, slope), dot(frame.y, slope));
         let [xx, yy, zz, xy, xz, yz] = hessian.map(f64::from);
         let entry = |a: Vector, b: Vector| {
             xx * a[0] * b[0]
@@ -390,13 +387,13 @@ impl LightField {
         let (p, q, r) = (entry(frame.x, frame.x), entry(frame.x, frame.y), entry(frame.y, frame.y));
         let (middle, half) = (0.5 * (p + r), 0.5 * (p - r));
         let spread = libm::sqrt(half * half + q * q);
-        let angle = 0.5 * libm::atan2(q, half);
-        let (sin, cos) = libm::sincos(angle);
-        let scale = f64::from(distance) / (4.0 * PI * PI);
-        let root = |eigenvalue: f64| libm::sqrt(scale * eigenvalue.abs()).min(UNBOUNDED);
+        let (sin, cos) = libm::sincos(0.5 * libm::atan2(q, half));
+        let root = |eigenvalue: f64| (libm::sqrt(eigenvalue.abs()) / (2.0 * PI)).min(UNBOUNDED);
         let (a, b) = (root(middle + spread), root(middle - spread));
-        self.multiply([0.0, 0.0, a * cos, a * sin]);
-        self.multiply([0.0, 0.0, -b * sin, b * cos]);
+        let added = [[g_x / (2.0 * PI), g_y / (2.0 * PI)], [a * cos, a * sin], [-b * sin, b * cos]];
+        for [x, y] in added.into_iter().filter(|column| *column != [0.0; 2]) {
+            self.multiply([0.0, 0.0, x, y]);
+        }
     }
 
     /// Narrowing of the emitted or transmitted directions, such as by the soft rim of a spot light.

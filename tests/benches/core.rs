@@ -70,7 +70,7 @@ fn operators(c: &mut Criterion) {
     };
     bench("travel", &|field| field.travel(black_box(1.5)));
     bench("occlude", &|field| field.occlude(Vec3::X, black_box(0.1)));
-    bench("attenuate", &|field| field.attenuate(&[0.1, -0.2, 0.3, 0.1, 0.0, 0.2], black_box(0.5)));
+    bench("attenuate", &|field| field.attenuate(black_box(Vec3::X), &[0.1, -0.2, 0.3, 0.1, 0.0, 0.2]));
     bench("scatter", &|field| field.scatter(Vec3::Y, black_box(0.1)));
     bench("reflect", &|field| field.reflect(normal, &curvature));
     bench("refract", &|field| {

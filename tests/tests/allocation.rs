@@ -36,7 +36,7 @@ fn light_fields_do_not_allocate() {
             field.travel(1.0);
             field.rotate(slope);
             field.occlude(Vec3::X, 0.1);
-            field.attenuate(&[0.1, 0.2, 0.3, 0.1, 0.0, 0.1], 0.5);
+            field.attenuate(Vec3::X, &[0.1, 0.2, 0.3, 0.1, 0.0, 0.1]);
             field.narrow(Vec3::Y, 0.2);
             black_box(field.refract(-Vec3::Z, &curvature, 1.0 / 1.5));
             field.travel(0.5);
@@ -125,7 +125,8 @@ fn densities_do_not_allocate() {
             let column: Column = density.column(Vec3::splat(-0.1), Vec3::X, &knots[..used]);
             black_box((column.at(0.3), column.distance_at(0.2)));
             black_box(density.reach(Vec3::ZERO, Vec3::X, 9.0, &knots[..used]));
-            black_box((density.at(Vec3::ZERO), density.hessian(Vec3::ZERO), density.step()));
+            black_box((density.at(Vec3::ZERO), density.derivatives(Vec3::ZERO), density.step()));
+            density.carry(&mut LightField::point(Vec3::X, 0.1), Vec3::ZERO, 1.0, 0.2);
         }
     });
     assert!(used > 1);

@@ -1,6 +1,9 @@
 //! Densities and the columns along rays, against quadrature and closed forms.
 
-use covbeam::{Column, Density, DensityGrid, ExponentialDensity, GridError, GridLayout, Knot, Medium, Vec3};
+use covbeam::{
+    Column, Density, DensityGrid, Derivatives, ExponentialDensity, GridError, GridLayout, Knot, LightField,
+    Medium, Vec3,
+};
 use covbeam_render::random::Random;
 
 const LAYOUT: GridLayout =
@@ -224,7 +227,7 @@ fn the_inverse_of_a_table_undoes_it() {
 }
 
 #[test]
-fn second_derivatives_of_a_density_are_those_of_finite_differences() {
+fn the_derivatives_of_a_density_are_those_of_finite_differences() {
     let up = Vec3::new(0.48, 0.6, 0.64);
     let air = Density::Exponential(ExponentialDensity { origin: Vec3::ZERO, up, scale_height: 0.5 });
     let p = Vec3::new(0.1, 0.2, -0.1);
@@ -236,9 +239,14 @@ fn second_derivatives_of_a_density_are_those_of_finite_differences() {
         (at(1.0, 1.0) - at(1.0, -1.0) - at(-1.0, 1.0) + at(-1.0, -1.0)) / (4.0 * h * h)
     };
     let expected = [second(0, 0), second(1, 1), second(2, 2), second(0, 1), second(0, 2), second(1, 2)];
-    for (found, expected) in air.hessian(p).iter().zip(expected) {
+    let found = air.derivatives(p);
+    for (found, expected) in found.hessian.iter().zip(expected) {
         // Central differences of step 2h: relative error (2h/H)²/3 = 5e-6.
         assert!((f64::from(*found) / expected - 1.0).abs() < 1e-4, "{found} {expected}");
+    }
+    for (axis, e) in e.into_iter().enumerate() {
+        let expected = (f(p.as_dvec3() + h * e) - f(p.as_dvec3() - h * e)) / (2.0 * h);
+        assert!((f64::from(found.gradient[axis]) / expected - 1.0).abs() < 1e-4, "{found:?} {expected}");
     }
     // A grid that samples a quadratic has its second derivatives, exactly.
     let layout = GridLayout { min: Vec3::ZERO, max: Vec3::new(5.0, 10.0, 2.5), cells: [5, 5, 5] };
@@ -250,14 +258,42 @@ fn second_derivatives_of_a_density_are_those_of_finite_differences() {
         })
         .collect();
     let grid = Density::Grid(DensityGrid::new(layout, &samples).unwrap());
-    let found = grid.hessian(Vec3::new(2.4, 5.1, 1.2));
-    for (found, expected) in found.iter().zip([2.0, -0.1, 1.0, 0.3, 1.0, -0.1]) {
+    let found = grid.derivatives(Vec3::new(2.4, 5.1, 1.2));
+    // At the voxel's centre, (2.5, 5, 1.25): 2x + 0.3y + z, -0.1y + 0.3x - 0.1z, z + x - 0.1y.
+    let slope = Vec3::new(5.0 + 1.5 + 1.25, -0.5 + 0.75 - 0.125, 1.25 + 2.5 - 0.5);
+    assert!(found.gradient.distance(slope) < 1e-4, "{found:?} {slope}");
+    for (found, expected) in found.hessian.iter().zip([2.0, -0.1, 1.0, 0.3, 1.0, -0.1]) {
         // Differences of numbers around 30 in f32, over steps as small as 0.25.
         assert!((found - expected).abs() < 1e-4, "{found} {expected}");
     }
-    assert_eq!(grid.hessian(Vec3::splat(-1.0)), [0.0; 6]);
-    assert_eq!(Density::Uniform.hessian(p), [0.0; 6]);
+    assert_eq!(grid.derivatives(Vec3::splat(-1.0)), Derivatives::default());
+    assert_eq!(Density::Uniform.derivatives(p), Derivatives::default());
     assert_eq!([Density::Uniform.step(), air.step(), grid.step()], [f32::INFINITY, 0.25, 0.5]);
+}
+
+#[test]
+fn a_field_carried_through_thinning_air_gathers_the_curvature_on_its_way() {
+    let air = ExponentialDensity { origin: Vec3::ZERO, up: Vec3::Y, scale_height: 0.7 };
+    let density = Density::Exponential(air);
+    for (direction, distance) in [(Vec3::new(0.8, 0.6, 0.0), 2.0), (Vec3::new(0.6, -0.8, 0.0), 1.0)] {
+        // Parallel light keeps its spatial frequencies: the variance is the integral.
+        let mut field = LightField::collimated(direction, f32::INFINITY);
+        let origin = Vec3::new(0.2, 0.1, -0.3);
+        density.carry(&mut field, origin, distance, 0.4);
+        // τ's slope and curvature are τ/H and τ/H² upwards; what counts is how much the axis across the ray leans up.
+        let depth = 0.4 * f64::from(density.column(origin, direction, &[]).at(distance));
+        let lean = f64::from(direction.x);
+        let expected = (depth + depth * depth) / 0.49 * lean * lean / (4.0 * std::f64::consts::PI.powi(2));
+        let fluence = field.fluence();
+        let found = f64::from(fluence.xx + fluence.yy + fluence.zz);
+        // The midpoint rule on steps of half a scale height: (1/2)²/24 = 1 %, twice that in the square.
+        assert!((found / expected - 1.0).abs() < 0.021, "{found} {expected}");
+    }
+    let mut carried = LightField::point(Vec3::Z, 0.05);
+    let mut travelled = carried;
+    Density::Uniform.carry(&mut carried, Vec3::ZERO, 3.0, 0.4);
+    travelled.travel(3.0);
+    assert_eq!(carried, travelled);
 }
 
 #[test]

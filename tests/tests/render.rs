@@ -37,18 +37,31 @@ fn bits(picture: &[Vec3]) -> Vec<[u32; 3]> {
     picture.iter().map(|color| color.to_array().map(f32::to_bits)).collect()
 }
 
+/// The room with fog that thins out with height.
+fn thinning(text: &str) -> String {
+    const DENSITY: &str = "absorption = 0.02\ndensity = { exponential = { scale_height = 2.0 } }";
+    let thinning = text.replace("absorption = 0.02", DENSITY);
+    assert_ne!(thinning, text);
+    thinning
+}
+
 #[test]
 fn the_picture_is_the_same_bits_for_any_number_of_threads() {
-    let scene = scene(GLASS, 40);
-    for method in [Method::Ppb, Method::Adaptive, Method::LightTrace] {
+    let (homogeneous, thinning) = (scene(GLASS, 40), scene(&thinning(GLASS), 40));
+    for (method, scene) in [
+        (Method::Ppb, &homogeneous),
+        (Method::Adaptive, &homogeneous),
+        (Method::LightTrace, &homogeneous),
+        (Method::Adaptive, &thinning),
+    ] {
         let with_threads = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| bits(&picture(&scene, method, 700, 3, 1..=3)))
+            pool.install(|| bits(&picture(scene, method, 700, 3, 1..=3)))
         };
         let one = with_threads(1);
         assert!(one == with_threads(2), "{method:?}: 1 and 2 threads");
         assert!(one == with_threads(7), "{method:?}: 1 and 7 threads");
-        assert!(one != bits(&picture(&scene, method, 700, 4, 1..=3)), "{method:?}: the seed does nothing");
+        assert!(one != bits(&picture(scene, method, 700, 4, 1..=3)), "{method:?}: the seed does nothing");
     }
 }
 
@@ -99,6 +112,37 @@ fn no_energy_is_lost_or_made() {
             assert!(sample.mean.abs() < 5.0 * sample.error + 1e-9, "channel {c}: {sample:?}");
             assert!(sample.error < 0.005, "the test could not see a loss of a few percent: {sample:?}");
         }
+    }
+}
+
+#[test]
+fn paths_end_in_a_medium_that_never_does() {
+    // No walls, no floor, no absorption: nothing but chance ends a path, and takes no energy on average.
+    let open = "outside_medium = \"fog\"\n\
+        [camera]\nposition = [0, 0, -5]\nlook_at = [0, 0, 0]\nvertical_fov = 35\nwidth = 8\nheight = 8\n\
+        [[medium]]\nname = \"fog\"\nscattering = 2.0\nabsorption = 0.0\n\
+        [[light]]\nkind = \"point\"\nposition = [0, 0, 0]\nintensity = 1.0\n\
+        [grid]\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\n";
+    for text in [
+        open.to_owned(),
+        open.replace(
+            "absorption = 0.0",
+            "absorption = 0.0\ndensity = { exponential = { scale_height = 0.5 } }",
+        ),
+    ] {
+        let scene = scene(&text, 8);
+        let shares: Vec<f64> = (1..=12)
+            .map(|seed| {
+                let mut renderer = Renderer::new(&scene, Method::Adaptive, 2000, seed);
+                renderer.pass(1, &|| false).expect("not cancelled");
+                let Energy { emitted, medium, surfaces, escaped, roulette } = renderer.energy();
+                let balance = medium[0] + surfaces[0] + escaped[0] + roulette[0] - emitted[0];
+                assert!(balance.abs() < 1e-6 * emitted[0], "balance {balance}");
+                // What is neither absorbed nor escapes is taken by chance: all of it where the fog is everywhere.
+                (escaped[0] + roulette[0]) / emitted[0]
+            })
+            .collect();
+        assert!(shares.iter().all(|share| (share - 1.0).abs() < 1e-6), "{shares:?}");
     }
 }
 

@@ -10,9 +10,6 @@ const OPAQUE_DEPTH: f32 = 17.0;
 /// Error of a tabulated optical depth: half a thousandth of the transmittance.
 const DEPTH_ERROR: f32 = 5e-4;
 
-/// Most steps in which a light field is attenuated on its way to one event.
-const MOST_STEPS: f32 = 256.0;
-
 /// One medium of a scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Fog<'a> {
@@ -86,22 +83,9 @@ impl<'a> Fog<'a> {
         Attenuation { extinction: self.mean_extinction(), density: self.density, column }
     }
 
-    /// Moves a light field along its ray from `from` to `to`, measured from `origin`, attenuating its spectrum on the way.
-    pub fn advance(&self, field: &mut LightField, origin: Vec3, from: f32, to: f32) {
-        if matches!(self.density, Density::Uniform) {
-            field.travel(to - from);
-            return;
-        }
-        let count = ((to - from) / self.density.step()).ceil().clamp(1.0, MOST_STEPS);
-        let step = (to - from) / count;
-        let extinction = self.mean_extinction();
-        for i in 0..count as u32 {
-            let middle = from + (i as f32 + 0.5) * step;
-            field.travel(0.5 * step);
-            let second = self.density.hessian(origin + middle * field.direction);
-            field.attenuate(&second.map(|second| extinction * second), step);
-            field.travel(0.5 * step);
-        }
+    /// Moves a light field along its ray, attenuating its spectrum on the way.
+    pub fn carry(&self, field: &mut LightField, origin: Vec3, distance: f32) {
+        self.density.carry(field, origin, distance, self.mean_extinction());
     }
 
     fn opaque_column(&self) -> f32 {

@@ -434,7 +434,9 @@ impl<'a> PhotonTracer<'a> {
     /// Moves a light field on from `from` to `to`, measured from `origin`.
     fn advance(&self, field: &mut LightField, fog: Option<&Fog>, origin: Vec3, from: f32, to: f32) {
         match fog {
-            Some(fog) if self.acts(Operator::Attenuation) => fog.advance(field, origin, from, to),
+            Some(fog) if self.acts(Operator::Attenuation) => {
+                fog.carry(field, origin + from * field.direction, to - from)
+            }
             _ => field.travel(to - from),
         }
     }

@@ -26,7 +26,7 @@ pub use judge::{Bounds, FACTOR, Measured, Verdict, judge, measured};
 pub use lines::{Line, draw_lines};
 pub use measure::{BATCHES, Fluence, Origin};
 pub use places::{default_lines, default_points, focus};
-pub use predict::{Prediction, predict};
+pub use predict::{Prediction, predict, predict_without};
 pub use slices::draw_slice;
 pub use table::{Shares, summary, write_table};
 

@@ -1,5 +1,6 @@
 //! What a render would use: the covariance grid after some passes.
 
+use crate::operators::Operator;
 use crate::photon::{PhotonRecord, PhotonTracer, Record};
 use crate::random::Emission;
 use crate::scene::Scene;
@@ -36,8 +37,25 @@ pub fn predict(
     prediction: &Prediction,
     report: &(dyn Fn(u32) -> bool + Sync),
 ) -> Option<Vec<FluenceCell>> {
+    predict_without(scene, layout, prediction, None, report)
+}
+
+/// Like [`predict`], with an operator left out of all light fields, to see what it buys.
+///
+/// # Panics
+/// If `layout` is not sound.
+pub fn predict_without(
+    scene: &Scene,
+    layout: &GridLayout,
+    prediction: &Prediction,
+    left_out: Option<Operator>,
+    report: &(dyn Fn(u32) -> bool + Sync),
+) -> Option<Vec<FluenceCell>> {
     let Prediction { passes, field_paths, seed } = *prediction;
-    let tracer = PhotonTracer::new(scene, seed, Emission::LowDiscrepancy);
+    let mut tracer = PhotonTracer::new(scene, seed, Emission::LowDiscrepancy);
+    if let Some(operator) = left_out {
+        tracer.leave_out(operator);
+    }
     let mut cells = vec![GridCell::default(); layout.cell_count()];
     let mut grid = CovarianceGrid::new(*layout, &mut cells).expect("the grid was validated");
     for pass in 0..passes {

@@ -1,10 +1,9 @@
 //! Which voxels are all fog, and between which of them a surface stands.
 
-use super::walk::{center_of, index_of, voxel_of, voxel_size};
-use crate::fog::Fog;
+use super::walk::{center_of, index_of, voxel_at, voxel_of, voxel_size};
 use crate::optics::Interior;
 use crate::random::Random;
-use crate::scene::{Material, Scene};
+use crate::scene::{Material, MediumDensity, Scene, SceneMedium};
 use covbeam::GridLayout;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -30,7 +29,7 @@ pub(super) struct Surroundings {
 
 impl Surroundings {
     pub(super) fn of(scene: &Scene, layout: &GridLayout) -> Self {
-        let (solids, fogs) = (solids(scene), Fog::all(scene));
+        let solids = solids(scene);
         let along = |index: usize, from: f64, to: f64| {
             let voxel = voxel_of(layout, index);
             std::array::from_fn(|axis| rays_met(scene, layout, voxel, axis, [from, to]))
@@ -39,9 +38,10 @@ impl Surroundings {
         let inside: Vec<[u16; 3]> =
             all.clone().into_par_iter().map(|index| along(index, SHIFT, 1.0 - SHIFT)).collect();
         let below = all.clone().into_par_iter().map(|index| along(index, -SHIFT, SHIFT)).collect();
+        let volumes = scene.media.iter().any(|medium| matches!(medium.density, MediumDensity::Grid(_)));
         let share = |index: usize| {
-            let cut = inside[index] != [0; 3];
-            medium_share(scene, &fogs, &solids, layout, voxel_of(layout, index), cut)
+            let cut = inside[index] != [0; 3] || volumes;
+            medium_share(scene, &solids, layout, voxel_of(layout, index), cut)
         };
         let medium = all.into_par_iter().map(share).collect();
         Self { medium, inside, below }
@@ -75,21 +75,19 @@ fn rays_met(scene: &Scene, layout: &GridLayout, voxel: [u32; 3], axis: usize, [f
     met
 }
 
-fn medium_share(
-    scene: &Scene,
-    fogs: &[Fog],
-    solids: &Solids,
-    layout: &GridLayout,
-    voxel: [u32; 3],
-    cut: bool,
-) -> f32 {
+fn medium_share(scene: &Scene, solids: &Solids, layout: &GridLayout, voxel: [u32; 3], cut: bool) -> f32 {
     let center = center_of(layout, voxel);
     let filled = |point: DVec3| {
         let point = point.as_vec3();
         let medium = Interior::at(scene, point).medium(scene);
         let scatters = |id: u32| {
-            let fog = &fogs[id as usize];
-            fog.medium.scattering.max_element() > 0.0 && fog.density.at(point) > 0.0
+            let SceneMedium { medium, density } = &scene.media[id as usize];
+            // Beams end where a volume ends, so the fluence is known inside only.
+            let within = match density {
+                MediumDensity::Grid(volume) => voxel_at(&volume.layout, point).is_some(),
+                MediumDensity::Uniform | MediumDensity::Exponential(_) => true,
+            };
+            within && medium.scattering.max_element() > 0.0
         };
         medium.is_some_and(scatters) && solids.let_light_to(point)
     };

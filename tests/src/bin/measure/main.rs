@@ -1,0 +1,187 @@
+//! The long measurements behind the figures in the documents: run one, read its table.
+
+mod ablation;
+mod convergence;
+mod cost;
+mod emission;
+mod grids;
+mod means;
+mod reference;
+mod rendering;
+mod scenes;
+mod truth;
+
+use clap::{Parser, Subcommand};
+use std::error::Error;
+use std::path::PathBuf;
+
+/// Speed, error, agreement and truth of the methods. Tables go to standard output, progress to standard error.
+#[derive(Parser)]
+struct Arguments {
+    #[command(subcommand)]
+    measurement: Measurement,
+}
+
+#[derive(Subcommand)]
+enum Measurement {
+    /// Makes a reference picture: two long runs with a tiny error bound, averaged. Prints the noise left.
+    Reference {
+        /// The scene.
+        scene: PathBuf,
+        /// Where the picture goes.
+        out: PathBuf,
+        /// Passes of each run.
+        #[arg(long, default_value_t = 100)]
+        passes: u32,
+        /// Light paths a pass.
+        #[arg(long, default_value_t = 50_000)]
+        photons: u32,
+        #[command(flatten)]
+        size: Size,
+    },
+    /// Error over passes of plain and adaptive beams, and of independent emission; writes a log-log plot.
+    Convergence {
+        /// The scene.
+        scene: PathBuf,
+        /// Its reference.
+        reference: PathBuf,
+        /// The plot (SVG).
+        plot: PathBuf,
+        /// Passes, a power of two.
+        #[arg(long, default_value_t = 64)]
+        passes: u32,
+        /// Independent runs to average the error over.
+        #[arg(long, default_value_t = 3)]
+        seeds: u32,
+        #[command(flatten)]
+        size: Size,
+    },
+    /// Region means of all three methods, each over independent runs, with t-tests. The light tracer does not see what is
+    /// behind glass: in scenes other than the balls the whole picture is compared, so these should have no glass.
+    Means {
+        /// The scene.
+        scene: PathBuf,
+        /// Its reference, whose means are set beside them.
+        #[arg(long)]
+        reference: Option<PathBuf>,
+        /// Runs of each method.
+        #[arg(long, default_value_t = 12, value_parser = clap::value_parser!(u32).range(2..))]
+        runs: u32,
+        #[command(flatten)]
+        size: Size,
+    },
+    /// What low-discrepancy emission is worth: noise of both ways to draw light paths, from pairs of runs, in the scene
+    /// as it is and with single scattering only.
+    Emission {
+        /// The scene.
+        scene: PathBuf,
+        /// Passes of a run.
+        #[arg(long, default_value_t = 32)]
+        passes: u32,
+        /// Pairs of runs.
+        #[arg(long, default_value_t = 2)]
+        pairs: u32,
+        #[command(flatten)]
+        size: Size,
+    },
+    /// Core time of a pass by part, pairs per core-second at the scene's radius and at 0.08 of it, and peak memory.
+    Cost {
+        /// The scene.
+        scene: PathBuf,
+        /// Passes to average over.
+        #[arg(long, default_value_t = 8)]
+        passes: u32,
+        #[command(flatten)]
+        size: Size,
+    },
+    /// Adaptive against plain beams at equal passes and photons: error, bias and time over passes.
+    Scenes {
+        /// The scenes.
+        #[arg(required = true)]
+        scenes: Vec<PathBuf>,
+        /// Folder of the references: NAME.exr for NAME.toml.
+        #[arg(long)]
+        references: PathBuf,
+        /// Passes, a power of two.
+        #[arg(long, default_value_t = 64, value_parser = power_of_two)]
+        passes: u32,
+        /// Independent runs to average over.
+        #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..))]
+        seeds: u32,
+        #[command(flatten)]
+        size: Size,
+    },
+    /// Each operator on light fields left out in turn: truth of the predicted spectra, image error, time.
+    Ablation {
+        /// The scene.
+        scene: PathBuf,
+        /// Its reference; without it, no image error.
+        #[arg(long)]
+        reference: Option<PathBuf>,
+        #[command(flatten)]
+        effort: Effort,
+        #[command(flatten)]
+        size: Size,
+    },
+    /// Shares of photons with a light field and sizes of the grid: truth of the predicted spectra, image error, time.
+    Grids {
+        /// The scene.
+        scene: PathBuf,
+        /// Its reference.
+        #[arg(long)]
+        reference: PathBuf,
+        #[command(flatten)]
+        effort: Effort,
+        #[command(flatten)]
+        size: Size,
+    },
+}
+
+/// Of the pictures.
+#[derive(clap::Args, Clone, Copy)]
+struct Size {
+    /// Pixels across; the height follows [default: the scene's]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=16384))]
+    width: Option<u32>,
+}
+
+/// Of a truth test with its picture.
+#[derive(clap::Args, Clone, Copy)]
+struct Effort {
+    /// Passes of the picture and of the grid.
+    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
+    passes: u32,
+    /// Light paths that measure the fluence.
+    #[arg(long, default_value_t = 16_000_000, value_parser = clap::value_parser!(u32).range(16..=1 << 30))]
+    paths: u32,
+}
+
+fn power_of_two(text: &str) -> Result<u32, String> {
+    let passes: u32 = text.parse().map_err(|_| "expected a whole number".to_owned())?;
+    if passes.is_power_of_two() { Ok(passes) } else { Err("expected a power of two".to_owned()) }
+}
+
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+fn main() -> Outcome<()> {
+    match Arguments::parse().measurement {
+        Measurement::Reference { scene, out, passes, photons, size } => {
+            reference::run(&scene, &out, passes, photons, size)
+        }
+        Measurement::Convergence { scene, reference, plot, passes, seeds, size } => {
+            convergence::run(&scene, &reference, &plot, passes, seeds, size)
+        }
+        Measurement::Means { scene, reference, runs, size } => {
+            means::run(&scene, reference.as_deref(), runs, size)
+        }
+        Measurement::Emission { scene, passes, pairs, size } => emission::run(&scene, passes, pairs, size),
+        Measurement::Cost { scene, passes, size } => cost::run(&scene, passes, size),
+        Measurement::Scenes { scenes, references, passes, seeds, size } => {
+            scenes::run(&scenes, &references, passes, seeds, size)
+        }
+        Measurement::Ablation { scene, reference, effort, size } => {
+            ablation::run(&scene, reference.as_deref(), effort, size)
+        }
+        Measurement::Grids { scene, reference, effort, size } => grids::run(&scene, &reference, effort, size),
+    }
+}
