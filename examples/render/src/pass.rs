@@ -26,7 +26,7 @@ const CHUNK: u32 = 64;
 
 /// Sequences of light paths: without a light field, with one, for connections.
 const PLAIN_SEQUENCE: u32 = 0;
-const FIELD_SEQUENCE: u32 = 1;
+pub(crate) const FIELD_SEQUENCE: u32 = 1;
 const CONNECTION_SEQUENCE: u32 = 2;
 
 /// Kernel radii of surface photons in beam radii: of caustics, and of light that arrives after scattering, which is smooth.

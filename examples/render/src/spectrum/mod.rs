@@ -1,8 +1,9 @@
 //! The truth test: the spectra that the covariance grid predicts, voxel by voxel, against the light that is there.
 //!
 //! Along each world axis, in every voxel of a scene's grid:
-//! - *Predicted*: the standard deviation of the fluence's spectrum in the covariance grid as a render would use it, at
-//!   the voxel's centre.
+//! - *Predicted*: the standard deviation of the fluence's spectrum in the covariance grid as a render would use it, seen
+//!   through the same three voxels as the measurement: the flux-weighted mean with weights 1, 2, 1, as the render's look-ups
+//!   between voxels are flux-weighted means. The voxel alone is judged too, in a row of its own.
 //! - *Measured*: what differences of a fluence tell that many other light paths measured: with the fluences f₋, f₀, f₊
 //!   of a voxel and its two neighbours and h its size, c = (f₋ - 2f₀ + f₊)/h², g = (f₊ - f₋)/(2h),
 //!   m = (f₋ + 2f₀ + f₊)/4, σ² = max(|c|/m, (g/m)²)/(4π²). See [`measured`].
@@ -60,7 +61,9 @@ pub struct Options {
 /// Predicted and measured along one axis of a voxel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
-    /// Standard deviation \[cycles / scene unit\]; None = no light field came by.
+    /// Standard deviation \[cycles / scene unit\] over the three voxels of the measurement's differences, with the weights 1, 2, 1
+    /// times their fluence, as the measurement's mean m is; of the voxel alone where nothing is measured. None = no light
+    /// field came by.
     pub predicted: Option<f64>,
     /// None at the border of the grid, at surfaces and in the dark.
     pub measured: Option<Measured>,
@@ -68,9 +71,8 @@ pub struct Axis {
     pub verdict: Verdict,
     /// With the upper bound only: the measurement must stand out of its own noise.
     pub strict: Verdict,
-    /// With both bounds, and the prediction averaged over the three voxels of the differences with the weights 1, 2, 1
-    /// times their fluence, as the measurement's mean m is.
-    pub spread: Verdict,
+    /// With both bounds, and the prediction of the voxel alone.
+    pub at_center: Verdict,
     /// Whether neither predicted nor measured is above the lower bound, so that they agree however wrong they may be.
     pub flat: bool,
 }
@@ -223,13 +225,13 @@ impl Known<'_> {
         let variance = |voxel: usize| {
             spectra[voxel].map(|spectrum| f64::from(spectrum.variance_along(AXES[axis]).max(0.0)))
         };
-        let predicted = variance(index).map(f64::sqrt);
+        let at_center = variance(index).map(f64::sqrt);
         let left_out = |verdict| Axis {
-            predicted,
+            predicted: at_center,
             measured: None,
             verdict,
             strict: verdict,
-            spread: verdict,
+            at_center: verdict,
             flat: false,
         };
         let cell = voxel_of(layout, index);
@@ -256,7 +258,7 @@ impl Known<'_> {
                 total += times * means[voxel];
             }
         }
-        let spread = (total > 0.0).then(|| (sum / total).sqrt());
+        let predicted = (total > 0.0).then(|| (sum / total).sqrt());
         let bounds = Bounds::of_voxel(h);
         let strict_bounds = Bounds { low: 0.0, ..bounds };
         Axis {
@@ -264,7 +266,7 @@ impl Known<'_> {
             measured: Some(measured),
             verdict: judge(predicted, &measured, &bounds),
             strict: judge(predicted, &measured, &strict_bounds),
-            spread: judge(spread, &measured, &bounds),
+            at_center: judge(at_center, &measured, &bounds),
             flat: predicted.is_some_and(|sigma| sigma <= bounds.low) && measured.sigma <= bounds.low,
         }
     }

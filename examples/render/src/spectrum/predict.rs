@@ -1,14 +1,12 @@
 //! What a render would use: the covariance grid after some passes.
 
 use crate::operators::Operator;
+use crate::pass::FIELD_SEQUENCE;
 use crate::photon::{PhotonRecord, PhotonTracer, Record};
 use crate::random::Emission;
 use crate::scene::Scene;
 use covbeam::{CovarianceGrid, FluenceCell, GridCell, GridLayout};
 use rayon::prelude::*;
-
-/// The sequence of a render's light paths that carry a light field.
-const FIELD_SEQUENCE: u32 = 1;
 
 /// Light paths that one task traces.
 const CHUNK: u32 = 64;

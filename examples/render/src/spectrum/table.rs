@@ -69,13 +69,13 @@ fn definitions(analysis: &Analysis) -> String {
         "\
 Standard deviation sigma of the fluence's spectrum along the world axes, in cycles per scene unit.
 predicted: from the covariance grid of {nx} x {ny} x {nz} voxels of {:.4} x {:.4} x {:.4} after {} passes of {} light
-  paths with a light field (seed {}), at the voxel's centre.
+  paths with a light field (seed {}): the mean of sigma^2 over a voxel and its neighbours, weighted by f-, 2 f0, f+,
+  through which the measurement sees the light as well. A row gives the voxel alone.
 measured: from differences of the fluence that {} other light paths measured, in {BATCHES} independent batches:
   f-, f0, f+ of a voxel and its neighbours, size h: c = (f- - 2 f0 + f+)/h^2, g = (f+ - f-)/(2 h),
   m = (f- + 2 f0 + f+)/4, sigma^2 = max(|c|/m, (g/m)^2)/(4 pi^2).
 bounds: both at most 1/(pi h), the most that differences can tell, and at least 0.0503/h: a kernel as wide as
   a voxel blurs such light by less than 1 %.
-predicted over 3 voxels: mean of the predicted sigma^2 weighted by f-, 2 f0, f+: of as much light as is measured.
 flat in both: neither is above the lower bound; such voxels agree, and say nothing more.
 undecided: the noise (one standard error) leaves more than 25 % of doubt about the measured sigma.
 surface, border: left out, because a surface cuts the three voxels or more than 10 % of one is no medium; or
@@ -167,7 +167,7 @@ pub fn summary(analysis: &Analysis, scene: &str) -> String {
     );
     let _ = writeln!(
         text,
-        "{:<34} {:>9} {:>10} {:>9} {:>10} {:>10} {:>8}",
+        "{:<38} {:>9} {:>10} {:>9} {:>10} {:>10} {:>8}",
         format!("shares [%] (factor of {FACTOR})"),
         "judged",
         "within",
@@ -181,8 +181,10 @@ pub fn summary(analysis: &Analysis, scene: &str) -> String {
     let rough = Shares::of(analysis, |_, _, axis| (!axis.flat).then_some(axis.verdict));
     row(&mut text, "not flat in both, by number", &rough, false);
     row(&mut text, "not flat in both, by energy", &rough, true);
-    let spread = Shares::of(analysis, |_, _, axis| (!axis.flat).then_some(axis.spread));
-    row(&mut text, "not flat, predicted over 3 voxels", &spread, false);
+    let alone = Shares::of(analysis, |_, _, axis| Some(axis.at_center));
+    row(&mut text, "the voxel alone, by number", &alone, false);
+    let alone = Shares::of(analysis, |_, _, axis| (!axis.flat).then_some(axis.at_center));
+    row(&mut text, "the voxel alone, not flat, by number", &alone, false);
     row(&mut text, "upper bound only, by number", &strict, false);
     row(&mut text, "upper bound only, by energy", &strict, true);
     for (number, name) in ["x", "y", "z"].iter().enumerate() {
@@ -207,12 +209,12 @@ pub fn summary(analysis: &Analysis, scene: &str) -> String {
 fn row(text: &mut String, name: &str, shares: &Shares, energy: bool) {
     let percent = |verdict| 100.0 * if energy { shares.by_energy(verdict) } else { shares.by_count(verdict) };
     if shares.judged() == 0.0 {
-        let _ = writeln!(text, "{name:<34} {:>9}", 0);
+        let _ = writeln!(text, "{name:<38} {:>9}", 0);
         return;
     }
     let _ = writeln!(
         text,
-        "{name:<34} {:>9} {:>10.2} {:>9.2} {:>10.2} {:>10.2} {:>8.2}",
+        "{name:<38} {:>9} {:>10.2} {:>9.2} {:>10.2} {:>10.2} {:>8.2}",
         shares.judged(),
         percent(Verdict::Within),
         percent(Verdict::TooSmall),

@@ -1,21 +1,20 @@
 //! What each operator on light fields buys.
 
-use crate::rendering::{Errors, Run, SHARPNESS, load, load_reference, name};
+use crate::rendering::{Reference, Run, SHARPNESS, load, name};
 use crate::truth::{COLUMNS, DEFINITION, Test, microseconds};
 use crate::{Effort, Outcome, Size};
 use covbeam_render::operators::Operator;
 use covbeam_render::pass::Method;
-use covbeam_tests::regions::by_sharpness;
 use std::path::Path;
 
 pub(crate) fn run(path: &Path, reference: Option<&Path>, effort: Effort, size: Size) -> Outcome<()> {
     let scene = load(path, size)?;
-    let reference = reference.map(|reference| load_reference(reference, &scene)).transpose()?;
-    let reference = reference.map(|reference| (by_sharpness(&reference), reference));
+    let reference = reference.map(|reference| Reference::load(reference, &scene)).transpose()?;
     let (settings, passes) = (&scene.settings, effort.passes);
+    let noise = reference.as_ref().map_or_else(|| "No reference".to_owned(), Reference::about_noise);
     let test = Test::new(&scene, effort);
     println!(
-        "{}: each operator on light fields left out in turn; {passes} passes of {} light paths, {} x {} pixels. {DEFINITION}. \
+        "{}: each operator on light fields left out in turn; {passes} passes of {} light paths, {} x {} pixels. {DEFINITION}. {noise}. \
          Times are core-microseconds\n",
         name(path),
         settings.photons,
@@ -37,7 +36,7 @@ pub(crate) fn run(path: &Path, reference: Option<&Path>, effort: Effort, size: S
         let (picture, times) =
             Run { left_out, ..Run::new(&scene, method, settings.seed, passes) }.picture()?;
         let errors = match &reference {
-            Some((regions, reference)) => Errors::of(&picture, reference, regions)?.cells().join(" | "),
+            Some(reference) => reference.errors(&picture)?.cells().join(" | "),
             None => ["–"; 6].join(" | "),
         };
         let [trace, field] = microseconds(&times, settings, passes);

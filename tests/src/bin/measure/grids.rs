@@ -1,10 +1,9 @@
 //! How many photons should carry a light field, and into how fine a grid.
 
-use crate::rendering::{Errors, Run, SHARPNESS, load, load_reference, name};
+use crate::rendering::{Reference, Run, SHARPNESS, load, name};
 use crate::truth::{COLUMNS, DEFINITION, Test};
 use crate::{Effort, Outcome, Size};
 use covbeam_render::pass::Method;
-use covbeam_tests::regions::by_sharpness;
 use std::path::Path;
 
 const SHARES: [f32; 3] = [0.01, 0.1, 1.0];
@@ -12,16 +11,16 @@ const CELLS: [u32; 3] = [16, 32, 64];
 
 pub(crate) fn run(path: &Path, reference: &Path, effort: Effort, size: Size) -> Outcome<()> {
     let mut scene = load(path, size)?;
-    let reference = load_reference(reference, &scene)?;
-    let regions = by_sharpness(&reference);
+    let reference = Reference::load(reference, &scene)?;
     let passes = effort.passes;
     println!(
         "{}: shares of the photons that carry a light field, and voxels of the covariance grid; {passes} passes of {} light \
-         paths, {} x {} pixels. {DEFINITION}\n",
+         paths, {} x {} pixels. {DEFINITION}. {}\n",
         name(path),
         scene.settings.photons,
         scene.camera.width,
-        scene.camera.height
+        scene.camera.height,
+        reference.about_noise()
     );
     let errors = format!("relMSE {} | bias [%] {}", SHARPNESS.join(" | "), SHARPNESS.join(" | "));
     println!("| voxels | share | {COLUMNS} | {errors} | core-seconds | of it light fields + grid |");
@@ -36,7 +35,7 @@ pub(crate) fn run(path: &Path, reference: &Path, effort: Effort, size: Size) -> 
             let truth = test.judge(&scene.settings, passes, None).cells();
             let (picture, times) =
                 Run::new(&scene, Method::Adaptive, scene.settings.seed, passes).picture()?;
-            let errors = Errors::of(&picture, &reference, &regions)?.cells().join(" | ");
+            let errors = reference.errors(&picture)?.cells().join(" | ");
             println!(
                 "| {cells}³ | {} % | {truth} | {errors} | {:.1} | {:.1} |",
                 100.0 * share,

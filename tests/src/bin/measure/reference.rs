@@ -1,6 +1,6 @@
 //! Reference pictures.
 
-use crate::rendering::{Run, ball_regions, in_region, load};
+use crate::rendering::{Run, ball_regions, first_run, in_region, load};
 use crate::{Outcome, Size};
 use covbeam_render::film::Picture;
 use covbeam_render::output::{RenderInfo, check_writable, write_exr};
@@ -18,6 +18,7 @@ const SEEDS: [u32; 2] = [1001, 1002];
 
 pub(crate) fn run(path: &Path, out: &Path, passes: u32, photons: u32, size: Size) -> Outcome<()> {
     check_writable(out)?;
+    check_writable(&first_run(out))?;
     let mut scene = load(path, size)?;
     scene.settings.radius *= RADIUS_FACTOR;
     scene.settings.error = ERROR;
@@ -53,6 +54,8 @@ pub(crate) fn run(path: &Path, out: &Path, passes: u32, photons: u32, size: Size
         scene: path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default(),
     };
     write_exr(out, &mean, &info)?;
-    println!("wrote {}", out.display());
+    let half = first_run(out);
+    write_exr(&half, first, &RenderInfo { method: "adaptive".to_owned(), passes, ..info })?;
+    println!("wrote {} and its first run, {}", out.display(), half.display());
     Ok(())
 }

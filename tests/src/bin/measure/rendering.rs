@@ -9,7 +9,7 @@ use covbeam_render::pass::{Method, PassTimes, Renderer};
 use covbeam_render::random::Emission;
 use covbeam_render::scene::Scene;
 use covbeam_tests::regions::{Region, by_sharpness, of_ball, whole};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Names of the regions of [`by_sharpness`], in its order.
 pub(crate) const SHARPNESS: [&str; 3] = ["whole", "smooth", "sharp"];
@@ -93,7 +93,7 @@ pub(crate) fn load_reference(path: &Path, scene: &Scene) -> Outcome<Picture> {
     Ok(reference)
 }
 
-/// The scene's name: its file's, without the ending.
+/// A file's name without its ending.
 pub(crate) fn name(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
@@ -118,6 +118,60 @@ pub(crate) fn in_region(picture: &Picture, reference: &Picture, region: &Region)
     Ok(compare(picture, reference, |x, y| region.contains(x, y))?)
 }
 
+/// A reference with its regions.
+pub(crate) struct Reference {
+    picture: Picture,
+    regions: [Region; 3],
+    /// Expected relMSE that the noise of the reference adds to that of a picture; None = not known.
+    noise: Option<[f64; 3]>,
+}
+
+impl Reference {
+    /// Reads a reference, and the first of its two runs if that is kept beside it.
+    pub(crate) fn load(path: &Path, scene: &Scene) -> Outcome<Self> {
+        let picture = load_reference(path, scene)?;
+        let regions = by_sharpness(&picture);
+        let half = first_run(path);
+        let mut noise = None;
+        if half.exists() {
+            // With R the mean of two runs, (I - R1)(I - R2) = (I - R)² - (R1 - R)² is free of their noise.
+            let half = load_reference(&half, scene)?;
+            let mut found = [0.0; 3];
+            for (found, region) in found.iter_mut().zip(&regions) {
+                *found = in_region(&half, &picture, region)?.rel_mse;
+            }
+            noise = Some(found);
+        }
+        Ok(Self { picture, regions, noise })
+    }
+
+    pub(crate) fn errors(&self, picture: &Picture) -> Outcome<Errors> {
+        let mut errors = Errors::default();
+        for (index, region) in self.regions.iter().enumerate() {
+            let found = in_region(picture, &self.picture, region)?;
+            errors.rel_mse[index] = found.rel_mse - self.noise.map_or(0.0, |noise| noise[index]);
+            errors.bias[index] = found.bias;
+        }
+        Ok(errors)
+    }
+
+    /// For the line above a table.
+    pub(crate) fn about_noise(&self) -> String {
+        match self.noise {
+            Some(noise) => format!(
+                "relMSE is without that of the reference's noise (whole {:.1e}, smooth {:.1e}, sharp {:.1e})",
+                noise[0], noise[1], noise[2]
+            ),
+            None => "relMSE holds the reference's noise".to_owned(),
+        }
+    }
+}
+
+/// Where the first of the two runs of a reference is kept: NAME-half.exr beside NAME.exr.
+pub(crate) fn first_run(reference: &Path) -> PathBuf {
+    reference.with_file_name(name(reference) + "-half.exr")
+}
+
 /// Of a picture, in the regions of [`by_sharpness`].
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Errors {
@@ -126,15 +180,6 @@ pub(crate) struct Errors {
 }
 
 impl Errors {
-    pub(crate) fn of(picture: &Picture, reference: &Picture, regions: &[Region; 3]) -> Outcome<Self> {
-        let mut errors = Self::default();
-        for (index, region) in regions.iter().enumerate() {
-            let found = in_region(picture, reference, region)?;
-            (errors.rel_mse[index], errors.bias[index]) = (found.rel_mse, found.bias);
-        }
-        Ok(errors)
-    }
-
     /// Adds one of `count` runs to a mean.
     pub(crate) fn add_share(&mut self, run: &Self, count: f64) {
         for index in 0..3 {

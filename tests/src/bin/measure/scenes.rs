@@ -1,10 +1,9 @@
 //! Adaptive against plain beams, scene by scene.
 
-use crate::rendering::{Errors, Run, SHARPNESS, load, load_reference, name};
+use crate::rendering::{Errors, Reference, Run, SHARPNESS, load, name};
 use crate::{Outcome, Size};
 use covbeam_render::pass::Method;
 use covbeam_render::scene::Scene;
-use covbeam_tests::regions::by_sharpness;
 use std::path::{Path, PathBuf};
 
 /// After some passes, mean over the runs.
@@ -20,12 +19,11 @@ pub(crate) fn run(paths: &[PathBuf], references: &Path, passes: u32, seeds: u32,
     let mut scenes = Vec::new();
     for path in paths {
         let scene = load(path, size)?;
-        let reference = load_reference(&references.join(name(path) + ".exr"), &scene)?;
+        let reference = Reference::load(&references.join(name(path) + ".exr"), &scene)?;
         scenes.push((name(path), scene, reference));
     }
     let mut last = Vec::new();
     for (name, scene, reference) in &scenes {
-        let regions = by_sharpness(reference);
         let curve = |method, label: &str| -> Outcome<Vec<Point>> {
             let mut points = vec![Point::default(); passes.ilog2() as usize + 1];
             for seed in 1..=seeds {
@@ -34,7 +32,7 @@ pub(crate) fn run(paths: &[PathBuf], references: &Path, passes: u32, seeds: u32,
                     let point = &mut points[pass.ilog2() as usize];
                     point.passes = pass;
                     point.seconds += seconds / f64::from(seeds);
-                    point.errors.add_share(&Errors::of(picture, reference, &regions)?, f64::from(seeds));
+                    point.errors.add_share(&reference.errors(picture)?, f64::from(seeds));
                     Ok(())
                 })?;
             }
@@ -42,7 +40,7 @@ pub(crate) fn run(paths: &[PathBuf], references: &Path, passes: u32, seeds: u32,
         };
         let plain = curve(Method::Ppb, "plain")?;
         let adaptive = curve(Method::Adaptive, "adaptive")?;
-        print_table(name, scene, seeds, &plain, &adaptive);
+        print_table(name, scene, &reference.about_noise(), seeds, &plain, &adaptive);
         last.push((name, plain[plain.len() - 1], adaptive[adaptive.len() - 1]));
     }
     println!("\nRatio of relMSE, adaptive over plain, after {passes} passes of the same photons\n");
@@ -55,10 +53,10 @@ pub(crate) fn run(paths: &[PathBuf], references: &Path, passes: u32, seeds: u32,
     Ok(())
 }
 
-fn print_table(name: &str, scene: &Scene, seeds: u32, plain: &[Point], adaptive: &[Point]) {
+fn print_table(name: &str, scene: &Scene, noise: &str, seeds: u32, plain: &[Point], adaptive: &[Point]) {
     println!(
         "\n{name}: adaptive against plain beams (ppb) over passes of {} light paths, the same for both; {} x {} pixels, mean \
-         of {seeds} runs; smooth, sharp: half and fifth of the picture\n",
+         of {seeds} runs; smooth, sharp: half and fifth of the picture; {noise}\n",
         scene.settings.photons, scene.camera.width, scene.camera.height
     );
     println!(
