@@ -304,9 +304,8 @@ fn a_point_light_in_an_exponential_medium() {
                 let depth = -(fluence(at) * at.length_squared()).ln();
                 let across = DVec3::new(-y, d, 0.0).normalize();
                 let name = |axis| format!("exponential {extinction}, depth {depth:.2}, {axis}");
-                // The extinction's curvature is known; κ/d of the longer way beside the ray and the square of the optical
-                // depth's gradient are not: first order in the depth. At a depth of 7, where a thousandth of the light
-                // is left, the gradient is all there is.
+                // The depth's slope and curvature across the ray are known; κ/d of the longer way beside it is not: first order
+                // in the depth. At a depth of 7, where a thousandth of the light is left, it is half of what there is level.
                 let factor = match depth {
                     ..0.4 => EXACT,
                     ..5.0 => ROUGH,
