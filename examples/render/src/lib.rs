@@ -19,6 +19,7 @@ pub mod output;
 pub mod pass;
 pub mod photon;
 pub mod random;
+pub mod record;
 pub mod render;
 pub mod scene;
 pub mod scene_file;

@@ -1,0 +1,107 @@
+//! What light paths leave behind: beams, photons on surfaces, pieces of light fields, connections, and a balance.
+
+use crate::surface::SurfacePhoton;
+use covbeam::{Beam, LightField};
+use glam::Vec3;
+use std::time::Duration;
+
+/// What a light field leaves along one straight piece of its path.
+#[derive(Clone, Copy, Debug)]
+pub struct Deposit {
+    /// Start of the piece.
+    pub origin: Vec3,
+    /// Its length.
+    pub length: f32,
+    /// The light field at `origin`.
+    pub field: LightField,
+    /// Flux at `origin` (mean of the channels).
+    pub power: f32,
+    /// Index of its medium.
+    pub medium: u32,
+    /// Whether it has met neither medium nor diffuse surfaces since its light.
+    pub unscattered: bool,
+}
+
+/// A contribution of a path vertex to one pixel.
+#[derive(Clone, Copy, Debug)]
+pub struct Splat {
+    /// Row-major index.
+    pub pixel: u32,
+    /// Radiance.
+    pub radiance: Vec3,
+}
+
+/// Where the power of some light paths went, per channel \[W\]; `emitted` = the sum of the others.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energy {
+    /// Left the lights.
+    pub emitted: [f64; 3],
+    /// Absorbed by media.
+    pub medium: [f64; 3],
+    /// Absorbed by surfaces.
+    pub surfaces: [f64; 3],
+    /// Left the scene.
+    pub escaped: [f64; 3],
+    /// Taken minus given back by random decisions: zero on average.
+    pub roulette: [f64; 3],
+}
+
+/// Adds a power to a sum over light paths.
+pub(crate) fn add(sum: &mut [f64; 3], power: Vec3) {
+    for (sum, power) in sum.iter_mut().zip(power.to_array()) {
+        *sum += f64::from(power);
+    }
+}
+
+/// What light paths leave behind.
+#[derive(Clone, Debug, Default)]
+pub struct PhotonRecord {
+    /// Beams, with the index of their medium.
+    pub beams: Vec<(u32, Beam)>,
+    /// Photons on diffuse surfaces, without those that came straight from a light.
+    pub surface: Vec<SurfacePhoton>,
+    /// Pieces of light fields for the covariance grid.
+    pub deposits: Vec<Deposit>,
+    /// Connections with the camera.
+    pub splats: Vec<Splat>,
+    /// Balance.
+    pub energy: Energy,
+    /// Time spent on light fields and probes.
+    pub field_time: Duration,
+}
+
+impl PhotonRecord {
+    /// Appends another record.
+    pub fn append(&mut self, mut other: Self) {
+        self.beams.append(&mut other.beams);
+        self.surface.append(&mut other.surface);
+        self.deposits.append(&mut other.deposits);
+        self.splats.append(&mut other.splats);
+        let pairs = [
+            (&mut self.energy.emitted, other.energy.emitted),
+            (&mut self.energy.medium, other.energy.medium),
+            (&mut self.energy.surfaces, other.energy.surfaces),
+            (&mut self.energy.escaped, other.energy.escaped),
+            (&mut self.energy.roulette, other.energy.roulette),
+        ];
+        for (sum, add) in pairs {
+            for (sum, add) in sum.iter_mut().zip(add) {
+                *sum += add;
+            }
+        }
+        self.field_time += other.field_time;
+    }
+}
+
+/// What to record of a path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Record {
+    /// Beams and surface photons.
+    Beams,
+    /// The same, and the light field's deposits.
+    BeamsAndField,
+    /// Deposits only: the path's beams were recorded before.
+    Field,
+    /// Connections with the camera.
+    Connections,
+}
