@@ -350,8 +350,8 @@ impl LightField {
     /// Attenuation by a stretch of medium whose optical depth τ varies across the ray.
     ///
     /// Spectrum: the signal is multiplied by exp(-τ), whose relative gradient is -∇τ and whose relative curvature is
-    /// ∇τ ∇τᵀ - Hess τ. Spatial variance (|Hess τ| + ∇τ ∇τᵀ)/(4π²) is added, both across the ray, |·| with the magnitudes
-    /// of the eigenvalues: an envelope that knows no sign.
+    /// C = ∇τ ∇τᵀ - Hess τ, both across the ray. Over 4π², |C| (with the magnitudes of the eigenvalues: an envelope that knows no
+    /// sign) or ∇τ ∇τᵀ is added as spatial variance, whichever has the larger trace: at an inflection the slope speaks.
     ///
     /// - `gradient` ∇τ \[1/m\] and `hessian` Hess τ \[1/m²\] of the stretch's optical depth, in world axes,
     ///   \[xx, yy, zz, xy, xz, yz\]: the extinction's derivatives integrated along the ray, with their signs. Structure that
@@ -384,13 +384,20 @@ impl LightField {
                 + xz * (a[0] * b[2] + a[2] * b[0])
                 + yz * (a[1] * b[2] + a[2] * b[1])
         };
-        let (p, q, r) = (entry(frame.x, frame.x), entry(frame.x, frame.y), entry(frame.y, frame.y));
+        let p = g_x * g_x - entry(frame.x, frame.x);
+        let q = g_x * g_y - entry(frame.x, frame.y);
+        let r = g_y * g_y - entry(frame.y, frame.y);
         let (middle, half) = (0.5 * (p + r), 0.5 * (p - r));
         let spread = libm::sqrt(half * half + q * q);
+        let (high, low) = ((middle + spread).abs(), (middle - spread).abs());
         let (sin, cos) = libm::sincos(0.5 * libm::atan2(q, half));
-        let root = |eigenvalue: f64| (libm::sqrt(eigenvalue.abs()) / (2.0 * PI)).min(UNBOUNDED);
-        let (a, b) = (root(middle + spread), root(middle - spread));
-        let added = [[g_x / (2.0 * PI), g_y / (2.0 * PI)], [a * cos, a * sin], [-b * sin, b * cos]];
+        let root = |variance: f64| (libm::sqrt(variance) / (2.0 * PI)).min(UNBOUNDED);
+        let added = if high + low >= g_x * g_x + g_y * g_y {
+            let (a, b) = (root(high), root(low));
+            [[a * cos, a * sin], [-b * sin, b * cos]]
+        } else {
+            [[g_x / (2.0 * PI), g_y / (2.0 * PI)], [0.0; 2]]
+        };
         for [x, y] in added.into_iter().filter(|column| *column != [0.0; 2]) {
             self.multiply([0.0, 0.0, x, y]);
         }
