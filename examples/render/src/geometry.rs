@@ -74,9 +74,8 @@ impl Scene {
 
     /// The closed dielectric objects that contain `point`, outermost (largest) first.
     pub fn containing(&self, point: Vec3) -> Vec<u32> {
-        let point = point.as_dvec3();
         let holds = |object: &Object| {
-            matches!(object.material, Material::Dielectric { .. }) && contains(&object.shape, point)
+            matches!(object.material, Material::Dielectric { .. }) && object.shape.contains(point)
         };
         let mut found: Vec<u32> = self
             .objects
@@ -124,6 +123,19 @@ impl Shape {
         }
     }
 
+    /// True if a closed shape holds `point`; false for an open one.
+    pub fn contains(&self, point: Vec3) -> bool {
+        let point = point.as_dvec3();
+        match self {
+            Self::Sphere { center, radius } => {
+                (point - center.as_dvec3()).length_squared() < f64::from(*radius) * f64::from(*radius)
+            }
+            Self::Rectangle { .. } => false,
+            Self::Box { min, max } => point.cmpgt(min.as_dvec3()).all() && point.cmplt(max.as_dvec3()).all(),
+            Self::Mesh(mesh) => mesh.is_closed() && mesh.contains(point),
+        }
+    }
+
     /// Enclosed volume \[scene unit³\]; 0 for a rectangle.
     fn volume(&self) -> f64 {
         match self {
@@ -132,17 +144,6 @@ impl Shape {
             Self::Box { min, max } => (max.as_dvec3() - min.as_dvec3()).element_product(),
             Self::Mesh(mesh) => mesh.volume(),
         }
-    }
-}
-
-fn contains(shape: &Shape, point: DVec3) -> bool {
-    match shape {
-        Shape::Sphere { center, radius } => {
-            (point - center.as_dvec3()).length_squared() < f64::from(*radius) * f64::from(*radius)
-        }
-        Shape::Rectangle { .. } => false,
-        Shape::Box { min, max } => point.cmpgt(min.as_dvec3()).all() && point.cmplt(max.as_dvec3()).all(),
-        Shape::Mesh(mesh) => mesh.is_closed() && mesh.contains(point),
     }
 }
 

@@ -3,7 +3,7 @@
 use super::walk::{center_of, index_of, voxel_at, voxel_of, voxel_size};
 use crate::optics::Interior;
 use crate::random::Random;
-use crate::scene::{Material, MediumDensity, Scene, SceneMedium};
+use crate::scene::{Material, MediumDensity, Scene, SceneMedium, Shape};
 use covbeam::GridLayout;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -75,7 +75,7 @@ fn rays_met(scene: &Scene, layout: &GridLayout, voxel: [u32; 3], axis: usize, [f
     met
 }
 
-fn medium_share(scene: &Scene, solids: &Solids, layout: &GridLayout, voxel: [u32; 3], cut: bool) -> f32 {
+fn medium_share(scene: &Scene, solids: &[Solid], layout: &GridLayout, voxel: [u32; 3], cut: bool) -> f32 {
     let center = center_of(layout, voxel);
     let filled = |point: DVec3| {
         let point = point.as_vec3();
@@ -89,7 +89,7 @@ fn medium_share(scene: &Scene, solids: &Solids, layout: &GridLayout, voxel: [u32
             };
             within && medium.scattering.max_element() > 0.0
         };
-        medium.is_some_and(scatters) && solids.let_light_to(point)
+        medium.is_some_and(scatters) && solids.iter().all(|solid| solid.lets_light_to(point))
     };
     if !cut {
         return if filled(center) { 1.0 } else { 0.0 };
@@ -106,36 +106,31 @@ fn medium_share(scene: &Scene, solids: &Solids, layout: &GridLayout, voxel: [u32
     inside as f32 / POINTS.pow(3) as f32
 }
 
-/// Closed opaque objects: no light passes from their inside to their outside.
-struct Solids {
-    /// The objects alone. As glass, so that `Scene::containing` speaks of them.
-    scene: Scene,
-    /// Per object: whether a light is inside, and whether one is outside.
-    lit: Vec<[bool; 2]>,
+/// A closed opaque object: no light passes from its inside to its outside.
+struct Solid<'a> {
+    shape: &'a Shape,
+    /// Whether a light is inside, and whether one is outside.
+    lit: [bool; 2],
 }
 
-fn solids(scene: &Scene) -> Solids {
-    let mut solids = scene.clone();
-    solids
+fn solids(scene: &Scene) -> Vec<Solid<'_>> {
+    scene
         .objects
-        .retain(|object| object.shape.is_closed() && !matches!(object.material, Material::Dielectric { .. }));
-    for object in &mut solids.objects {
-        object.material = Material::Dielectric { index: 1.0 };
-    }
-    let mut lit = vec![[false; 2]; solids.objects.len()];
-    for light in &scene.lights {
-        let around = solids.containing(light.position());
-        for (lit, object) in lit.iter_mut().zip(0..) {
-            lit[usize::from(!around.contains(&object))] = true;
-        }
-    }
-    Solids { scene: solids, lit }
+        .iter()
+        .filter(|object| object.shape.is_closed() && !matches!(object.material, Material::Dielectric { .. }))
+        .map(|object| {
+            let mut lit = [false; 2];
+            for light in &scene.lights {
+                lit[usize::from(!object.shape.contains(light.position()))] = true;
+            }
+            Solid { shape: &object.shape, lit }
+        })
+        .collect()
 }
 
-impl Solids {
-    /// Whether no solid stands between `point` and all lights.
-    fn let_light_to(&self, point: Vec3) -> bool {
-        let around = self.scene.containing(point);
-        self.lit.iter().zip(0..).all(|(lit, object)| lit[usize::from(!around.contains(&object))])
+impl Solid<'_> {
+    /// Whether this solid does not stand between `point` and all lights.
+    fn lets_light_to(&self, point: Vec3) -> bool {
+        self.lit[usize::from(!self.shape.contains(point))]
     }
 }
