@@ -57,7 +57,7 @@ static struct fluence_cell means[64];
 static int check(void) {
     struct results found = {0};
     /* A lamp of no size, an edge at 2 m and 0.1 m from the ray, 2 m behind it. */
-    const double edge = 1.0 / (9.8696044010893586 * 0.1 * 0.1); /* 1/(pi^2 rho^2) */
+    const double edge = 1.0 / (4.0 * 9.8696044010893586 * 0.1 * 0.1); /* 1/(4 pi^2 rho^2) */
 
     if (covbeam_bare_metal_cells() != 64) return 1;
     if (covbeam_bare_metal(0.0f, 2.0f, 0.1f, 2.0f, sums, means, 63, &found) == 0) return 2;
@@ -71,10 +71,10 @@ static int check(void) {
         return 7;
     /* scattering 0.5, phase 1/(4 pi), exp(-0.5 (4 + 1)), kernel 3/(4 r), sine 1 */
     if (!near(found.radiance, 0.5 * 0.079577471545947668 * 0.082084998623898795 * 0.75 / found.radius, 1e-6)) return 8;
-    /* The cells are the caller's: the middle one and no other holds the deposit. */
+    /* The cells are the caller's: the middle one and no other holds the deposit, and is the brightest, of weight 1. */
     for (int i = 0; i < 64; i++)
         if ((sums[i].weight != 0.0) != (i == 32)) return 9;
-    return sums[32].weight == 2.0 && means[32].weight == 2.0f ? 0 : 10;
+    return sums[32].weight == 2.0 && means[32].weight == 1.0f ? 0 : 10;
 }
 
 _Noreturn static void leave(long code) {
