@@ -13,14 +13,8 @@ use std::vec::Vec;
 /// Pieces that an average beam is cut into: a long beam's box is mostly empty.
 const PIECES_PER_BEAM: f32 = 3.0;
 
-/// An optical depth that lets nothing through that single precision could see: e^-17 = 4e-8.
-const OPAQUE_DEPTH: f32 = 17.0;
-
 /// A packet whose rays spread more than this (chord between unit directions) is gathered ray by ray.
 const WIDEST_PACKET: f32 = 0.5;
-
-/// Error of a tabulated optical depth along a beam or an eye ray: half a thousandth of the transmittance each.
-const DEPTH_ERROR: f32 = 5e-4;
 
 /// A part `[from, to]` of a beam, with its end points.
 #[derive(Clone, Copy, Debug)]
@@ -94,7 +88,8 @@ impl BeamColumns {
                 let (mut knots, mut first) = (Vec::new(), Vec::with_capacity(beams.len() + 1));
                 for beam in beams {
                     first.push(knots.len() as u32);
-                    tabulate(density, medium, beam.origin, beam.direction, beam.length, &mut knots);
+                    let Beam { origin, direction, length, .. } = *beam;
+                    density.tabulate(medium, origin, direction, length, &mut |knot| knots.push(knot));
                 }
                 first.push(knots.len() as u32);
                 Self::Tables { knots, first }
@@ -114,22 +109,6 @@ impl BeamColumns {
             _ => Column::Uniform,
         }
     }
-}
-
-/// Appends the table of columns along a ray, as exact as [`DEPTH_ERROR`] in the channel that is attenuated most.
-fn tabulate(
-    density: &Density,
-    medium: &Medium,
-    origin: Vec3,
-    direction: Vec3,
-    length: f32,
-    knots: &mut Vec<Knot>,
-) {
-    let extinction = medium.extinction();
-    let (most, least) = (extinction.max_element(), extinction.min_element());
-    density.knots(origin, direction, length, DEPTH_ERROR / most, OPAQUE_DEPTH / least, &mut |knot| {
-        knots.push(knot)
-    });
 }
 
 impl BeamMap {
@@ -280,7 +259,7 @@ impl BeamMap {
             return;
         }
         knots.clear();
-        tabulate(density, medium, ray.origin, ray.direction, ray.length, knots);
+        density.tabulate(medium, ray.origin, ray.direction, ray.length, &mut |knot| knots.push(knot));
         let ray_column = density.column(ray.origin, ray.direction, knots);
         for (block, pieces) in blocks.iter().zip(pieces.chunks(BLOCK)) {
             let mut mask = block.test(ray, radius.ceiling);

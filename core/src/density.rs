@@ -4,14 +4,18 @@
 //! are that many times as large, so one number at a point and one integral along a ray serve all colour channels:
 //! the *column* ∫ density ds \[m\], with an optical depth of extinction x column.
 
+use crate::centres::Centres;
 use crate::column::{Column, Knot};
 use crate::walk::{Lattice, Walk};
-use crate::{GridError, GridLayout, LightField};
+use crate::{GridError, GridLayout, LightField, Medium, OPAQUE_DEPTH};
 use glam::Vec3;
 use libm::{ceil, expf, sqrt};
 
 /// Largest magnitude of the logarithm of an exponential density: e^±80 is near the ends of what `f32` holds.
 const LARGEST_LOGARITHM: f32 = 80.0;
+
+/// Error of the optical depth in a table of columns: half a thousandth of the transmittance.
+const DEPTH_ERROR: f32 = 5e-4;
 
 /// Most steps in which a light field is carried.
 const MOST_STEPS: f32 = 256.0;
@@ -47,9 +51,7 @@ impl ExponentialDensity {
 /// the box, 0 outside it. The values belong to the caller.
 #[derive(Clone, Copy, Debug)]
 pub struct DensityGrid<'a> {
-    layout: GridLayout,
-    /// Voxels per metre.
-    scale: Vec3,
+    centres: Centres,
     values: &'a [f32],
 }
 
@@ -71,47 +73,31 @@ impl<'a> DensityGrid<'a> {
     /// # Ok::<(), covbeam::GridError>(())
     /// ```
     pub fn new(layout: GridLayout, values: &'a [f32]) -> Result<Self, GridError> {
-        let scale = layout.scale()?;
-        if values.len() != layout.cell_count() {
-            return Err(GridError::Length);
-        }
+        let centres = Centres::new(layout, values.len())?;
         if !values.iter().all(|value| value.is_finite() && *value >= 0.0) {
             return Err(GridError::Value);
         }
-        Ok(Self { layout, scale, values })
+        Ok(Self { centres, values })
     }
 
     /// Values at the corners of cell `cell` between centres, x fastest.
     fn corners(&self, cell: [u32; 3]) -> [f64; 8] {
         let clamped = |axis: usize, up: u32| {
-            let last = self.layout.cells[axis] - 1;
+            let last = self.centres.layout.cells[axis] - 1;
             (cell[axis] + up).saturating_sub(1).min(last)
         };
         core::array::from_fn(|corner| {
             let bit = |axis: u32| (corner as u32 >> axis) & 1;
-            let index = self.layout.index([clamped(0, bit(0)), clamped(1, bit(1)), clamped(2, bit(2))]);
+            let index =
+                self.centres.layout.index([clamped(0, bit(0)), clamped(1, bit(1)), clamped(2, bit(2))]);
             f64::from(self.values[index])
         })
     }
 
     fn at(&self, position: Vec3) -> f32 {
-        if !self.layout.contains(position) {
-            return 0.0;
-        }
-        let q = (position - self.layout.min) * self.scale - 0.5;
-        let last = self.layout.resolution() - 1.0;
-        let q = q.clamp(Vec3::ZERO, last);
-        let corner = q.min(last - 1.0).max(Vec3::ZERO);
-        let [x, y, z] = [corner.x as u32, corner.y as u32, corner.z as u32];
-        let high = q - Vec3::new(x as f32, y as f32, z as f32);
+        let Some((base, high)) = self.centres.around(position) else { return 0.0 };
         let low = Vec3::ONE - high;
-        let [nx, ny, nz] = self.layout.cells;
-        let (dx, dy, dz) = (
-            usize::from(nx > 1),
-            if ny > 1 { nx as usize } else { 0 },
-            if nz > 1 { nx as usize * ny as usize } else { 0 },
-        );
-        let base = self.layout.index([x, y, z]);
+        let [dx, dy, dz] = self.centres.strides;
         let row = |at: usize| low.x * self.values[at] + high.x * self.values[at + dx];
         let plane = |at: usize| low.y * row(at) + high.y * row(at + dy);
         low.z * plane(base) + high.z * plane(base + dz)
@@ -119,16 +105,16 @@ impl<'a> DensityGrid<'a> {
 
     /// First and second differences over the voxels around the one that holds `position`.
     fn derivatives(&self, position: Vec3) -> Derivatives {
-        if !self.layout.contains(position) {
+        if !self.centres.layout.contains(position) {
             return Derivatives::default();
         }
-        let q = (position - self.layout.min) * self.scale;
-        let last = self.layout.cells.map(|n| i64::from(n) - 1);
+        let q = (position - self.centres.layout.min) * self.centres.scale;
+        let last = self.centres.layout.cells.map(|n| i64::from(n) - 1);
         let center: [i64; 3] = core::array::from_fn(|axis| (q[axis] as i64).min(last[axis]));
         let value = |step: [i64; 3]| {
             let at: [u32; 3] =
                 core::array::from_fn(|axis| (center[axis] + step[axis]).clamp(0, last[axis]) as u32);
-            self.values[self.layout.index(at)]
+            self.values[self.centres.layout.index(at)]
         };
         let middle = value([0; 3]);
         let neighbours = |axis: usize| {
@@ -145,12 +131,14 @@ impl<'a> DensityGrid<'a> {
                 value(step)
             };
             let sum = corner(1, 1) - corner(1, -1) - corner(-1, 1) + corner(-1, -1);
-            0.25 * sum * self.scale[a] * self.scale[b]
+            0.25 * sum * self.centres.scale[a] * self.centres.scale[b]
         };
         let sides: [[f32; 2]; 3] = core::array::from_fn(neighbours);
-        let first = |axis: usize| 0.5 * (sides[axis][0] - sides[axis][1]) * self.scale[axis];
+        let first = |axis: usize| 0.5 * (sides[axis][0] - sides[axis][1]) * self.centres.scale[axis];
         let second = |axis: usize| {
-            (sides[axis][0] - 2.0 * middle + sides[axis][1]) * self.scale[axis] * self.scale[axis]
+            (sides[axis][0] - 2.0 * middle + sides[axis][1])
+                * self.centres.scale[axis]
+                * self.centres.scale[axis]
         };
         Derivatives {
             gradient: Vec3::new(first(0), first(1), first(2)),
@@ -168,12 +156,13 @@ impl<'a> DensityGrid<'a> {
         error: f64,
         point: &mut dyn FnMut(f64, f64) -> bool,
     ) {
-        let Some(mut walk) = Walk::new(&self.layout, Lattice::Centres, origin, direction, length) else {
+        let Some(mut walk) = Walk::new(&self.centres.layout, Lattice::Centres, origin, direction, length)
+        else {
             return;
         };
-        let scale = self.scale.to_array().map(f64::from);
+        let scale = self.centres.scale.to_array().map(f64::from);
         let start: [f64; 3] = core::array::from_fn(|axis| {
-            (f64::from(origin[axis]) - f64::from(self.layout.min[axis])) * scale[axis] + 0.5
+            (f64::from(origin[axis]) - f64::from(self.centres.layout.min[axis])) * scale[axis] + 0.5
         });
         let slope: [f64; 3] = core::array::from_fn(|axis| f64::from(direction[axis]) * scale[axis]);
         let mut column = 0.0;
@@ -363,7 +352,7 @@ impl Density<'_> {
         match self {
             Density::Uniform => f32::INFINITY,
             Density::Exponential(exponential) => 0.5 * exponential.scale_height,
-            Density::Grid(grid) => 1.0 / grid.scale.max_element(),
+            Density::Grid(grid) => 1.0 / grid.centres.scale.max_element(),
         }
     }
 
@@ -376,7 +365,8 @@ impl Density<'_> {
     /// - `most` \[m\]: the table ends at the first point with a larger column.
     ///
     /// Guarantee: the column is exact (the integral of the trilinear density, cell by cell) at each knot; distances grow,
-    /// columns never fall. A cell is cut into at most 64 parts, which bounds the table by 64 x (nx + ny + nz) knots.
+    /// columns never fall. A cell is cut into at most 64 parts, which bounds the table by 64 x (nx + ny + nz) knots; only a
+    /// cell over whose length the density changes by more than 2¹⁴ `error`/length needs more, and errs by more.
     /// Cost: about 20 ns a cell.
     ///
     /// ```
@@ -412,6 +402,31 @@ impl Density<'_> {
         table.finish(knot);
     }
 
+    /// [`Density::knots`] as a gather wants them in `medium`: within 5e-4 of the optical depth of the channel that is attenuated most,
+    /// up to where every channel is opaque ([`Medium::opaque_column`]).
+    ///
+    /// ```
+    /// use covbeam::{Density, DensityGrid, GridLayout, Knot, Medium, Vec3};
+    /// let layout = GridLayout { min: Vec3::ZERO, max: Vec3::ONE, cells: [1, 1, 1] };
+    /// let smoke = Density::Grid(DensityGrid::new(layout, &[3.0])?);
+    /// let medium = Medium { scattering: Vec3::ONE, ..Medium::default() };
+    /// let mut last = Knot::default();
+    /// smoke.tabulate(&medium, Vec3::splat(0.5), Vec3::Z, f32::INFINITY, &mut |knot| last = knot);
+    /// assert_eq!(last, Knot { distance: 0.5, column: 1.5 });
+    /// # Ok::<(), covbeam::GridError>(())
+    /// ```
+    pub fn tabulate(
+        &self,
+        medium: &Medium,
+        origin: Vec3,
+        direction: Vec3,
+        length: f32,
+        knot: &mut dyn FnMut(Knot),
+    ) {
+        let error = DEPTH_ERROR / medium.extinction().max_element();
+        self.knots(origin, direction, length, error, medium.opaque_column(), knot);
+    }
+
     /// The column along a ray, given the table that [`Density::knots`] made of it (empty, and not read, unless the density is a
     /// grid).
     pub fn column<'k>(&self, origin: Vec3, direction: Vec3, knots: &'k [Knot]) -> Column<'k> {
@@ -436,7 +451,7 @@ impl Density<'_> {
             Density::Exponential(exponential) => {
                 let rate = exponential.rate(direction);
                 // e^-17 = 4e-8 of the column is still to come: below the last digit of the rest.
-                let thin = if rate > 0.0 { 17.0 / rate } else { f32::INFINITY };
+                let thin = if rate > 0.0 { OPAQUE_DEPTH / rate } else { f32::INFINITY };
                 self.column(origin, direction, knots).distance_at(opaque).min(thin)
             }
             Density::Grid(_) => knots.last().map_or(0.0, |knot| knot.distance),

@@ -8,6 +8,7 @@ use core::fmt;
 use glam::{Vec3, Vec4};
 use libm::expf;
 
+use crate::centres::Centres;
 use crate::density::DepthShape;
 use crate::walk::{Lattice, Walk};
 use crate::{Column, Density, FluenceSpectrum, LightField};
@@ -350,13 +351,7 @@ fn attenuate(depth: f32) -> (f32, f32) {
 /// The look-up side of a grid, over resolved cells.
 #[derive(Clone, Copy, Debug)]
 pub struct FluenceGrid<'a> {
-    layout: GridLayout,
-    /// Voxels per metre.
-    scale: Vec3,
-    /// Index of the last voxel on each axis.
-    last: Vec3,
-    /// Steps to the next voxel on each axis; 0 where there is but one.
-    strides: [usize; 3],
+    centres: Centres,
     cells: &'a [FluenceCell],
 }
 
@@ -365,19 +360,7 @@ impl<'a> FluenceGrid<'a> {
     ///
     /// - `cells`: `layout.cell_count()` of them.
     pub fn new(layout: GridLayout, cells: &'a [FluenceCell]) -> Result<Self, GridError> {
-        let scale = layout.scale()?;
-        if cells.len() != layout.cell_count() {
-            return Err(GridError::Length);
-        }
-        let [nx, ny, nz] = layout.cells.map(|n| n as usize);
-        let stride = |count: usize, stride: usize| if count > 1 { stride } else { 0 };
-        Ok(Self {
-            layout,
-            scale,
-            last: layout.resolution() - 1.0,
-            strides: [stride(nx, 1), stride(ny, nx), stride(nz, nx * ny)],
-            cells,
-        })
+        Ok(Self { centres: Centres::new(layout, cells.len())?, cells })
     }
 
     /// The spectrum of the fluence around a point: the flux-weighted mean of the eight voxels around it, with trilinear
@@ -410,18 +393,9 @@ impl<'a> FluenceGrid<'a> {
     /// ```
     #[inline]
     pub fn look_up(&self, position: Vec3) -> Option<FluenceSpectrum> {
-        if !self.layout.contains(position) {
-            return None;
-        }
-        let at = ((position - self.layout.min) * self.scale - 0.5).clamp(Vec3::ZERO, self.last);
-        // The last centre is reached with weight 1 from the voxel before it.
-        let corner = at.min(self.last - 1.0).max(Vec3::ZERO);
-        let [x, y, z] = [corner.x as u32, corner.y as u32, corner.z as u32];
-        let high = at - Vec3::new(x as f32, y as f32, z as f32);
+        let (base, high) = self.centres.around(position)?;
         let low = Vec3::ONE - high;
-        let [dx, dy, dz] = self.strides;
-        let base = x as usize * dx + y as usize * dy + z as usize * dz;
-
+        let [dx, dy, dz] = self.centres.strides;
         let mut sum = Sum { first: Vec4::ZERO, last: Vec4::ZERO };
         for (plane, wz) in [(base, low.z), (base + dz, high.z)] {
             for (row, wyz) in [(plane, low.y * wz), (plane + dy, high.y * wz)] {

@@ -23,6 +23,7 @@ extern crate std;
 mod beam;
 #[cfg(feature = "bvh")]
 mod beam_map;
+mod centres;
 mod column;
 mod density;
 mod fluence;
@@ -48,5 +49,6 @@ pub use fluence::FluenceSpectrum;
 pub use grid::{Attenuation, CovarianceGrid, FluenceCell, FluenceGrid, GridCell, GridError, GridLayout};
 pub use kernel::{Kernel, KernelRadius, error_bound, progressive_radius};
 pub use light_field::LightField;
+pub(crate) use medium::OPAQUE_DEPTH;
 pub use medium::{Medium, PhaseFunction, PhaseKind};
 pub use surface::Curvature;

@@ -554,19 +554,7 @@ impl LightField {
     /// assert_eq!(light.fluence().to_array(), [4.0, 9.0, 0.0, 0.0, 0.0, 0.0]);
     /// ```
     pub fn fluence(&self) -> FluenceSpectrum {
-        let frame = self.frame();
-        let [_, _, _, _, _, xx, _, _, yx, yy] = self.root.map(f64::from);
-        // The two spatial columns of L as vectors of the world.
-        let (a, b) = (combine(xx, frame.x, yx, frame.y), frame::scale(yy, frame.y));
-        let entry = |i: usize, j: usize| a[i] * a[j] + b[i] * b[j];
-        FluenceSpectrum::from_array(within_range([
-            entry(0, 0),
-            entry(1, 1),
-            entry(2, 2),
-            entry(0, 1),
-            entry(0, 2),
-            entry(1, 2),
-        ]))
+        self.fluence_within(f32::INFINITY)
     }
 
     /// The spectrum of the fluence around the ray, bounded by what a voxel can resolve, in world axes \[cycles²/m²\].

@@ -8,6 +8,9 @@ use libm::{cbrtf, expf, sincosf, sqrtf};
 /// The |g| that stands for all larger ones: the largest f32 below 1.
 const LARGEST_ASYMMETRY: f32 = 1.0 - f32::EPSILON / 2.0;
 
+/// An optical depth that lets nothing through that single precision could see beside the rest: e^-17 = 4e-8.
+pub(crate) const OPAQUE_DEPTH: f32 = 17.0;
+
 /// Which phase function.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -175,6 +178,18 @@ impl Medium {
     #[inline]
     pub fn extinction(&self) -> Vec3 {
         self.scattering + self.absorption
+    }
+
+    /// The column \[m\] of density 1 after which light of every channel is down to e^-17 = 4e-8; infinite where a channel has no
+    /// extinction.
+    ///
+    /// ```
+    /// use covbeam::{Medium, Vec3};
+    /// let medium = Medium { scattering: Vec3::new(1.0, 2.0, 4.0), ..Medium::default() };
+    /// assert_eq!(medium.opaque_column(), 17.0);
+    /// ```
+    pub fn opaque_column(&self) -> f32 {
+        OPAQUE_DEPTH / self.extinction().min_element()
     }
 
     /// The share of light left after `distance`: exp(-σ_t distance) per channel, in [0, 1].

@@ -1,5 +1,6 @@
 //! What checks covbeam from outside: the naive high-precision twin, hard cases, statistics.
 
+pub mod energy;
 pub mod random;
 pub mod regions;
 pub mod single_scatter;

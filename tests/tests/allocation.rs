@@ -92,7 +92,7 @@ fn media_and_kernels_do_not_allocate() {
         for kind in [PhaseKind::Isotropic, PhaseKind::HenyeyGreenstein, PhaseKind::Rayleigh] {
             let phase = PhaseFunction { kind, asymmetry: 0.6 };
             let medium = Medium { scattering: Vec3::new(0.1, 0.2, 0.3), absorption: Vec3::ONE, phase };
-            black_box((medium.extinction(), medium.transmittance(2.0)));
+            black_box((medium.extinction(), medium.opaque_column(), medium.transmittance(2.0)));
             black_box((phase.evaluate(0.3), phase.sample_cosine(0.7), phase.angular_variance()));
             black_box(phase.sample(Vec3::Y, Vec2::new(0.3, 0.7).to_array()));
         }
@@ -122,6 +122,7 @@ fn densities_do_not_allocate() {
                 knots[used] = knot;
                 used += 1;
             });
+            density.tabulate(&Medium::default(), Vec3::ZERO, Vec3::X, 1.0, &mut |_| ());
             let column: Column = density.column(Vec3::splat(-0.1), Vec3::X, &knots[..used]);
             black_box((column.at(0.3), column.distance_at(0.2)));
             black_box(density.reach(Vec3::ZERO, Vec3::X, 9.0, &knots[..used]));

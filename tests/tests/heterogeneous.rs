@@ -2,8 +2,8 @@
 
 use covbeam_render::film::Film;
 use covbeam_render::pass::{Method, Renderer};
-use covbeam_render::photon::Energy;
 use covbeam_render::scene::Scene;
+use covbeam_tests::energy::taken_by_chance;
 use covbeam_tests::single_scatter::{Density, Lamp, World};
 use covbeam_tests::statistics::{Sample, sidak, welch};
 use glam::{DVec3, Vec3};
@@ -220,22 +220,7 @@ fn beams_and_light_tracing_agree_on_all_orders_of_scattering() {
 fn no_energy_is_lost_or_made() {
     for air in [Air::Exponential, Air::Voxels] {
         let scene = scene(air, THICK, 8);
-        let shares: Vec<[f64; 3]> = (1..=12)
-            .map(|seed| {
-                let mut renderer = Renderer::new(&scene, Method::Ppb, 20_000, seed);
-                renderer.pass(1, &|| false).expect("not cancelled");
-                let Energy { emitted, medium, surfaces, escaped, roulette } = renderer.energy();
-                std::array::from_fn(|c| {
-                    let balance = medium[c] + surfaces[c] + escaped[c] + roulette[c] - emitted[c];
-                    // f32 powers, f64 sums: rounding of 6e-8 at each of a few events a path.
-                    assert!(balance.abs() < 1e-6 * emitted[c], "balance {balance} of {}", emitted[c]);
-                    assert_eq!(escaped[c], 0.0, "the room is closed");
-                    roulette[c] / emitted[c]
-                })
-            })
-            .collect();
-        for c in 0..3 {
-            let sample = Sample::of(&shares.iter().map(|share| share[c]).collect::<Vec<_>>());
+        for (c, sample) in taken_by_chance(&scene, 12).iter().enumerate() {
             println!("{air:?}, channel {c}: roulette {:.5} ± {:.5}", sample.mean, sample.error);
             // Six tests at 5 standard errors: a false alarm in 1e5.
             assert!(sample.mean.abs() < 5.0 * sample.error, "channel {c}: {sample:?}");

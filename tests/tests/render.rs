@@ -4,6 +4,7 @@ use covbeam_render::film::Film;
 use covbeam_render::pass::{Method, Renderer};
 use covbeam_render::photon::Energy;
 use covbeam_render::scene::Scene;
+use covbeam_tests::energy::taken_by_chance;
 use covbeam_tests::statistics::{Sample, sidak, welch};
 use glam::Vec3;
 use std::path::Path;
@@ -92,22 +93,7 @@ fn no_energy_is_lost_or_made() {
     assert_ne!(coloured, GLASS);
     for text in [GLASS, BLACK, &coloured] {
         let scene = scene(text, 8);
-        let shares: Vec<[f64; 3]> = (1..=20)
-            .map(|seed| {
-                let mut renderer = Renderer::new(&scene, Method::Ppb, 20_000, seed);
-                renderer.pass(1, &|| false).expect("not cancelled");
-                let Energy { emitted, medium, surfaces, escaped, roulette } = renderer.energy();
-                std::array::from_fn(|c| {
-                    let balance = medium[c] + surfaces[c] + escaped[c] + roulette[c] - emitted[c];
-                    // f32 powers, f64 sums: rounding of 6e-8 at each of a few events a path.
-                    assert!(balance.abs() < 1e-6 * emitted[c], "balance {balance} of {}", emitted[c]);
-                    assert_eq!(escaped[c], 0.0, "the room is closed");
-                    roulette[c] / emitted[c]
-                })
-            })
-            .collect();
-        for c in 0..3 {
-            let sample = Sample::of(&shares.iter().map(|share| share[c]).collect::<Vec<_>>());
+        for (c, sample) in taken_by_chance(&scene, 20).iter().enumerate() {
             // Nine tests at 5 standard errors: a false alarm in 1e5.
             assert!(sample.mean.abs() < 5.0 * sample.error + 1e-9, "channel {c}: {sample:?}");
             assert!(sample.error < 0.005, "the test could not see a loss of a few percent: {sample:?}");

@@ -4,12 +4,6 @@ use crate::scene::{MediumDensity, Scene, SceneMedium};
 use covbeam::{Attenuation, Column, Density, DensityGrid, Knot, LightField, Medium};
 use glam::Vec3;
 
-/// A beam ends where so little is left of it that single precision loses it beside the rest: e^-17 = 4e-8.
-const OPAQUE_DEPTH: f32 = 17.0;
-
-/// Error of a tabulated optical depth: half a thousandth of the transmittance.
-const DEPTH_ERROR: f32 = 5e-4;
-
 /// One medium of a scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Fog<'a> {
@@ -48,10 +42,7 @@ impl<'a> Fog<'a> {
         knots: &'k mut Vec<Knot>,
     ) -> Column<'k> {
         knots.clear();
-        let extinction = self.medium.extinction();
-        let error = DEPTH_ERROR / extinction.max_element();
-        self.density
-            .knots(origin, direction, length, error, self.opaque_column(), &mut |knot| knots.push(knot));
+        self.density.tabulate(self.medium, origin, direction, length, &mut |knot| knots.push(knot));
         self.density.column(origin, direction, knots)
     }
 
@@ -70,7 +61,7 @@ impl<'a> Fog<'a> {
     /// Distance beyond which nothing is left of light that starts at `origin`; `column` is the one along this ray.
     pub fn reach(&self, origin: Vec3, direction: Vec3, column: &Column) -> f32 {
         let knots = if let Column::Knots(knots) = *column { knots } else { &[] };
-        self.density.reach(origin, direction, self.opaque_column(), knots)
+        self.density.reach(origin, direction, self.medium.opaque_column(), knots)
     }
 
     /// Mean extinction of the channels at density 1.
@@ -86,9 +77,5 @@ impl<'a> Fog<'a> {
     /// Moves a light field along its ray, attenuating its spectrum on the way.
     pub fn carry(&self, field: &mut LightField, origin: Vec3, distance: f32) {
         self.density.carry(field, origin, distance, self.mean_extinction());
-    }
-
-    fn opaque_column(&self) -> f32 {
-        OPAQUE_DEPTH / self.medium.extinction().min_element()
     }
 }

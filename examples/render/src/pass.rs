@@ -26,7 +26,7 @@ const CHUNK: u32 = 64;
 
 /// Sequences of light paths: without a light field, with one, for connections.
 const PLAIN_SEQUENCE: u32 = 0;
-pub(crate) const FIELD_SEQUENCE: u32 = 1;
+const FIELD_SEQUENCE: u32 = 1;
 const CONNECTION_SEQUENCE: u32 = 2;
 
 /// Kernel radii of surface photons in beam radii: of caustics, and of light that arrives after scattering, which is smooth.
@@ -210,16 +210,38 @@ impl<'a> Renderer<'a> {
             self.deposited = 0;
         }
         while self.deposited + 1 < index {
-            let count = self.field_photons();
-            let (earlier, _) =
-                self.trace(FIELD_SEQUENCE, self.deposited + 1, count, Record::Field, cancelled)?;
-            self.deposit(&earlier);
+            self.add_light_fields(cancelled)?;
         }
         self.deposit(record);
+        self.resolve();
+        Some(())
+    }
+
+    /// Traces and deposits the light fields of the next pass alone.
+    fn add_light_fields(&mut self, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<()> {
+        let (next, count) = (self.deposited + 1, self.field_photons());
+        let (record, _) = self.trace(FIELD_SEQUENCE, next, count, Record::Field, cancelled)?;
+        self.deposit(&record);
+        Some(())
+    }
+
+    fn resolve(&mut self) {
         let grid =
             CovarianceGrid::new(self.scene.grid, &mut self.grid).expect("the scene's grid was validated");
         grid.resolve(&mut self.resolved).expect("as many cells as the grid has");
-        Some(())
+    }
+
+    /// The spectra that the adaptive method looks up in pass `passes`, without rendering. `report` is called with the number
+    /// of light paths of each pass done; it answers false to give up, and then None is returned.
+    pub fn spectra(mut self, passes: u32, report: &dyn Fn(u32) -> bool) -> Option<Vec<FluenceCell>> {
+        while self.deposited < passes {
+            self.add_light_fields(&|| false)?;
+            if !report(self.field_photons()) {
+                return None;
+            }
+        }
+        self.resolve();
+        Some(self.resolved)
     }
 
     fn beams(&mut self, index: u32, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<(PassImage, PassTimes)> {

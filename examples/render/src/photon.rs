@@ -155,19 +155,18 @@ impl<'a> PhotonTracer<'a> {
         let scene = self.scene;
         let hit = scene.intersect(photon.origin, photon.direction, f32::INFINITY);
         let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
-        let medium_id = photon.interior.medium(scene);
-        let fog = medium_id.map(|id| &self.fogs[id as usize]);
-        let column = fog.map(|fog| fog.column(photon.origin, photon.direction, reach, knots));
-        let inside = medium_id.zip(fog).zip(column);
-        if let Some(((id, fog), column)) = &inside
-            && matches!(record, Record::Beams | Record::BeamsAndField)
-        {
-            out.beams.extend(beam_of(photon, hit.as_ref(), fog, column).map(|beam| (*id, beam)));
-        }
-        if let Some(((_, fog), column)) = &inside
-            && record == Record::Connections
-        {
-            self.connect_segment(photon, reach, fog, column, sampler, out);
+        let inside = photon.interior.medium(scene).map(|id| {
+            let fog = &self.fogs[id as usize];
+            (id, fog, fog.column(photon.origin, photon.direction, reach, knots))
+        });
+        if let Some((id, fog, column)) = &inside {
+            match record {
+                Record::Beams | Record::BeamsAndField => {
+                    out.beams.extend(beam_of(photon, hit.as_ref(), fog, column).map(|beam| (*id, beam)));
+                }
+                Record::Connections => self.connect_segment(photon, reach, fog, column, sampler, out),
+                Record::Field => {}
+            }
         }
         let edges = photon.field.map(|field| {
             let start = Instant::now();
@@ -176,39 +175,34 @@ impl<'a> PhotonTracer<'a> {
             } else {
                 SmallVec::new()
             };
-            if let Some(((id, fog), column)) = &inside {
+            if let Some((id, fog, column)) = &inside {
                 self.deposit(photon, field, &edges, (fog, column, reach), *id, out);
             }
             out.field_time += start.elapsed();
             edges
         });
-        let target = fog.map_or(f32::INFINITY, |fog| free_column(photon.power, fog.medium, sampler));
-        let flight = column.map_or(f32::INFINITY, |column| column.distance_at(target));
-        let distance = flight.min(reach);
+        let collision = inside.map(|(_, fog, column)| {
+            let target = free_column(photon.power, fog.medium, sampler);
+            (target, column.distance_at(target))
+        });
+        let flight = collision.map_or(f32::INFINITY, |(_, distance)| distance);
         if let (Some(field), Some(edges)) = (&mut photon.field, edges) {
             let start = Instant::now();
-            self.travel(field, fog, photon.origin, &edges, distance);
+            self.travel(field, inside.map(|(_, fog, _)| fog), photon.origin, &edges, flight.min(reach));
             out.field_time += start.elapsed();
         }
-        match (inside, hit) {
-            (Some(((_, fog), _)), _) if flight < reach => {
+        if let (Some((_, fog, column)), Some((target, _))) = (inside, collision) {
+            if flight < reach {
                 photon.origin += flight * photon.direction;
-                self.scatter(photon, target, fog.medium, sampler, out)
+                return self.scatter(photon, target, fog.medium, sampler, out);
             }
-            (inside, Some(hit)) => {
-                if let Some(((_, fog), column)) = inside {
-                    let before = photon.power;
-                    photon.power *= passage_weight(photon.power, fog.medium, column.at(reach));
-                    add(&mut out.energy.roulette, before - photon.power);
-                }
-                self.interact(photon, &hit, sampler, record, out)
-            }
-            (inside, None) => {
-                if let Some(((_, fog), column)) = inside {
-                    let before = photon.power;
-                    photon.power *= passage_weight(photon.power, fog.medium, column.at(f32::INFINITY));
-                    add(&mut out.energy.roulette, before - photon.power);
-                }
+            let before = photon.power;
+            photon.power *= passage_weight(photon.power, fog.medium, column.at(reach));
+            add(&mut out.energy.roulette, before - photon.power);
+        }
+        match hit {
+            Some(hit) => self.interact(photon, &hit, sampler, record, out),
+            None => {
                 add(&mut out.energy.escaped, photon.power);
                 false
             }

@@ -1,11 +1,14 @@
 //! The program as a user meets it: what it writes, says and returns.
 
+mod common;
+
+use common::{assert_contains, said};
 use covbeam_render::film::Picture;
 use covbeam_render::output::{RenderInfo, read_picture, write_exr};
 use glam::Vec3;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 use tempfile::TempDir;
 
 const GLASS_BALL: &str = include_str!("../../scenes/glass-ball.toml");
@@ -21,24 +24,6 @@ fn folder() -> TempDir {
     assert!(small.contains("width = 24") && small.contains("passes = 3") && small.contains("photons = 200"));
     fs::write(folder.path().join("ball.toml"), small).unwrap();
     folder
-}
-
-fn covbeam(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_covbeam")).args(arguments).current_dir(folder).output().unwrap()
-}
-
-/// Runs, expects the exit code and returns what was said on both streams.
-fn said(folder: &Path, arguments: &[&str], code: i32) -> String {
-    let output = covbeam(folder, arguments);
-    let text = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
-    assert_eq!(output.status.code(), Some(code), "{arguments:?} said: {text}");
-    text
-}
-
-fn assert_contains(text: &str, parts: &[&str]) {
-    for part in parts {
-        assert!(text.contains(part), "'{part}' is not in: {text}");
-    }
 }
 
 fn names(folder: &Path) -> Vec<String> {

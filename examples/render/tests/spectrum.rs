@@ -1,8 +1,10 @@
 //! `covbeam spectrum` as a user meets it: what it writes, says and returns.
 
+mod common;
+
+use common::assert_contains;
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 use tempfile::TempDir;
 
 /// A folder with `ball.toml`: the glass ball with few photons.
@@ -13,20 +15,9 @@ fn folder() -> TempDir {
     folder
 }
 
-/// Runs, expects the exit code and returns what was said on both streams.
+/// `covbeam spectrum` in the folder.
 fn said(folder: &Path, arguments: &[&str], code: i32) -> String {
-    let arguments = [&["spectrum"], arguments].concat();
-    let output =
-        Command::new(env!("CARGO_BIN_EXE_covbeam")).args(&arguments).current_dir(folder).output().unwrap();
-    let text = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
-    assert_eq!(output.status.code(), Some(code), "{arguments:?} said: {text}");
-    text
-}
-
-fn assert_contains(text: &str, parts: &[&str]) {
-    for part in parts {
-        assert!(text.contains(part), "'{part}' is not in: {text}");
-    }
+    common::said(folder, &[&["spectrum"], arguments].concat(), code)
 }
 
 #[test]

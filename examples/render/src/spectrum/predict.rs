@@ -1,15 +1,9 @@
 //! What a render would use: the covariance grid after some passes.
 
 use crate::operators::Operator;
-use crate::pass::FIELD_SEQUENCE;
-use crate::photon::{PhotonRecord, PhotonTracer, Record};
-use crate::random::Emission;
+use crate::pass::{Method, Renderer};
 use crate::scene::Scene;
-use covbeam::{CovarianceGrid, FluenceCell, GridCell, GridLayout};
-use rayon::prelude::*;
-
-/// Light paths that one task traces.
-const CHUNK: u32 = 64;
+use covbeam::{FluenceCell, GridLayout};
 
 /// How the predicted spectra are made, as in a render.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,32 +44,13 @@ pub fn predict_without(
     report: &(dyn Fn(u32) -> bool + Sync),
 ) -> Option<Vec<FluenceCell>> {
     let Prediction { passes, field_paths, seed } = *prediction;
-    let mut tracer = PhotonTracer::new(scene, seed, Emission::LowDiscrepancy);
+    let mut scene = scene.clone();
+    scene.grid = *layout;
+    // All paths of such a render carry a light field.
+    scene.settings.light_field_share = 1.0;
+    let mut renderer = Renderer::new(&scene, Method::Adaptive, field_paths, seed);
     if let Some(operator) = left_out {
-        tracer.leave_out(operator);
+        renderer.leave_out(operator);
     }
-    let mut cells = vec![GridCell::default(); layout.cell_count()];
-    let mut grid = CovarianceGrid::new(*layout, &mut cells).expect("the grid was validated");
-    for pass in 0..passes {
-        let first = pass.wrapping_mul(field_paths);
-        let chunks: Vec<PhotonRecord> = (0..field_paths.div_ceil(CHUNK))
-            .into_par_iter()
-            .map(|chunk| {
-                let mut out = PhotonRecord::default();
-                for i in chunk * CHUNK..((chunk + 1) * CHUNK).min(field_paths) {
-                    tracer.trace(FIELD_SEQUENCE, first.wrapping_add(i), field_paths, Record::Field, &mut out);
-                }
-                out
-            })
-            .collect();
-        for chunk in &chunks {
-            tracer.deposit_into(&mut grid, &chunk.deposits);
-        }
-        if !report(field_paths) {
-            return None;
-        }
-    }
-    let mut resolved = vec![FluenceCell::default(); layout.cell_count()];
-    grid.resolve(&mut resolved).expect("as many cells as the grid has");
-    Some(resolved)
+    renderer.spectra(passes, report)
 }
