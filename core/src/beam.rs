@@ -118,6 +118,78 @@ pub struct Gathered {
     pub sigma: f32,
 }
 
+impl Gathered {
+    /// Adds the contribution of one pair, and returns whether it was a number.
+    #[inline]
+    pub(crate) fn add(&mut self, radiance: Vec3, radius: f32, sigma: f32) -> bool {
+        let weight = (radiance.x + radiance.y + radiance.z) * (1.0 / 3.0);
+        if !weight.is_finite() {
+            return false;
+        }
+        self.radiance += radiance;
+        self.pairs += 1;
+        self.weight += weight;
+        self.radius += weight * radius;
+        self.sigma += weight * sigma;
+        true
+    }
+}
+
+/// A beam within the kernel's reach of an eye ray: where, and how wide the kernel is.
+pub(crate) struct Meeting {
+    /// The point on the eye ray.
+    pub(crate) point: Vec3,
+    pub(crate) crossing: Crossing,
+    pub(crate) radius: f32,
+    pub(crate) sigma: f32,
+}
+
+/// The geometry of a pair: whether it is accepted, whatever the medium. See [`gather_pair`].
+#[inline(always)]
+pub(crate) fn meet(ray: &EyeRay, beam: &Beam, from: f32, to: f32, radius: &KernelRadius) -> Option<Meeting> {
+    let crossing = cross(ray, beam)?;
+    let Crossing { ray_distance: t, beam_distance: s, gap, axis, .. } = crossing;
+    if !(t >= 0.0 && t <= ray.length && gap < radius.ceiling) {
+        return None;
+    }
+    let point = ray.origin + t * ray.direction;
+    let (r, sigma) = radius.at(point, axis);
+    if !(gap < r) {
+        return None;
+    }
+    // Within `slack` of its ends the kernel's cap lies inside the capsule of radius r around the beam.
+    let slack = sqrtf(r * r - gap * gap);
+    let on_start = beam.start_normal != Vec3::ZERO;
+    let on_end = beam.end_normal != Vec3::ZERO;
+    let first = if from > 0.0 {
+        from
+    } else if on_start {
+        -slack
+    } else {
+        0.0
+    };
+    let inside = if to < beam.length { s < to } else { s <= beam.length + if on_end { slack } else { 0.0 } };
+    if !(s >= first && inside) {
+        return None;
+    }
+    if on_start && s < slack && (point - beam.origin).dot(beam.start_normal) < 0.0 {
+        return None;
+    }
+    if on_end && s > beam.length - slack {
+        let end = beam.origin + beam.length * beam.direction;
+        if (point - end).dot(beam.end_normal) < 0.0 {
+            return None;
+        }
+    }
+    Some(Meeting { point, crossing, radius: r, sigma })
+}
+
+/// Cosine of the angle by which light of `beam` turns into the eye ray: what a phase function is evaluated at.
+#[inline]
+pub(crate) fn cos_theta(ray: &EyeRay, beam: &Beam) -> f32 {
+    -beam.direction.dot(ray.direction)
+}
+
 /// Gathers one beam whose crossing's `beam_distance` lies in `[from, to)`, and adds it to `gathered`. Returns whether it was accepted.
 ///
 /// Beam x ray estimator with a 1D kernel across the common perpendicular (thesis 5.3.4, Jarosz et al. 2011):
@@ -142,56 +214,16 @@ pub fn gather_pair(
     radius: &KernelRadius,
     gathered: &mut Gathered,
 ) -> bool {
-    let Some(crossing) = cross(ray, beam) else { return false };
-    let Crossing { ray_distance: t, beam_distance: s, gap, sin_theta, axis } = crossing;
-    if !(t >= 0.0 && t <= ray.length && gap < radius.ceiling) {
-        return false;
-    }
-    let point = ray.origin + t * ray.direction;
-    let (r, sigma) = radius.at(point, axis);
-    if !(gap < r) {
-        return false;
-    }
-    // Within `slack` of its ends the kernel's cap lies inside the capsule of radius r around the beam.
-    let slack = sqrtf(r * r - gap * gap);
-    let on_start = beam.start_normal != Vec3::ZERO;
-    let on_end = beam.end_normal != Vec3::ZERO;
-    let first = if from > 0.0 {
-        from
-    } else if on_start {
-        -slack
-    } else {
-        0.0
-    };
-    let inside = if to < beam.length { s < to } else { s <= beam.length + if on_end { slack } else { 0.0 } };
-    if !(s >= first && inside) {
-        return false;
-    }
-    if on_start && s < slack && (point - beam.origin).dot(beam.start_normal) < 0.0 {
-        return false;
-    }
-    if on_end && s > beam.length - slack {
-        let end = beam.origin + beam.length * beam.direction;
-        if (point - end).dot(beam.end_normal) < 0.0 {
-            return false;
-        }
-    }
+    let Some(meeting) = meet(ray, beam, from, to, radius) else { return false };
+    let Crossing { ray_distance: t, beam_distance: s, gap, sin_theta, .. } = meeting.crossing;
     let medium = passage.medium;
-    let phase = medium.phase.evaluate(-beam.direction.dot(ray.direction));
-    let scale = passage.density.at(point) * phase * radius.kernel.evaluate(gap, r) / sin_theta;
+    let phase = medium.phase.evaluate(cos_theta(ray, beam));
+    let kernel = radius.kernel.evaluate(gap, meeting.radius);
+    let scale = passage.density.at(meeting.point) * phase * kernel / sin_theta;
     // Within the slack of a cut end s may be negative: as far before the surface as the column says beyond it.
     let column = if s < 0.0 { -passage.beam.at(-s) } else { passage.beam.at(s) } + passage.ray.at(t);
     let radiance = medium.scattering * beam.power * medium.transmittance(column) * scale;
-    let weight = (radiance.x + radiance.y + radiance.z) * (1.0 / 3.0);
-    if !weight.is_finite() {
-        return false;
-    }
-    gathered.radiance += radiance;
-    gathered.pairs += 1;
-    gathered.weight += weight;
-    gathered.radius += weight * r;
-    gathered.sigma += weight * sigma;
-    true
+    gathered.add(radiance, meeting.radius, meeting.sigma)
 }
 
 /// Number of beams that [`BeamBlock`] tests together.

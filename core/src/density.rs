@@ -37,7 +37,14 @@ pub struct ExponentialDensity {
 
 impl ExponentialDensity {
     fn at(&self, position: Vec3) -> f32 {
-        let height = (position - self.origin).dot(self.up);
+        let mut height = (position - self.origin).dot(self.up);
+        if height.is_nan() {
+            // At the ends of what `f32` holds: inf - inf, or inf x 0.
+            let along = |axis: usize| {
+                (f64::from(position[axis]) - f64::from(self.origin[axis])) * f64::from(self.up[axis])
+            };
+            height = (along(0) + along(1) + along(2)) as f32;
+        }
         expf((-height / self.scale_height).clamp(-LARGEST_LOGARITHM, LARGEST_LOGARITHM))
     }
 
@@ -82,16 +89,23 @@ impl<'a> DensityGrid<'a> {
 
     /// Values at the corners of cell `cell` between centres, x fastest.
     fn corners(&self, cell: [u32; 3]) -> [f64; 8] {
-        let clamped = |axis: usize, up: u32| {
-            let last = self.centres.layout.cells[axis] - 1;
-            (cell[axis] + up).saturating_sub(1).min(last)
+        let Centres { layout, strides: [dx, dy, dz], .. } = &self.centres;
+        let side = |axis: usize, stride: usize| {
+            let last = layout.cells[axis] - 1;
+            [0, 1].map(|up| (cell[axis] + up).saturating_sub(1).min(last) as usize * stride)
         };
-        core::array::from_fn(|corner| {
-            let bit = |axis: u32| (corner as u32 >> axis) & 1;
-            let index =
-                self.centres.layout.index([clamped(0, bit(0)), clamped(1, bit(1)), clamped(2, bit(2))]);
-            f64::from(self.values[index])
-        })
+        let ([x0, x1], [y0, y1], [z0, z1]) = (side(0, *dx), side(1, *dy), side(2, *dz));
+        let value = |x: usize, y: usize, z: usize| f64::from(self.values[x + y + z]);
+        [
+            value(x0, y0, z0),
+            value(x1, y0, z0),
+            value(x0, y1, z0),
+            value(x1, y1, z0),
+            value(x0, y0, z1),
+            value(x1, y0, z1),
+            value(x0, y1, z1),
+            value(x1, y1, z1),
+        ]
     }
 
     fn at(&self, position: Vec3) -> f32 {
@@ -172,8 +186,8 @@ impl<'a> DensityGrid<'a> {
         while let Some((cell, from, to)) = walk.next_piece() {
             let [a, b, c, d, e, f, g, h] = self.corners(cell);
             let density = |s: f64| {
-                let [x, y, z] =
-                    core::array::from_fn(|axis| start[axis] + s * slope[axis] - f64::from(cell[axis]));
+                let place = |axis: usize| start[axis] + s * slope[axis] - f64::from(cell[axis]);
+                let (x, y, z) = (place(0), place(1), place(2));
                 let mix = |low: f64, high: f64, t: f64| low + t * (high - low);
                 let front = mix(mix(a, b, x), mix(c, d, x), y);
                 let back = mix(mix(e, f, x), mix(g, h, x), y);
@@ -306,8 +320,9 @@ impl Density<'_> {
         match self {
             Density::Uniform => Derivatives::default(),
             Density::Exponential(exponential) => {
-                let slope = exponential.at(position) / exponential.scale_height;
-                let (n, curvature) = (exponential.up, slope / exponential.scale_height);
+                // Where they are beyond what `f32` holds: an infinity times a component of 0 would be NaN.
+                let slope = (exponential.at(position) / exponential.scale_height).min(f32::MAX);
+                let (n, curvature) = (exponential.up, (slope / exponential.scale_height).min(f32::MAX));
                 Derivatives {
                     gradient: -slope * n,
                     hessian: [n.x * n.x, n.y * n.y, n.z * n.z, n.x * n.y, n.x * n.z, n.y * n.z]

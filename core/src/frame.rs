@@ -9,6 +9,9 @@ use glam::Vec3;
 /// A vector of three `f64` in world axes.
 pub(crate) type Vector = [f64; 3];
 
+/// Square of 1e-14, some roundings of a vector: what is left of it across another may all be rounding, in any direction.
+const ROUNDING: f64 = 1e-28;
+
 /// Right-handed orthonormal frame: z = direction of propagation, x and y across it.
 #[derive(Clone, Copy)]
 pub(crate) struct Frame {
@@ -25,10 +28,12 @@ impl Frame {
         let rest = dot(across, across);
         let x = if rest > 0.5 * dot(x, x) {
             frame_axis(across, z)
-        } else {
+        } else if rest > ROUNDING * dot(x, x) {
             // A large cancellation leaves a part along z: once more.
             let x = frame_axis(across, z);
             frame_axis(combine(1.0, x, -dot(x, z), z), z)
+        } else {
+            any_across(z)
         };
         Self { x, y: cross(z, x), z }
     }
@@ -92,6 +97,12 @@ mod tests {
             assert!(dot(frame.x, z).abs() < 1e-15 && dot(frame.y, z).abs() < 1e-15);
             assert!((dot(frame.x, frame.x) - 1.0).abs() < 1e-15);
             assert!((dot(cross(frame.x, frame.y), z) - 1.0).abs() < 1e-15);
+        }
+        // Less is left of these across z than they are rounded by.
+        for x in [[-0.225355, 3.22771e28, -0.721998], [0.25, -3e29, -1e-30], [1e-30, 1.0, 1e-17]] {
+            let z = unit([-0.805019, 6.62924e29, -9.41048e-31]).unwrap();
+            let frame = Frame::new(x, z);
+            assert!(dot(frame.x, z).abs() < 1e-15 && (dot(frame.x, frame.x) - 1.0).abs() < 1e-15);
         }
     }
 

@@ -56,10 +56,16 @@ pub struct FluenceCell {
 pub enum GridError {
     /// A corner or the size of a voxel is not finite, min >= max, or a resolution is 0 or too large.
     Layout,
-    /// The slice's length is not `layout.cell_count()`.
+    /// The slice's length is not `layout.cell_count()`, or that of the bytes not [`GridLayout::saved_size`].
     Length,
-    /// A density is negative or not finite.
+    /// A density is negative or not finite, or the sums of a voxel are none that deposits of covariances add up to.
     Value,
+    /// The bytes are no saved grid, or one of another version.
+    Format,
+    /// The bytes of a saved grid are not those that were written: their checksum differs.
+    Damaged,
+    /// The saved grid has another box or resolution than the grid that should load it.
+    OtherLayout,
 }
 
 impl fmt::Display for GridError {
@@ -68,8 +74,13 @@ impl fmt::Display for GridError {
             GridError::Layout => {
                 "the grid's box is empty or not finite, or its resolution is 0 or above 2^24 voxels"
             }
-            GridError::Length => "the slice of cells does not have the grid's number of voxels",
-            GridError::Value => "a density is negative or not finite",
+            GridError::Length => "the length of the slice is not the one that the grid's layout asks for",
+            GridError::Value => {
+                "a density is negative or not finite, or a voxel's sums are none that deposits add up to"
+            }
+            GridError::Format => "the bytes are not a saved grid of a known version",
+            GridError::Damaged => "the saved grid is damaged: its checksum does not match",
+            GridError::OtherLayout => "the saved grid has another box or resolution than this one",
         })
     }
 }
@@ -131,9 +142,9 @@ impl Attenuation<'_> {
 /// result does not depend on the number of threads.
 #[derive(Debug)]
 pub struct CovarianceGrid<'a> {
-    layout: GridLayout,
+    pub(crate) layout: GridLayout,
     scale: Vec3,
-    cells: &'a mut [GridCell],
+    pub(crate) cells: &'a mut [GridCell],
 }
 
 impl<'a> CovarianceGrid<'a> {

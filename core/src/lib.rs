@@ -32,6 +32,7 @@ mod grid;
 mod kernel;
 mod light_field;
 mod medium;
+mod saved_grid;
 mod surface;
 mod triangular;
 mod walk;
@@ -42,7 +43,7 @@ pub use beam::{
     BLOCK, Beam, BeamBlock, Crossing, EyeRay, Gathered, PARALLEL_SINE, Passage, cross, gather_pair,
 };
 #[cfg(feature = "bvh")]
-pub use beam_map::{BeamMap, GatherScratch};
+pub use beam_map::{BeamMap, Contact, GatherScratch, MAX_BEAMS, Stop, Unfinished};
 pub use column::{Column, Knot};
 pub use density::{Density, DensityGrid, Derivatives, ExponentialDensity};
 pub use fluence::FluenceSpectrum;

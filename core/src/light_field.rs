@@ -736,7 +736,8 @@ fn convolved(columns: &[[f64; 4]; 4], lobe: f64) -> [[f64; 4]; 4] {
 
 /// Root 1/(πR) of the variance of a disk or gap of radius R, at most [`SHARP`].
 fn sharpness(radius: f32) -> f64 {
-    if radius >= 0.0 { (1.0 / (PI * f64::from(radius))).min(SHARP) } else { 0.0 }
+    // The sign of -0 would make it negative.
+    if radius >= 0.0 { (1.0 / (PI * f64::from(radius.abs()))).min(SHARP) } else { 0.0 }
 }
 
 /// Root of a variance, at most [`SHARP`].

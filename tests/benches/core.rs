@@ -8,8 +8,8 @@
 //! - accepted pair: about 150 flops, one exp, two square roots, three divisions and a look-up, all scalar: 30 ns.
 
 use covbeam::{
-    Attenuation, Beam, BeamMap, CovarianceGrid, Curvature, Density, DensityGrid, ExponentialDensity, EyeRay,
-    FluenceCell, FluenceGrid, FluenceSpectrum, GatherScratch, Gathered, GridCell, GridLayout, Kernel,
+    Attenuation, Beam, BeamMap, Contact, CovarianceGrid, Curvature, Density, DensityGrid, ExponentialDensity,
+    EyeRay, FluenceCell, FluenceGrid, FluenceSpectrum, GatherScratch, Gathered, GridCell, GridLayout, Kernel,
     KernelRadius, LightField, Medium, Passage, PhaseFunction, Vec3, gather_pair,
 };
 use covbeam_render::random::Random;
@@ -231,6 +231,25 @@ fn gather(c: &mut Criterion) {
             b.iter(|| map.gather(&rays, &FOG, &density, &plain(0.05), &mut gathered, &mut scratch));
         });
     }
+    // The homogeneous medium again, as a host's own: what the way through its callback costs.
+    let map = BeamMap::build(beams(10_000), 0.05, &FOG, &Density::Uniform);
+    let mut scratch = GatherScratch::default();
+    let mut gathered = vec![Gathered::default(); rays.len()];
+    map.gather(&rays, &FOG, &Density::Uniform, &plain(0.05), &mut gathered, &mut scratch);
+    let pairs: u64 = gathered.iter().map(|g| u64::from(g.pairs)).sum();
+    let mut shade = |contacts: &[Contact], products: &mut [Vec3]| {
+        for (contact, product) in contacts.iter().zip(products) {
+            let depth = contact.ray_distance + contact.beam_distance;
+            *product = FOG.scattering * FOG.phase.evaluate(contact.cos_theta) * FOG.transmittance(depth);
+        }
+        true
+    };
+    group.throughput(Throughput::Elements(pairs));
+    group.bench_function(BenchmarkId::new("medium", "the host's"), |b| {
+        b.iter(|| {
+            map.gather_contacts(&rays, &plain(0.05), &mut gathered, &mut scratch, &mut shade, &mut || true)
+        });
+    });
     let beam = Beam {
         origin: Vec3::new(-1.0, 0.001, 0.0),
         direction: Vec3::X,

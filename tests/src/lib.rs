@@ -1,12 +1,14 @@
 //! What checks covbeam from outside: the naive high-precision twin, hard cases, statistics.
 
 pub mod energy;
+pub mod header;
 pub mod random;
 pub mod regions;
 pub mod single_scatter;
 pub mod stability;
 pub mod statistics;
 pub mod twin;
+pub mod vectors;
 
 /// The README's example, as a test.
 #[cfg(doctest)]

@@ -61,6 +61,7 @@ fn the_grid_does_not_allocate() {
     let mut cells = vec![GridCell::default(); LAYOUT.cell_count()];
     let more = cells.clone();
     let mut means = vec![FluenceCell::default(); LAYOUT.cell_count()];
+    let mut bytes = vec![0; LAYOUT.saved_size()];
     let mut found = None;
     let count = allocations(|| {
         let mut grid = CovarianceGrid::new(LAYOUT, &mut cells).unwrap();
@@ -79,6 +80,9 @@ fn the_grid_does_not_allocate() {
         );
         grid.merge(&more).unwrap();
         grid.resolve(&mut means).unwrap();
+        LAYOUT.save(&more, &mut bytes).unwrap();
+        grid.load(&bytes).unwrap();
+        black_box((GridLayout::of_saved(&bytes) == Ok(LAYOUT), LAYOUT.saved_size()));
         black_box(CovarianceGrid::new(LAYOUT, &mut []).err() == Some(GridError::Length));
         found = FluenceGrid::new(LAYOUT, &means).unwrap().look_up(Vec3::splat(0.1));
     });

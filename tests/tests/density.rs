@@ -324,3 +324,19 @@ fn huge_densities_and_single_voxels_give_finite_columns() {
     let fog = Medium { scattering: Vec3::ONE, ..Medium::default() };
     assert_eq!(fog.transmittance(f32::MAX), Vec3::ZERO);
 }
+
+#[test]
+fn an_exponential_density_is_a_number_wherever_it_is_asked_for() {
+    // inf - inf and inf x 0 lie on the way to the height: above by far more than 80 scale heights, below, and level with the origin.
+    let far = Vec3::new(f32::MAX, 0.0, 0.0);
+    for (up, [at_far, at_near]) in
+        [(Vec3::X, [-80.0f32, 80.0]), (-Vec3::X, [80.0, -80.0]), (Vec3::Y, [0.0, 0.0])]
+    {
+        let air = Density::Exponential(ExponentialDensity { origin: -far, up, scale_height: 1e-3 });
+        assert_eq!(air.at(far), at_far.exp());
+        let air = Density::Exponential(ExponentialDensity { origin: far, up, scale_height: 1e-3 });
+        assert_eq!(air.at(-far), at_near.exp());
+        let Derivatives { gradient, hessian } = air.derivatives(-far);
+        assert!(gradient.is_finite() && hessian.iter().all(|second| second.is_finite()));
+    }
+}

@@ -59,6 +59,17 @@ fn edges_of_unequal_distance_on_unequal_axes_are_kept_apart() {
 }
 
 #[test]
+fn a_source_of_radius_minus_zero_is_one_of_radius_zero() {
+    let tilted = Vec3::new(0.3, 0.2, 1.0);
+    assert_eq!(LightField::disk(Vec3::Z, tilted, -0.0, 0.5), LightField::disk(Vec3::Z, tilted, 0.0, 0.5));
+    assert_eq!(LightField::collimated(Vec3::Z, -0.0), LightField::collimated(Vec3::Z, 0.0));
+    let (mut minus, mut plus) = (LightField::point(Vec3::Z, 0.5), LightField::point(Vec3::Z, 0.5));
+    minus.occlude(Vec3::X, -0.0);
+    plus.occlude(Vec3::X, 0.0);
+    assert_eq!(minus, plus);
+}
+
+#[test]
 fn a_disk_is_foreshortened_only_in_its_own_plane() {
     let direction = Vec3::new(0.6, 0.0, 0.8);
     let field = LightField::disk(direction, Vec3::Z, 0.25, 0.0);

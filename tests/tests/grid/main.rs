@@ -3,6 +3,7 @@
 mod cost;
 mod hostile;
 mod look_up;
+mod saved;
 mod segment;
 
 use covbeam::{

@@ -1,0 +1,107 @@
+//! What the columns along the beams of a map are computed from.
+
+use super::meter::{Meter, STRETCH, Stop, with_room};
+use crate::{Beam, Column, Density, Knot, Medium};
+use std::vec::Vec;
+
+/// Beams whose tables lie in one array: so long an array is cheap to move when it grows.
+const BUNCH: usize = 1 << 12;
+
+/// The columns along all beams. A homogeneous medium stores nothing.
+#[derive(Clone)]
+pub(super) enum BeamColumns {
+    Uniform,
+    /// The density at each beam's origin.
+    Exponential(Vec<f32>),
+    /// A bunch for every [`BUNCH`] beams.
+    Tables(Vec<Bunch>),
+}
+
+/// Tables of columns one after the other; that of beam i is `first[i]..first[i + 1]`.
+#[derive(Clone)]
+pub(super) struct Bunch {
+    knots: Vec<Knot>,
+    first: Vec<u32>,
+}
+
+impl Bunch {
+    fn new(beams: &[Beam], medium: &Medium, density: &Density, meter: &mut Meter) -> Result<Self, Stop> {
+        let (mut knots, mut first) = (Vec::new(), with_room(beams.len() + 1)?);
+        first.push(0);
+        for &Beam { origin, direction, length, .. } in beams {
+            let before = knots.len();
+            let mut room = true;
+            density.tabulate(medium, origin, direction, length, &mut |knot| {
+                room = room && knots.try_reserve(1).is_ok();
+                if room {
+                    knots.push(knot);
+                }
+            });
+            match u32::try_from(knots.len()) {
+                Ok(end) if room => first.push(end),
+                _ => return Err(Stop::OutOfMemory),
+            }
+            // Long ways in which few knots are left count, too.
+            meter.spend(knots.len() - before + 100, 100)?;
+        }
+        knots.shrink_to_fit();
+        Ok(Self { knots, first })
+    }
+}
+
+impl BeamColumns {
+    pub(super) fn new(
+        beams: &[Beam],
+        medium: &Medium,
+        density: &Density,
+        meter: &mut Meter,
+    ) -> Result<Self, Stop> {
+        match density {
+            Density::Uniform => Ok(Self::Uniform),
+            Density::Exponential(_) => {
+                let mut densities = with_room(beams.len())?;
+                for stretch in beams.chunks(STRETCH) {
+                    meter.spend(stretch.len(), 20)?;
+                    densities.extend(stretch.iter().map(|beam| density.at(beam.origin)));
+                }
+                Ok(Self::Exponential(densities))
+            }
+            Density::Grid(_) => {
+                let mut bunches = with_room(beams.len().div_ceil(BUNCH))?;
+                for bunch in beams.chunks(BUNCH) {
+                    bunches.push(Bunch::new(bunch, medium, density, meter)?);
+                }
+                Ok(Self::Tables(bunches))
+            }
+        }
+    }
+
+    #[inline]
+    pub(super) fn of<'a>(&'a self, index: usize, beam: &Beam, density: &Density) -> Column<'a> {
+        match (self, density) {
+            (Self::Exponential(densities), Density::Exponential(exponential)) => {
+                Column::Exponential { density: densities[index], rate: exponential.rate(beam.direction) }
+            }
+            (Self::Tables(bunches), _) => {
+                let Bunch { knots, first } = &bunches[index / BUNCH];
+                let at = index % BUNCH;
+                Column::Knots(&knots[first[at] as usize..first[at + 1] as usize])
+            }
+            _ => Column::Uniform,
+        }
+    }
+
+    /// Bytes held.
+    pub(super) fn memory(&self) -> usize {
+        match self {
+            Self::Uniform => 0,
+            Self::Exponential(densities) => densities.capacity() * size_of::<f32>(),
+            Self::Tables(bunches) => {
+                let bytes = |bunch: &Bunch| {
+                    bunch.knots.capacity() * size_of::<Knot>() + bunch.first.capacity() * size_of::<u32>()
+                };
+                bunches.capacity() * size_of::<Bunch>() + bunches.iter().map(bytes).sum::<usize>()
+            }
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! Asks the host at even intervals of counted work whether to go on.
+
+use std::vec::Vec;
+
+/// Work between two questions: about a millisecond.
+const INTERVAL: u32 = 1_000_000;
+
+/// Elements that a loop over a long array handles between two calls of [`Meter::spend`].
+pub(super) const STRETCH: usize = 1 << 12;
+
+/// Why a [`super::BeamMap`] was not built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// The host said no.
+    Cancelled,
+    /// Memory could not be had.
+    OutOfMemory,
+    /// More than [`super::MAX_BEAMS`] beams.
+    TooMany,
+}
+
+impl core::fmt::Display for Stop {
+    fn fmt(&self, f: &mut core::fmt::Formatter) -> core::fmt::Result {
+        f.write_str(match self {
+            Stop::Cancelled => "cancelled",
+            Stop::OutOfMemory => "out of memory",
+            Stop::TooMany => "too many beams for one map",
+        })
+    }
+}
+
+impl core::error::Error for Stop {}
+
+/// Counts work and asks the host whether to go on: when it is made, and after each [`INTERVAL`].
+pub(super) struct Meter<'a> {
+    left: u32,
+    go_on: &'a mut dyn FnMut() -> bool,
+}
+
+impl<'a> Meter<'a> {
+    pub(super) fn new(go_on: &'a mut dyn FnMut() -> bool) -> Result<Self, Stop> {
+        let mut meter = Self { left: 0, go_on };
+        meter.ask()?;
+        Ok(meter)
+    }
+
+    /// Notes `times` pieces of work of about `nanoseconds` each.
+    #[inline]
+    pub(super) fn spend(&mut self, times: usize, nanoseconds: usize) -> Result<(), Stop> {
+        let work = times * nanoseconds;
+        if work < self.left as usize {
+            self.left -= work as u32;
+            return Ok(());
+        }
+        self.ask()
+    }
+
+    #[cold]
+    fn ask(&mut self) -> Result<(), Stop> {
+        self.left = INTERVAL;
+        if (self.go_on)() { Ok(()) } else { Err(Stop::Cancelled) }
+    }
+}
+
+/// A vector with room for `capacity` elements.
+pub(super) fn with_room<T>(capacity: usize) -> Result<Vec<T>, Stop> {
+    let mut vector = Vec::new();
+    vector.try_reserve_exact(capacity).map_err(|_| Stop::OutOfMemory)?;
+    Ok(vector)
+}

@@ -1,0 +1,161 @@
+//! Beams cut into pieces, in an order in which neighbours in the list are neighbours in space.
+
+use super::meter::{Meter, STRETCH, Stop, with_room};
+use crate::Beam;
+use glam::Vec3;
+use std::vec::Vec;
+
+/// Pieces that an average beam is cut into: a long beam's box is mostly empty.
+pub(super) const PIECES_PER_BEAM: usize = 3;
+
+/// Bits of a piece's place on each axis.
+const PLACE_BITS: u32 = 21;
+
+/// A part `[from, to]` of a beam, with its end points.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece {
+    pub(super) start: Vec3,
+    pub(super) end: Vec3,
+    pub(super) beam: u32,
+    pub(super) from: f32,
+    pub(super) to: f32,
+}
+
+/// One piece among many: which part of which beam, and its place on a curve that fills space (Morton's).
+#[derive(Clone, Copy)]
+pub(super) struct Ticket {
+    place: u64,
+    beam: u32,
+    part: u32,
+}
+
+fn end(beam: &Beam) -> Vec3 {
+    beam.origin + beam.length * beam.direction
+}
+
+/// Whether a beam can contribute.
+fn counts(beam: &Beam) -> bool {
+    beam.length > 0.0
+        && beam.length.is_finite()
+        && beam.origin.is_finite()
+        && beam.direction.is_finite()
+        && beam.power.is_finite()
+        && end(beam).is_finite()
+}
+
+/// How the beams of a map are cut: into the fewest equal parts that are no longer than `longest` \[m\].
+pub(super) struct Cut {
+    longest: f32,
+}
+
+impl Cut {
+    fn parts(&self, beam: &Beam) -> u32 {
+        libm::ceilf(beam.length / self.longest).max(1.0) as u32
+    }
+
+    /// The piece that a ticket stands for.
+    #[inline]
+    pub(super) fn piece(&self, beams: &[Beam], ticket: &Ticket) -> Piece {
+        self.part(&beams[ticket.beam as usize], ticket.beam, ticket.part)
+    }
+
+    #[inline]
+    fn part(&self, beam: &Beam, index: u32, part: u32) -> Piece {
+        let count = self.parts(beam);
+        let at = |i: u32| if i == count { beam.length } else { beam.length * (i as f32 / count as f32) };
+        let (from, to) = (at(part), at(part + 1));
+        let [start, end] = [from, to].map(|distance| beam.origin + distance * beam.direction);
+        Piece { start, end, beam: index, from, to }
+    }
+}
+
+/// All pieces of the beams that can contribute, ordered by place, and how they were cut.
+pub(super) fn tickets(beams: &[Beam], meter: &mut Meter) -> Result<(Cut, Vec<Ticket>), Stop> {
+    let (mut count, mut total) = (0_usize, 0.0);
+    let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    for stretch in beams.chunks(STRETCH) {
+        meter.spend(stretch.len(), 10)?;
+        for beam in stretch.iter().filter(|beam| counts(beam)) {
+            count += 1;
+            total += f64::from(beam.length);
+            low = low.min(beam.origin).min(end(beam));
+            high = high.max(beam.origin).max(end(beam));
+        }
+    }
+    let average = total / (PIECES_PER_BEAM * count.max(1)) as f64;
+    // Lengths that small divide by nothing smaller: no beam has more parts than all are allowed together.
+    let cut = Cut { longest: (average as f32).max(f32::MIN_POSITIVE) };
+    // In f64: the extent of finite points may be infinite in f32.
+    let scale = [0, 1, 2].map(|axis| {
+        let extent = f64::from(high[axis]) - f64::from(low[axis]);
+        if extent > 0.0 { f64::from((1 << PLACE_BITS) - 1) / extent } else { 0.0 }
+    });
+    let mut tickets = with_room((PIECES_PER_BEAM + 1) * count)?;
+    for (index, beam) in (0..).zip(beams).filter(|(_, beam)| counts(beam)) {
+        let parts = cut.parts(beam);
+        tickets.try_reserve(parts as usize).map_err(|_| Stop::OutOfMemory)?;
+        for part in 0..parts {
+            meter.spend(1, 20)?;
+            let piece = cut.part(beam, index, part);
+            let [x, y, z] = [0, 1, 2].map(|axis| {
+                let middle = 0.5 * (f64::from(piece.start[axis]) + f64::from(piece.end[axis]));
+                spread(((middle - f64::from(low[axis])) * scale[axis]) as u32)
+            });
+            tickets.push(Ticket { place: x | y << 1 | z << 2, beam: index, part });
+        }
+    }
+    Ok((cut, sorted(tickets, meter)?))
+}
+
+/// The low 21 bits of `x`, two zeros after each.
+fn spread(x: u32) -> u64 {
+    let mut x = u64::from(x) & ((1 << PLACE_BITS) - 1);
+    for (shift, mask) in [
+        (32, 0x001f_0000_0000_ffff),
+        (16, 0x001f_0000_ff00_00ff),
+        (8, 0x100f_00f0_0f00_f00f),
+        (4, 0x10c3_0c30_c30c_30c3),
+        (2, 0x1249_2492_4924_9249),
+    ] {
+        x = (x | x << shift) & mask;
+    }
+    x
+}
+
+/// Stable radix sort by place, a byte at a time from the lowest.
+fn sorted(mut tickets: Vec<Ticket>, meter: &mut Meter) -> Result<Vec<Ticket>, Stop> {
+    const DIGITS: usize = 8;
+    let mut counts = [[0_u32; 256]; DIGITS];
+    for stretch in tickets.chunks(STRETCH) {
+        meter.spend(stretch.len(), DIGITS)?;
+        for ticket in stretch {
+            for (counts, digit) in counts.iter_mut().zip(ticket.place.to_le_bytes()) {
+                counts[usize::from(digit)] += 1;
+            }
+        }
+    }
+    let mut other = with_room(tickets.len())?;
+    for stretch in tickets.chunks(STRETCH) {
+        meter.spend(stretch.len(), 4)?;
+        other.extend_from_slice(stretch);
+    }
+    for (digit, counts) in counts.iter().enumerate() {
+        if counts.iter().any(|&count| count as usize == tickets.len()) {
+            continue; // The same for all.
+        }
+        let mut next = [0_u32; 256];
+        for i in 1..256 {
+            next[i] = next[i - 1] + counts[i - 1];
+        }
+        for stretch in tickets.chunks(STRETCH) {
+            meter.spend(stretch.len(), 4)?;
+            for ticket in stretch {
+                let slot = &mut next[usize::from(ticket.place.to_le_bytes()[digit])];
+                other[*slot as usize] = *ticket;
+                *slot += 1;
+            }
+        }
+        std::mem::swap(&mut tickets, &mut other);
+    }
+    Ok(tickets)
+}

@@ -1,0 +1,221 @@
+//! A binary tree of boxes over the pieces of beams, built in slices of bounded work.
+
+use super::meter::{Meter, Stop, with_room};
+use super::pieces::{Cut, Piece, Ticket};
+use crate::{BLOCK, Beam};
+use glam::{Vec3, Vec3A};
+use std::vec::Vec;
+
+/// Pieces of the largest subtree that is built at a time: its working memory fits a processor's own cache.
+const CHUNK: usize = 1 << 14;
+
+/// A box, and what is in it: the pieces `first..first + count`, or with `count` 0 the nodes `first` and `first + 1`.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Node {
+    low: Vec3,
+    pub(super) first: u32,
+    high: Vec3,
+    pub(super) count: u32,
+}
+
+impl Node {
+    fn new(low: Vec3A, high: Vec3A, first: u32, count: u32) -> Self {
+        Self { low: low.into(), first, high: high.into(), count }
+    }
+
+    fn around(piece: &Piece, reach: f32, first: u32) -> Self {
+        // An accepted eye point lies within the radius of the segment, caps included (see `gather_pair`).
+        let (low, high) = (piece.start.min(piece.end), piece.start.max(piece.end));
+        Self { low: low - reach, first, high: high + reach, count: 1 }
+    }
+
+    #[inline]
+    pub(super) fn low(&self) -> Vec3A {
+        self.low.into()
+    }
+
+    #[inline]
+    pub(super) fn high(&self) -> Vec3A {
+        self.high.into()
+    }
+
+    #[inline]
+    fn union(&self, other: &Self) -> (Vec3A, Vec3A) {
+        (self.low().min(other.low()), self.high().max(other.high()))
+    }
+
+    fn half_area(&self) -> f32 {
+        half_area((self.low(), self.high()))
+    }
+}
+
+#[inline]
+fn half_area((low, high): (Vec3A, Vec3A)) -> f32 {
+    let extent = high - low;
+    (extent * Vec3A::new(extent.y, extent.z, extent.x)).element_sum()
+}
+
+/// The nodes, root first (none over no pieces), and the pieces in the order of the leaves: a leaf's are neighbours in
+/// memory, and so are those of a subtree.
+#[derive(Clone)]
+pub(super) struct Tree {
+    pub(super) nodes: Vec<Node>,
+    pub(super) pieces: Vec<Piece>,
+}
+
+impl Tree {
+    /// Chunks of neighbouring pieces become subtrees, and these the leaves of one more tree, that at the top.
+    ///
+    /// - `reach`: what each box is grown by \[m\].
+    pub(super) fn new(
+        beams: &[Beam],
+        cut: &Cut,
+        tickets: &[Ticket],
+        reach: f32,
+        meter: &mut Meter,
+    ) -> Result<Self, Stop> {
+        let mut tree = Self { nodes: Vec::new(), pieces: with_room(tickets.len())? };
+        if tickets.is_empty() {
+            return Ok(tree);
+        }
+        tree.nodes = with_room(2 * tickets.len() - 1)?;
+        let chunks = tickets.len().div_ceil(CHUNK);
+        let largest = tickets.len().div_ceil(chunks);
+        // The nodes at the top come first.
+        tree.nodes.resize(2 * chunks - 1, Node::default());
+        let mut clusters = Clusters::with_room(largest.max(chunks))?;
+        let mut roots: Vec<Node> = with_room(chunks)?;
+        let mut pieces = with_room(largest)?;
+        for chunk in tickets.chunks(largest) {
+            meter.spend(chunk.len(), 60)?;
+            pieces.clear();
+            pieces.extend(chunk.iter().map(|ticket| cut.piece(beams, ticket)));
+            clusters.build((0..).zip(&pieces).map(|(i, piece)| Node::around(piece, reach, i)), meter)?;
+            clusters.collapse();
+            roots.push(tree.append(&clusters.tree, &pieces));
+        }
+        clusters.build((0..).zip(&roots).map(|(i, root)| Node { first: i, count: 1, ..*root }), meter)?;
+        for (node, top) in tree.nodes.iter_mut().zip(&clusters.tree) {
+            *node = if top.count == 0 { *top } else { roots[top.first as usize] };
+        }
+        tree.nodes.shrink_to_fit();
+        Ok(tree)
+    }
+
+    /// Appends what is below the root of a chunk's tree, depth first, and returns the root.
+    fn append(&mut self, chunk: &[Node], pieces: &[Piece]) -> Node {
+        let mut root = chunk[0];
+        let mut stack = Vec::from([(0, None)]);
+        while let Some((index, slot)) = stack.pop() {
+            let mut node: Node = chunk[index];
+            if node.count == 0 {
+                let (child, pair) = (node.first as usize, self.nodes.len());
+                stack.extend([(child + 1, Some(pair + 1)), (child, Some(pair))]);
+                self.nodes.extend([Node::default(); 2]);
+                node.first = pair as u32;
+            } else {
+                node.first = self.pieces.len() as u32;
+                self.append_leaves(chunk, index, pieces);
+            }
+            match slot {
+                Some(slot) => self.nodes[slot] = node,
+                None => root = node,
+            }
+        }
+        root
+    }
+
+    /// Appends the pieces below a node that became a leaf: at most [`BLOCK`], so the recursion is shallow.
+    fn append_leaves(&mut self, chunk: &[Node], index: usize, pieces: &[Piece]) {
+        let Node { first, count, .. } = chunk[index];
+        if count == 1 {
+            self.pieces.push(pieces[first as usize]);
+        } else {
+            self.append_leaves(chunk, first as usize, pieces);
+            self.append_leaves(chunk, first as usize + 1, pieces);
+        }
+    }
+}
+
+/// Builds trees by joining neighbours in a list: two become one node where each is the one with which the other has the
+/// smaller box, and so on until one is left.
+///
+/// Source: Meister and Bittner, Parallel Locally-Ordered Clustering (2018), with a search distance of 1.
+struct Clusters {
+    /// The roots of the trees so far.
+    list: Vec<Node>,
+    /// Per root: whether it would join the one before it rather than the one after.
+    back: Vec<bool>,
+    /// The nodes, root first, children after their parents and side by side.
+    tree: Vec<Node>,
+}
+
+impl Clusters {
+    fn with_room(leaves: usize) -> Result<Self, Stop> {
+        Ok(Self { list: with_room(leaves)?, back: with_room(leaves)?, tree: with_room(2 * leaves)? })
+    }
+
+    /// Fills `tree` with the tree over `leaves`, at least one; their `first` and `count` are kept.
+    fn build(&mut self, leaves: impl Iterator<Item = Node>, meter: &mut Meter) -> Result<(), Stop> {
+        let Self { list, back, tree } = self;
+        list.clear();
+        list.extend(leaves);
+        let mut free = 2 * list.len() - 1;
+        tree.clear();
+        tree.resize(free, Node::default());
+        while list.len() > 1 {
+            let count = list.len();
+            meter.spend(count, 10)?;
+            back.clear();
+            let mut before = f32::INFINITY;
+            for pair in list.windows(2) {
+                let area = half_area(pair[0].union(&pair[1]));
+                back.push(before < area);
+                before = area;
+            }
+            back.push(true);
+            let joins = back.windows(2).filter(|pair| !pair[0] && pair[1]).count();
+            // Equal boxes, or ever smaller ones, would join one pair in a round: then all neighbours join.
+            if joins < count / 16 {
+                back.iter_mut().enumerate().for_each(|(i, back)| *back = i % 2 == 1);
+            }
+            let (mut i, mut kept) = (0, 0);
+            while i < count {
+                let node = list[i];
+                if i + 1 < count && !back[i] && back[i + 1] {
+                    free -= 2;
+                    (tree[free], tree[free + 1]) = (node, list[i + 1]);
+                    let (low, high) = node.union(&list[i + 1]);
+                    list[kept] = Node::new(low, high, free as u32, 0);
+                    i += 2;
+                } else {
+                    list[kept] = node;
+                    i += 1;
+                }
+                kept += 1;
+            }
+            list.truncate(kept);
+        }
+        tree[0] = list[0];
+        Ok(())
+    }
+
+    /// Makes a leaf of every node over at most [`BLOCK`] leaves that costs less to test as one: its `count` becomes that of
+    /// the leaves below it.
+    fn collapse(&mut self) {
+        for i in (0..self.tree.len()).rev() {
+            let node = self.tree[i];
+            if node.count > 0 {
+                continue;
+            }
+            let [a, b] = [0, 1].map(|side| self.tree[node.first as usize + side]);
+            let count = a.count + b.count;
+            let apart = a.half_area() * a.count as f32 + b.half_area() * b.count as f32;
+            // The walk to a node costs as much as the test of a piece.
+            let together = node.half_area() * (count as f32 - 1.0);
+            if a.count > 0 && b.count > 0 && count <= BLOCK as u32 && together <= apart {
+                self.tree[i].count = count;
+            }
+        }
+    }
+}

@@ -1,0 +1,79 @@
+"""The arrays that covbeam reads and writes, as numpy dtypes laid out as the structs of covbeam.h.
+
+Make them with np.zeros(n, dtype): every field is then a view, `beams["origin"]` of shape (n, 3). Lengths are in metres (or
+any other unit, used throughout), power in watts per channel, frequencies in cycles/m and cycles/rad.
+"""
+
+import numpy as np
+
+_f4 = np.float32
+
+
+def _struct(*fields):
+    return np.dtype(list(fields), align=True)
+
+
+#: Square root of the covariance of a local light field's spectrum; made by covbeam.light_field.point and its kin.
+LIGHT_FIELD = _struct(("root", _f4, (10,)), ("x_axis", _f4, (3,)), ("direction", _f4, (3,)))
+
+#: Curvature of a surface at a hit [1/m], positive where it is convex on the side of the normal; all 0 is a plane.
+CURVATURE = _struct(("tangent", _f4, (3,)), ("along", _f4), ("across", _f4), ("twist", _f4))
+
+#: Covariance of the spectrum of the fluence around a point, in world axes [cycles^2/m^2].
+SPECTRUM = _struct(*((name, _f4) for name in ("xx", "yy", "zz", "xy", "xz", "yz")))
+
+#: What one voxel has collected: sum of weight x (xx, yy, zz, xy, xz, yz), and sum of the weights.
+GRID_CELL = _struct(("sum", np.float64, (6,)), ("weight", np.float64))
+
+#: The mean spectrum of one voxel, and its fluence over that of the brightest one, in (0, 1]; 0 = no data.
+FLUENCE_CELL = _struct(("spectrum", SPECTRUM), ("weight", _f4))
+
+#: A point of a table of columns: distance along the ray, integral of the relative density up to there [m].
+KNOT = _struct(("distance", _f4), ("column", _f4))
+
+#: A straight piece of a photon's path whose light field goes into a grid. `knots` is an address: see Grid.deposit.
+SEGMENT = _struct(
+    ("origin", _f4, (3,)),
+    ("length", _f4),
+    ("power", _f4),
+    ("unscattered", np.uint32),
+    ("field", LIGHT_FIELD),
+    ("knots", np.uintp),
+    ("knot_count", np.uintp),
+)
+
+#: A photon beam: origin, unit direction, length, power per channel [W], unit normals (or 0) of the surfaces at its ends.
+BEAM = _struct(
+    ("origin", _f4, (3,)),
+    ("direction", _f4, (3,)),
+    ("length", _f4),
+    ("power", _f4, (3,)),
+    ("start_normal", _f4, (3,)),
+    ("end_normal", _f4, (3,)),
+)
+
+#: One straight piece of an eye path inside one medium: origin, unit direction away from the eye, length (inf allowed).
+EYE_RAY = _struct(("origin", _f4, (3,)), ("direction", _f4, (3,)), ("length", _f4))
+
+#: What an eye ray has gathered: radiance [W/(m^2 sr)], accepted pairs, and sums over these: weight, weight x radius,
+#: weight x bandwidth.
+GATHERED = _struct(("radiance", _f4, (3,)), ("pairs", np.uint32), ("weight", _f4), ("radius", _f4), ("sigma", _f4))
+
+#: Closest approach of an eye ray's line and a beam's line.
+CROSSING = _struct(("ray_distance", _f4), ("beam_distance", _f4), ("gap", _f4), ("sin_theta", _f4), ("axis", _f4, (3,)))
+
+#: A place where a beam comes within the kernel radius of an eye ray, for BeamMap.gather_shaded.
+CONTACT = _struct(
+    ("position", _f4, (3,)),
+    ("ray", np.uint32),
+    ("beam", np.uint32),
+    ("ray_distance", _f4),
+    ("beam_distance", _f4),
+    ("cos_theta", _f4),
+    ("kernel", _f4),
+    ("radius", _f4),
+    ("sigma", _f4),
+)
+
+#: Derivatives of a relative density, in world axes: gradient [1/m], hessian xx, yy, zz, xy, xz, yz [1/m^2].
+DERIVATIVES = _struct(("gradient", _f4, (3,)), ("hessian", _f4, (6,)))

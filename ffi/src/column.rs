@@ -1,0 +1,528 @@
+//! Columns along one ray that is asked many times: tables in the host's memory, and columns by value.
+
+use crate::arrays::write;
+use crate::check::{finite_not_negative, not_negative, positive_or_infinite, unit, vector};
+use crate::medium::{MediumView, covbeam_density_kind, covbeam_medium};
+use crate::memory::{Element, Inputs, Outputs, Slot, read};
+use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
+use crate::types::covbeam_knot;
+use core::{ptr, slice};
+use covbeam_core::{Column, Knot};
+use glam::Vec3;
+
+/// The column along one ray as a function of the distance. Made by covbeam_medium_column.
+///
+/// A host with media of its own may write one: VOXELS with a table of its own, whatever the density is made of.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct covbeam_column {
+    /// A value of covbeam_density_kind; the fields below are read as it needs them.
+    pub kind: u32,
+    /// Exponential: relative density at the ray's origin, finite and >= 0.
+    pub density: f32,
+    /// Exponential: the density falls as exp(-rate x distance) [1/m], of either sign.
+    pub rate: f32,
+    /// Voxels: the host's table, which stays in place and unchanged while the column is used; NULL if knot_count is 0.
+    pub knots: *const covbeam_knot,
+    /// Voxels: number of knots; 0 is empty space.
+    pub knot_count: usize,
+}
+
+/// A packed table of knots, whose numbers have not been looked at.
+unsafe fn table<'a>(first: *const covbeam_knot, count: usize, name: &str) -> Result<&'a [Knot], Failure> {
+    // SAFETY: by the caller's promise.
+    unsafe { Inputs::new(first, size_of::<covbeam_knot>(), count, name) }?;
+    if count == 0 {
+        return Ok(&[]);
+    }
+    // SAFETY: checked above for NULL, alignment and size, and of the same layout; readable by the caller's promise.
+    Ok(unsafe { slice::from_raw_parts(first.cast(), count) })
+}
+
+/// A table that is in order. Neighbours may coincide: rounding makes such.
+pub(crate) unsafe fn ordered_table<'a>(
+    first: *const covbeam_knot,
+    count: usize,
+    name: &str,
+) -> Result<&'a [Knot], Failure> {
+    // SAFETY: by the caller's promise.
+    let knots = unsafe { table(first, count, name) }?;
+    let mut before = Knot { distance: f32::MIN, column: 0.0 };
+    for (i, knot) in knots.iter().enumerate() {
+        let Knot { distance, column } = *knot;
+        if !(distance.is_finite() && column.is_finite()) {
+            let message = format_args!("{name}[{i}]: ({distance}, {column}) is not finite");
+            return Err(fail(COVBEAM_INVALID_VALUE, message));
+        }
+        if distance < before.distance || column < before.column {
+            let message = format_args!(
+                "{name}[{i}]: ({distance}, {column}) falls behind ({}, {})",
+                before.distance, before.column
+            );
+            return Err(fail(COVBEAM_INVALID_VALUE, message));
+        }
+        before = *knot;
+    }
+    Ok(knots)
+}
+
+/// A column as the host passes it. The order of its knots is not checked.
+pub(crate) unsafe fn column<'a>(e: Element<covbeam_column>) -> Result<Column<'a>, Failure> {
+    use covbeam_density_kind::*;
+    match e.value.kind {
+        k if k == COVBEAM_DENSITY_UNIFORM as u32 => Ok(Column::Uniform),
+        k if k == COVBEAM_DENSITY_EXPONENTIAL as u32 => {
+            let density = finite_not_negative(e.part(|c| c.density))?;
+            let rate = e.value.rate;
+            if rate.is_nan() {
+                return Err(e.is(format_args!("a rate of NaN")));
+            }
+            Ok(Column::Exponential { density, rate })
+        }
+        k if k == COVBEAM_DENSITY_VOXELS as u32 => {
+            // SAFETY: by the caller's promise.
+            Ok(Column::Knots(unsafe { table(e.value.knots, e.value.knot_count, "knots of the column") }?))
+        }
+        unknown => Err(e.is(format_args!("{unknown} is no covbeam_density_kind"))),
+    }
+}
+
+impl From<Column<'_>> for covbeam_column {
+    fn from(column: Column) -> Self {
+        use covbeam_density_kind::*;
+        let empty = Self { kind: 0, density: 0.0, rate: 0.0, knots: ptr::null(), knot_count: 0 };
+        match column {
+            Column::Uniform => Self { kind: COVBEAM_DENSITY_UNIFORM as u32, ..empty },
+            Column::Exponential { density, rate } => {
+                Self { kind: COVBEAM_DENSITY_EXPONENTIAL as u32, density, rate, ..empty }
+            }
+            Column::Knots([]) => Self { kind: COVBEAM_DENSITY_VOXELS as u32, ..empty },
+            Column::Knots(knots) => Self {
+                kind: COVBEAM_DENSITY_VOXELS as u32,
+                knots: knots.as_ptr().cast(),
+                knot_count: knots.len(),
+                ..empty
+            },
+        }
+    }
+}
+
+/// One ray in a medium.
+unsafe fn ray(origin: *const f32, direction: *const f32) -> Result<(Vec3, Vec3), Failure> {
+    // SAFETY: by the caller's promise.
+    let origin = unsafe { read::<[f32; 3]>(origin.cast(), "origin") }?;
+    // SAFETY: by the caller's promise.
+    let direction = unsafe { read::<[f32; 3]>(direction.cast(), "direction") }?;
+    Ok((vector(Element::single(origin, "origin"))?, unit(Element::single(direction, "direction"))?))
+}
+
+/// Writes the knots that `march` gives, or only counts them.
+unsafe fn fill(
+    knots: *mut covbeam_knot,
+    capacity: usize,
+    count: *mut usize,
+    march: impl Fn(&mut dyn FnMut(Knot)),
+) -> Result<(), Failure> {
+    let count = Slot::new(count, "count")?;
+    let counting = knots.is_null() && capacity == 0;
+    // SAFETY: by the caller's promise.
+    let mut out = unsafe { Outputs::new(knots, size_of::<covbeam_knot>(), capacity, "knots") }?;
+    let mut needed = 0;
+    march(&mut |_| needed += 1);
+    if !counting {
+        if needed > capacity {
+            let message = format_args!("capacity: {capacity}, but there are {needed} knots");
+            return Err(fail(COVBEAM_SHORT_BUFFER, message));
+        }
+        let mut index = 0;
+        march(&mut |knot| {
+            out.set(index, knot.into());
+            index += 1;
+        });
+    }
+    count.set(needed);
+    Ok(())
+}
+
+/// The table of columns along a ray through voxels: points between which a straight line is within `error` of the column. None
+/// for other densities, whose columns are closed forms.
+///
+/// @param medium the medium.
+/// @param origin of the ray [m].
+/// @param direction of the ray, unit.
+/// @param length of the ray [m] >= 0; infinity ends where it leaves the voxels.
+/// @param error of a column [m] > 0; infinity keeps the ends alone. Times the extinction it is the error of the optical depth.
+/// @param most the table ends at the first point with a larger column [m] >= 0; infinity for the whole ray.
+/// @param knots packed, room for `capacity` of them; NULL with a capacity of 0 only counts.
+/// @param capacity of knots; 64 x (voxels along x + y + z + 2) is always enough.
+/// @param count number of knots.
+/// @note If the capacity is too small: COVBEAM_SHORT_BUFFER, and the message says what is needed. About 40 ns a voxel passed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn covbeam_medium_knots(
+    medium: *const covbeam_medium,
+    origin: *const f32,
+    direction: *const f32,
+    length: f32,
+    error: f32,
+    most: f32,
+    knots: *mut covbeam_knot,
+    capacity: usize,
+    count: *mut usize,
+) -> covbeam_status {
+    run(|| {
+        // SAFETY: by the caller's promise.
+        let medium = unsafe { MediumView::read(medium, "medium") }?;
+        // SAFETY: by the caller's promise.
+        let (origin, direction) = unsafe { ray(origin, direction) }?;
+        let length = not_negative(Element::single(length, "length"))?;
+        let error = positive_or_infinite(Element::single(error, "error"))?;
+        let most = not_negative(Element::single(most, "most"))?;
+        // SAFETY: by the caller's promise.
+        unsafe {
+            fill(knots, capacity, count, |knot| {
+                medium.density.knots(origin, direction, length, error, most, knot)
+            })
+        }
+    })
+}
+
+/// covbeam_medium_knots as a gather wants them: within 5e-4 of the optical depth of the channel that is attenuated most, up to where every
+/// channel is opaque.
+///
+/// @param medium the medium.
+/// @param origin of the ray [m].
+/// @param direction of the ray, unit.
+/// @param length of the ray [m] >= 0; infinity ends where it leaves the voxels.
+/// @param knots packed, room for `capacity` of them; NULL with a capacity of 0 only counts.
+/// @param capacity of knots.
+/// @param count number of knots.
+/// @note A capacity that is too small is answered as by covbeam_medium_knots. About 40 ns a voxel passed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn covbeam_medium_tabulate(
+    medium: *const covbeam_medium,
+    origin: *const f32,
+    direction: *const f32,
+    length: f32,
+    knots: *mut covbeam_knot,
+    capacity: usize,
+    count: *mut usize,
+) -> covbeam_status {
+    run(|| {
+        // SAFETY: by the caller's promise.
+        let medium = unsafe { MediumView::read(medium, "medium") }?;
+        // SAFETY: by the caller's promise.
+        let (origin, direction) = unsafe { ray(origin, direction) }?;
+        let length = not_negative(Element::single(length, "length"))?;
+        // SAFETY: by the caller's promise.
+        unsafe {
+            fill(knots, capacity, count, |knot| {
+                medium.density.tabulate(&medium.medium, origin, direction, length, knot)
+            })
+        }
+    })
+}
+
+/// The column along a ray, by value: a closed form, or the table that covbeam_medium_tabulate made of it.
+///
+/// @param medium the medium.
+/// @param origin of the ray [m].
+/// @param direction of the ray, unit.
+/// @param knots packed, not copied: they stay in place while the column is used; ignored, and may be NULL, unless the density is voxels.
+/// @param knot_count number of knots.
+/// @param column the column.
+/// @note Checks the table: finite, distances and columns not falling. Nothing that is given a column checks that again.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn covbeam_medium_column(
+    medium: *const covbeam_medium,
+    origin: *const f32,
+    direction: *const f32,
+    knots: *const covbeam_knot,
+    knot_count: usize,
+    column: *mut covbeam_column,
+) -> covbeam_status {
+    run(|| {
+        let column = Slot::new(column, "column")?;
+        // SAFETY: by the caller's promise.
+        let medium = unsafe { MediumView::read(medium, "medium") }?;
+        // SAFETY: by the caller's promise.
+        let (origin, direction) = unsafe { ray(origin, direction) }?;
+        let knots: &[Knot] = if let covbeam_core::Density::Grid(_) = medium.density {
+            // SAFETY: by the caller's promise.
+            unsafe { ordered_table(knots, knot_count, "knots") }?
+        } else {
+            &[]
+        };
+        column.set(medium.density.column(origin, direction, knots).into());
+        Ok(())
+    })
+}
+
+unsafe fn read_column<'a>(pointer: *const covbeam_column) -> Result<Column<'a>, Failure> {
+    // SAFETY: by the caller's promise.
+    unsafe { column(Element::single(read(pointer, "column")?, "column")) }
+}
+
+/// The column up to a distance.
+///
+/// @param column the column along the ray.
+/// @param distance along the ray [m] >= 0; infinity allowed.
+/// @param value [m] >= 0, never falling with distance.
+/// @note Costs nothing, an exponential, or a binary search. The order of the knots is not checked; without it, value means nothing.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn covbeam_column_at(
+    column: *const covbeam_column,
+    distance: f32,
+    value: *mut f32,
+) -> covbeam_status {
+    // SAFETY: the caller's promises about single values are those about arrays of one.
+    unsafe { covbeam_column_at_many(column, 1, &distance, 0, value, 0) }
+}
+
+/// covbeam_column_at for `count` distances along one ray.
+///
+/// @param column as column there.
+/// @param count number of distances; with 0 nothing is done.
+/// @param distances, distance_stride as distance there.
+/// @param values, value_stride as value there.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn covbeam_column_at_many(
+    column: *const covbeam_column,
+    count: usize,
+    distances: *const f32,
+    distance_stride: usize,
+    values: *mut f32,
+    value_stride: usize,
+) -> covbeam_status {
+    run(|| {
+        // SAFETY: by the caller's promise.
+        let column = unsafe { read_column(column) }?;
+        // SAFETY: by the caller's promise.
+        let distances = unsafe { Inputs::new(distances, distance_stride, count, "distances") }?;
+        // SAFETY: by the caller's promise.
+        let values = unsafe { Outputs::new(values, value_stride, count, "values") }?;
+        write(values, |i| not_negative(distances.get(i)), |distance| column.at(distance))
+    })
+}
+
+/// The distance at which the column reaches a value: the inverse of covbeam_column_at. See covbeam_medium_distance_at.
+///
+/// @param column the column along the ray.
+/// @param value [m] >= 0; infinity allowed.
+/// @param distance [m]; infinity if it never does.
+/// @note Costs nothing, a logarithm, or a binary search. The order of the knots is not checked; without it, distance means nothing.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn covbeam_column_distance_at(
+    column: *const covbeam_column,
+    value: f32,
+    distance: *mut f32,
+) -> covbeam_status {
+    // SAFETY: the caller's promises about single values are those about arrays of one.
+    unsafe { covbeam_column_distance_at_many(column, 1, &value, 0, distance, 0) }
+}
+
+/// covbeam_column_distance_at for `count` values along one ray.
+///
+/// @param column as column there.
+/// @param count number of values; with 0 nothing is done.
+/// @param values, value_stride as value there.
+/// @param distances, distance_stride as distance there.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn covbeam_column_distance_at_many(
+    column: *const covbeam_column,
+    count: usize,
+    values: *const f32,
+    value_stride: usize,
+    distances: *mut f32,
+    distance_stride: usize,
+) -> covbeam_status {
+    run(|| {
+        // SAFETY: by the caller's promise.
+        let column = unsafe { read_column(column) }?;
+        // SAFETY: by the caller's promise.
+        let values = unsafe { Inputs::new(values, value_stride, count, "values") }?;
+        // SAFETY: by the caller's promise.
+        let distances = unsafe { Outputs::new(distances, distance_stride, count, "distances") }?;
+        write(distances, |i| not_negative(values.get(i)), |value| column.distance_at(value))
+    })
+}
+
+#[cfg(test)]
+#[allow(clippy::undocumented_unsafe_blocks, reason = "every argument is a local, or refused")]
+mod tests {
+    use super::*;
+    use crate::hostile::{Rule::*, UNTOUCHED, refuses};
+    use crate::medium::samples::{haze, smoke};
+
+    use crate::hostile::Rule;
+
+    /// Origin, then direction.
+    const RAY: [(f32, Rule); 6] =
+        [(0.2, Finite), (0.3, Finite), (-1.0, Finite), (0.0, Across), (0.0, Across), (1.0, Along)];
+    const NO_KNOT: covbeam_knot = covbeam_knot { distance: UNTOUCHED, column: UNTOUCHED };
+
+    fn no_column() -> covbeam_column {
+        covbeam_column { kind: 77, density: UNTOUCHED, rate: UNTOUCHED, knots: ptr::null(), knot_count: 0 }
+    }
+
+    #[test]
+    fn a_bad_argument_is_refused_and_nothing_is_written() {
+        let smoke = smoke();
+        let numbers =
+            [&RAY[..], &[(9.0, NotNegative), (1e-3, PositiveOrInfinite), (5.0, NotNegative)]].concat();
+        refuses(5, &numbers, |bad, n| {
+            let (origin, direction) = (bad.at(1, n.as_ptr()), bad.at(2, n[3..].as_ptr()));
+            let (mut knots, mut count) = ([NO_KNOT; 400], 777);
+            let to = bad.at_mut(3, knots.as_mut_ptr());
+            let status = unsafe {
+                let medium = bad.at(0, &smoke.medium);
+                covbeam_medium_knots(
+                    medium,
+                    origin,
+                    direction,
+                    n[6],
+                    n[7],
+                    n[8],
+                    to,
+                    400,
+                    bad.at_mut(4, &mut count),
+                )
+            };
+            (status, count != 777 || knots[0] != NO_KNOT)
+        });
+        refuses(5, &[&RAY[..], &[(9.0, NotNegative)]].concat(), |bad, n| {
+            let (origin, direction) = (bad.at(1, n.as_ptr()), bad.at(2, n[3..].as_ptr()));
+            let (mut knots, mut count) = ([NO_KNOT; 400], 777);
+            let to = bad.at_mut(3, knots.as_mut_ptr());
+            let status = unsafe {
+                let medium = bad.at(0, &smoke.medium);
+                covbeam_medium_tabulate(medium, origin, direction, n[6], to, 400, bad.at_mut(4, &mut count))
+            };
+            (status, count != 777 || knots[0] != NO_KNOT)
+        });
+        refuses(5, &RAY, |bad, n| {
+            let (origin, direction) = (bad.at(1, n.as_ptr()), bad.at(2, n[3..].as_ptr()));
+            let knots = [covbeam_knot { distance: 1.0, column: 0.0 }];
+            let mut out = no_column();
+            let status = unsafe {
+                let (medium, knots) = (bad.at(0, &smoke.medium), bad.at(3, knots.as_ptr()));
+                covbeam_medium_column(medium, origin, direction, knots, 1, bad.at_mut(4, &mut out))
+            };
+            (status, out.kind != 77)
+        });
+        for (distance, column, expected) in [
+            (f32::NAN, 1.0, COVBEAM_INVALID_VALUE),
+            (f32::INFINITY, 1.0, COVBEAM_INVALID_VALUE),
+            (2.0, f32::NAN, COVBEAM_INVALID_VALUE),
+            (2.0, f32::INFINITY, COVBEAM_INVALID_VALUE),
+            (0.9, 1.0, COVBEAM_INVALID_VALUE),
+            (2.0, 0.4, COVBEAM_INVALID_VALUE),
+            (1.0, 0.5, COVBEAM_OK),
+        ] {
+            let knots = [covbeam_knot { distance: 1.0, column: 0.5 }, covbeam_knot { distance, column }];
+            let mut out = no_column();
+            let (o, d) = ([0.0; 3], [0.0, 0.0, 1.0]);
+            let status = unsafe {
+                covbeam_medium_column(&smoke.medium, o.as_ptr(), d.as_ptr(), knots.as_ptr(), 2, &mut out)
+            };
+            assert_eq!((status, out.kind != 77), (expected, expected == COVBEAM_OK), "{distance} {column}");
+        }
+        for function in [covbeam_column_at, covbeam_column_distance_at] {
+            refuses(2, &[(0.5, FiniteNotNegative), (1.0, NotNegative)], |bad, n| {
+                let column =
+                    covbeam_column { kind: 1, density: n[0], rate: 0.5, knots: ptr::null(), knot_count: 0 };
+                let mut out = UNTOUCHED;
+                let status = unsafe { function(bad.at(0, &column), n[1], bad.at_mut(1, &mut out)) };
+                (status, out.to_bits() != UNTOUCHED.to_bits())
+            });
+            let knot = covbeam_knot { distance: 1.0, column: 0.5 };
+            let voxels = |knots, knot_count| covbeam_column { kind: 2, knots, knot_count, ..no_column() };
+            for (column, expected) in [
+                (covbeam_column { kind: 3, ..no_column() }, COVBEAM_INVALID_VALUE),
+                (
+                    covbeam_column { kind: 1, density: 1.0, rate: f32::NAN, ..no_column() },
+                    COVBEAM_INVALID_VALUE,
+                ),
+                (voxels(ptr::null(), 1), COVBEAM_NULL_POINTER),
+                (voxels((&raw const knot).wrapping_byte_add(2), 1), COVBEAM_MISALIGNED),
+                (voxels(&raw const knot, usize::MAX), COVBEAM_INVALID_ARRAY),
+                (voxels(&raw const knot, 1), COVBEAM_OK),
+                (voxels(ptr::null(), 0), COVBEAM_OK),
+            ] {
+                let mut out = UNTOUCHED;
+                assert_eq!(unsafe { function(&column, 0.25, &mut out) }, expected, "{column:?}");
+                assert_eq!(out != UNTOUCHED, expected == COVBEAM_OK);
+            }
+        }
+    }
+
+    #[test]
+    fn a_table_is_counted_first_and_a_short_buffer_is_not_overrun() {
+        let smoke = smoke();
+        let (origin, direction) = ([0.2, 0.3, -1.0], [0.0, 0.0, 1.0]);
+        let tabulate = |knots: *mut covbeam_knot, capacity, count: &mut usize| unsafe {
+            covbeam_medium_tabulate(
+                &smoke.medium,
+                origin.as_ptr(),
+                direction.as_ptr(),
+                9.0,
+                knots,
+                capacity,
+                count,
+            )
+        };
+        let mut needed = 0;
+        assert_eq!(tabulate(ptr::null_mut(), 0, &mut needed), COVBEAM_OK);
+        assert!(needed >= 2);
+        let mut knots = vec![NO_KNOT; needed];
+        let mut count = 777;
+        assert_eq!(tabulate(knots.as_mut_ptr(), needed - 1, &mut count), COVBEAM_SHORT_BUFFER);
+        assert!(count == 777 && knots.iter().all(|knot| *knot == NO_KNOT), "nothing is written");
+        let message = unsafe { core::ffi::CStr::from_ptr(crate::status::covbeam_last_error()) };
+        let expected = format!("capacity: {}, but there are {needed} knots", needed - 1);
+        assert_eq!(message.to_str(), Ok(expected.as_str()));
+        assert_eq!(tabulate(knots.as_mut_ptr(), needed, &mut count), COVBEAM_OK);
+        assert_eq!(count, needed);
+        assert!(knots.iter().all(|knot| *knot != NO_KNOT));
+    }
+
+    #[test]
+    fn many_are_the_same_bits_as_one_each() {
+        let smoke = smoke();
+        let (origin, direction) = ([0.2, 0.3, -1.0], [0.0, 0.6, 0.8]);
+        let mut knots = [NO_KNOT; 400];
+        let mut count = 0;
+        let mut columns = [no_column(); 2];
+        let (o, d) = (origin.as_ptr(), direction.as_ptr());
+        let statuses = unsafe {
+            [
+                covbeam_medium_tabulate(&smoke.medium, o, d, 9.0, knots.as_mut_ptr(), 400, &mut count),
+                covbeam_medium_column(&smoke.medium, o, d, knots.as_ptr(), count, &mut columns[0]),
+                covbeam_medium_column(&haze(), o, d, ptr::null(), 0, &mut columns[1]),
+            ]
+        };
+        assert_eq!(statuses, [COVBEAM_OK; 3]);
+        let asked: [f32; 4] = [0.0, 0.3, 1.5, 4.0];
+        for column in &columns {
+            let (mut values, mut distances) = ([UNTOUCHED; 8], [UNTOUCHED; 8]);
+            let statuses = unsafe {
+                [
+                    covbeam_column_at_many(column, 4, asked.as_ptr(), 4, values.as_mut_ptr(), 8),
+                    covbeam_column_distance_at_many(column, 4, asked.as_ptr(), 4, distances.as_mut_ptr(), 8),
+                ]
+            };
+            assert_eq!(statuses, [COVBEAM_OK; 2]);
+            for (i, asked) in asked.into_iter().enumerate() {
+                let mut one = [UNTOUCHED; 2];
+                let [value, distance] = &mut one;
+                let statuses = unsafe {
+                    [
+                        covbeam_column_at(column, asked, value),
+                        covbeam_column_distance_at(column, asked, distance),
+                    ]
+                };
+                assert_eq!((statuses, one), ([COVBEAM_OK; 2], [values[2 * i], distances[2 * i]]));
+                assert_eq!([values[2 * i + 1], distances[2 * i + 1]], [UNTOUCHED; 2]);
+            }
+        }
+    }
+}

@@ -1,0 +1,201 @@
+//! Opaque handles: made, checked, used and freed here and nowhere else.
+
+use crate::memory::aligned;
+use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
+use core::ptr;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// What a C type stands for.
+pub(crate) trait Opaque {
+    /// The object behind the handle.
+    type Object;
+    /// Tells handles apart; eight letters, so that a debugger shows them.
+    const TAG: u64;
+    /// In messages.
+    const NAME: &'static str;
+}
+
+#[repr(C)]
+struct Boxed<T> {
+    tag: u64,
+    poisoned: AtomicBool,
+    object: T,
+}
+
+/// Moves an object to where the host's handle `out` will point.
+pub(crate) unsafe fn give<H: Opaque>(out: *mut *mut H, object: H::Object) -> Result<(), Failure> {
+    let boxed = Boxed { tag: H::TAG, poisoned: AtomicBool::new(false), object };
+    // SAFETY: `out` was checked by `handle_slot`; the host keeps it valid for the call.
+    unsafe { out.write(Box::into_raw(Box::new(boxed)).cast()) };
+    Ok(())
+}
+
+/// Checks the place for a new handle, before anything is made.
+pub(crate) fn handle_slot<H>(out: *mut *mut H, name: &str) -> Result<*mut *mut H, Failure> {
+    aligned(out, name)?;
+    Ok(out)
+}
+
+unsafe fn checked<'a, H: Opaque>(handle: *const H, name: &str) -> Result<&'a Boxed<H::Object>, Failure> {
+    let boxed: *const Boxed<H::Object> = handle.cast();
+    aligned(boxed, name)?;
+    // SAFETY: not NULL and aligned; that it points to a live handle of some kind is the host's promise, and every
+    // kind begins with a tag.
+    let tag = unsafe { ptr::read(boxed.cast::<u64>()) };
+    if tag != H::TAG {
+        return Err(fail(COVBEAM_INVALID_HANDLE, format_args!("{name}: not a {}, or freed", H::NAME)));
+    }
+    // SAFETY: the tag says that `give` made it of this type.
+    let boxed = unsafe { &*boxed };
+    if boxed.poisoned.load(Ordering::Relaxed) {
+        let message = format_args!("{name}: an earlier call on this {} panicked; free it", H::NAME);
+        return Err(fail(COVBEAM_POISONED, message));
+    }
+    Ok(boxed)
+}
+
+/// The object behind a `const` handle.
+pub(crate) unsafe fn shared<'a, H: Opaque>(handle: *const H, name: &str) -> Result<&'a H::Object, Failure> {
+    // SAFETY: the host's promise: a handle that nobody changes during the call.
+    unsafe { checked(handle, name) }.map(|boxed| &boxed.object)
+}
+
+/// Like [`shared`], for a handle that may be NULL.
+pub(crate) unsafe fn optional<'a, H: Opaque>(
+    handle: *const H,
+    name: &str,
+) -> Result<Option<&'a H::Object>, Failure> {
+    if handle.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: as for `shared`.
+    unsafe { shared(handle, name) }.map(Some)
+}
+
+/// Runs the body of a call that changes an object. If it panics, the object is poisoned.
+pub(crate) unsafe fn run_on<H: Opaque>(
+    handle: *mut H,
+    name: &str,
+    body: impl FnOnce(&mut H::Object) -> Result<(), Failure>,
+) -> covbeam_status {
+    let status = run(|| {
+        // SAFETY: the host's promise: a live handle.
+        unsafe { checked(handle.cast_const(), name) }?;
+        // SAFETY: checked above, and exclusive by the host's promise for pointers that are not const.
+        body(unsafe { &mut (*handle.cast::<Boxed<H::Object>>()).object })
+    });
+    if status == COVBEAM_PANICKED {
+        // SAFETY: only the body panics, and it ran because the handle was live.
+        unsafe { (*handle.cast::<Boxed<H::Object>>()).poisoned.store(true, Ordering::Relaxed) };
+    }
+    status
+}
+
+/// Frees a handle; NULL is ignored. One that is poisoned is freed too; the tag is wiped, so that a second free or a later
+/// use is noticed as long as the memory is not used for something else.
+pub(crate) unsafe fn free<H: Opaque>(handle: *mut H) {
+    let boxed: *mut Boxed<H::Object> = handle.cast();
+    if boxed.is_null() || !boxed.is_aligned() {
+        return;
+    }
+    // SAFETY: the host's promise: NULL or a live handle of this kind, which `give` boxed.
+    unsafe {
+        if (*boxed).tag == H::TAG {
+            (*boxed).tag = 0;
+            drop(Box::from_raw(boxed));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::*;
+    use crate::status::covbeam_last_error;
+    use crate::types::covbeam_grid_layout;
+    use core::ffi::CStr;
+    use std::process::Command;
+
+    const LAYOUT: covbeam_grid_layout = covbeam_grid_layout { min: [0.0; 3], max: [1.0; 3], cells: [2; 3] };
+
+    fn grid() -> *mut covbeam_grid {
+        let mut grid = ptr::null_mut();
+        // SAFETY: both point to locals.
+        assert_eq!(unsafe { covbeam_grid_new(&LAYOUT, &mut grid) }, COVBEAM_OK);
+        grid
+    }
+
+    fn message() -> String {
+        // SAFETY: never NULL, and ends with NUL.
+        unsafe { CStr::from_ptr(covbeam_last_error()) }.to_str().unwrap().to_owned()
+    }
+
+    #[test]
+    fn a_panic_inside_a_call_poisons_its_object_and_nothing_else() {
+        let (hit, other) = (grid(), grid());
+        let mut layout = LAYOUT;
+        // SAFETY: live handles, each used by this thread alone.
+        unsafe {
+            let status = run_on(hit, "grid", |_: &mut Grid| panic!("injected {}", 42));
+            assert_eq!(status, COVBEAM_PANICKED);
+            assert!(message().contains("injected 42") && message().contains("handle.rs"), "{}", message());
+            assert_eq!(covbeam_grid_clear(hit), COVBEAM_POISONED);
+            assert!(message().starts_with("grid: an earlier call on this covbeam_grid panicked"));
+            assert_eq!(covbeam_grid_get_layout(hit, &mut layout), COVBEAM_POISONED);
+            assert_eq!(covbeam_grid_merge(other, &hit.cast_const(), 1), COVBEAM_POISONED);
+            assert_eq!(covbeam_grid_resolve(other), COVBEAM_OK);
+            free(hit);
+            free(other);
+        }
+    }
+
+    #[test]
+    fn a_panic_in_a_call_that_only_reads_poisons_nothing() {
+        let grid = grid();
+        // SAFETY: a live handle, used by this thread alone.
+        unsafe {
+            let status = run(|| {
+                let _grid: &Grid = shared(grid.cast_const(), "grid")?;
+                panic!("injected")
+            });
+            assert_eq!(status, COVBEAM_PANICKED);
+            assert_eq!(covbeam_grid_clear(grid), COVBEAM_OK);
+            free(grid);
+        }
+    }
+
+    /// Run by `a_panic_prints_nothing_inside_a_call_and_all_outside` in a process of its own.
+    #[test]
+    #[ignore = "the other process of a test"]
+    fn panics_inside_and_outside() {
+        assert_eq!(run(|| panic!("panic inside")), COVBEAM_PANICKED);
+        assert!(std::panic::catch_unwind(|| panic!("panic outside")).is_err());
+    }
+
+    #[test]
+    fn a_panic_prints_nothing_inside_a_call_and_all_outside() {
+        let mut process = Command::new(std::env::current_exe().unwrap());
+        process.args(["--exact", "handle::tests::panics_inside_and_outside", "--ignored", "--nocapture"]);
+        let output = process.output().unwrap();
+        let printed =
+            String::from_utf8_lossy(&output.stderr).into_owned() + &String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success() && printed.contains("1 passed"), "{printed}");
+        assert!(!printed.contains("panic inside") && printed.contains("panic outside"), "{printed}");
+    }
+
+    #[test]
+    fn handles_of_another_kind_and_freed_ones_are_refused() {
+        let grid = grid();
+        // SAFETY: a live handle of another kind; the call looks at its tag only.
+        let status = unsafe { crate::beam_map::covbeam_beam_map_clear(grid.cast()) };
+        assert_eq!(status, COVBEAM_INVALID_HANDLE);
+        assert_eq!(message(), "map: not a covbeam_beam_map, or freed");
+        // SAFETY: a free of the wrong kind is refused by the tag, too; then the right one.
+        unsafe {
+            crate::beam_map::covbeam_beam_map_free(grid.cast());
+            assert_eq!(covbeam_grid_clear(grid), COVBEAM_OK);
+            covbeam_grid_free(grid);
+            covbeam_grid_free(ptr::null_mut());
+        }
+    }
+}

@@ -1,0 +1,528 @@
+//! Kernels, their radii, and how both shrink over the passes.
+
+use crate::check::{finite, not_negative, positive, unit, vector};
+use crate::grid::{covbeam_grid, resolved};
+use crate::handle::optional;
+use crate::memory::{Element, Inputs, Outputs, Slot, read_options};
+use crate::status::{Failure, covbeam_status, run};
+use covbeam_core::{Kernel, KernelRadius, error_bound, progressive_radius};
+
+/// Shape of the blur kernel K_r(d), whose integral over [-r, r] is 1. With q = d / r:
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum covbeam_kernel_shape {
+    /// 1 / (2r).
+    COVBEAM_KERNEL_BOX = 0,
+    /// 3 (1 - q^2) / (4r).
+    COVBEAM_KERNEL_EPANECHNIKOV = 1,
+    /// 15 (1 - q^2)^2 / (16r).
+    COVBEAM_KERNEL_BIWEIGHT = 2,
+}
+
+/// How wide the pairs of one pass are gathered: within max(progressive, min(ceiling, what the spectrum allows)).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_kernel {
+    /// sizeof(covbeam_kernel).
+    pub struct_size: u32,
+    /// A value of covbeam_kernel_shape.
+    pub shape: u32,
+    /// The radius where the grid knows nothing, and the smallest one [m] > 0.
+    pub progressive: f32,
+    /// The largest radius [m], finite and >= progressive.
+    pub ceiling: f32,
+    /// Accepted relative bias of a pair > 0; without a grid it has no effect.
+    pub error: f32,
+}
+
+/// How the kernel shrinks over the passes of a picture.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_schedule {
+    /// sizeof(covbeam_schedule).
+    pub struct_size: u32,
+    /// A value of covbeam_kernel_shape.
+    pub shape: u32,
+    /// Progressive radius of pass 1 [m] > 0.
+    pub radius: f32,
+    /// In (0, 1]: the progressive radius falls as pass^(alpha - 1); 1 keeps it.
+    pub alpha: f32,
+    /// Largest radius that a spectrum may ask for [m] > 0.
+    pub max_radius: f32,
+    /// Accepted relative bias of a pair in pass 1, > 0; it falls as pass^(-2/5).
+    pub error: f32,
+}
+
+fn shape(e: Element<u32>) -> Result<Kernel, Failure> {
+    use covbeam_kernel_shape::*;
+    match e.value {
+        k if k == COVBEAM_KERNEL_BOX as u32 => Ok(Kernel::Box),
+        k if k == COVBEAM_KERNEL_EPANECHNIKOV as u32 => Ok(Kernel::Epanechnikov),
+        k if k == COVBEAM_KERNEL_BIWEIGHT as u32 => Ok(Kernel::Biweight),
+        unknown => Err(e.is(format_args!("{unknown} is no covbeam_kernel_shape"))),
+    }
+}
+
+/// The kernel of a gather, and the spectra that it looks up unless `grid` is NULL.
+///
+/// # Safety
+/// Both are NULL or what they say, and the grid lives unchanged while the result does.
+pub(crate) unsafe fn kernel_radius<'a>(
+    kernel: *const covbeam_kernel,
+    grid: *const covbeam_grid,
+) -> Result<KernelRadius<'a>, Failure> {
+    // SAFETY: by this function's contract.
+    let options = unsafe { read_options(kernel, size_of::<covbeam_kernel>(), "kernel") }?;
+    let kernel = shape(Element::single(options.shape, "kernel.shape"))?;
+    let progressive = positive(Element::single(options.progressive, "kernel.progressive"))?;
+    let largest = Element::single(options.ceiling, "kernel.ceiling");
+    let ceiling = positive(largest)?;
+    if ceiling < progressive {
+        return Err(largest.is(format_args!("{ceiling} is less than progressive, {progressive}")));
+    }
+    let error = positive(Element::single(options.error, "kernel.error"))?;
+    // SAFETY: by this function's contract.
+    let grid = unsafe { optional(grid, "grid") }?.map(resolved).transpose()?;
+    Ok(KernelRadius { kernel, progressive, ceiling, error, grid })
+}
+
+fn alpha(e: Element<f32>) -> Result<f32, Failure> {
+    if e.value > 0.0 && e.value <= 1.0 {
+        Ok(e.value)
+    } else {
+        Err(e.is(format_args!("{} is not in (0, 1]", e.value)))
+    }
+}
+
+/// Counted from 1.
+fn pass(value: u32) -> Result<u32, Failure> {
+    let e = Element::single(value, "pass");
+    if value >= 1 { Ok(value) } else { Err(e.is(format_args!("passes are counted from 1"))) }
+}
+
+/// The kernel of a pass: what a host calls when it begins one.
+///
+/// @param schedule how the kernel shrinks.
+/// @param pass counted from 1. Passes may run in any order.
+/// @param kernel set its struct_size before; the rest is written: progressive = covbeam_progressive_radius(radius, alpha, pass), ceiling = the larger of max_radius and progressive, error = covbeam_error_bound(error, pass).
+/// @note COVBEAM_INVALID_VALUE too if the radius or the error of the pass falls below the smallest float.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn covbeam_schedule_kernel(
+    schedule: *const covbeam_schedule,
+    pass: u32,
+    kernel: *mut covbeam_kernel,
+) -> covbeam_status {
+    run(|| {
+        let out = Slot::new(kernel, "kernel")?;
+        // SAFETY: by the caller's promise. It says how much of it the host knows: all that is written.
+        let before = unsafe { read_options(kernel.cast_const(), size_of::<covbeam_kernel>(), "kernel") }?;
+        // SAFETY: by the caller's promise.
+        let schedule = unsafe { read_options(schedule, size_of::<covbeam_schedule>(), "schedule") }?;
+        let pass = self::pass(pass)?;
+        shape(Element::single(schedule.shape, "schedule.shape"))?;
+        let radius = positive(Element::single(schedule.radius, "schedule.radius"))?;
+        let alpha = alpha(Element::single(schedule.alpha, "schedule.alpha"))?;
+        let max_radius = positive(Element::single(schedule.max_radius, "schedule.max_radius"))?;
+        let error = positive(Element::single(schedule.error, "schedule.error"))?;
+        let progressive = progressive_radius(radius, alpha, pass);
+        let progressive = positive(Element::single(progressive, "schedule.radius, in this pass"))?;
+        let error = positive(Element::single(error_bound(error, pass), "schedule.error, in this pass"))?;
+        out.set(covbeam_kernel {
+            struct_size: before.struct_size,
+            shape: schedule.shape,
+            progressive,
+            ceiling: max_radius.max(progressive),
+            error,
+        });
+        Ok(())
+    })
+}
+
+/// The progressive radius of a pass: r_1 = radius, r_(i+1) = r_i (i + alpha) / (i + 1).
+///
+/// @param radius of pass 1 [m] > 0.
+/// @param alpha in (0, 1]; 1 keeps the radius.
+/// @param pass i, counted from 1.
+/// @param result [m].
+/// @note A few ns a pass up to pass 4096, and no more from there on. Jarosz et al. 2011.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn covbeam_progressive_radius(
+    radius: f32,
+    alpha: f32,
+    pass: u32,
+    result: *mut f32,
+) -> covbeam_status {
+    run(|| {
+        let result = Slot::new(result, "result")?;
+        let radius = positive(Element::single(radius, "radius"))?;
+        let alpha = self::alpha(Element::single(alpha, "alpha"))?;
+        result.set(progressive_radius(radius, alpha, self::pass(pass)?));
+        Ok(())
+    })
+}
+
+/// The bound on the relative bias in a pass: error x pass^(-2/5), so that the bias of the mean over passes goes to 0.
+///
+/// @param error in pass 1, > 0.
+/// @param pass counted from 1.
+/// @param result the bound in that pass.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn covbeam_error_bound(error: f32, pass: u32, result: *mut f32) -> covbeam_status {
+    run(|| {
+        let result = Slot::new(result, "result")?;
+        let error = positive(Element::single(error, "error"))?;
+        result.set(error_bound(error, self::pass(pass)?));
+        Ok(())
+    })
+}
+
+/// A kernel's value K_r(d).
+///
+/// @param shape a value of covbeam_kernel_shape.
+/// @param distance d [m], of either sign.
+/// @param radius r [m] > 0.
+/// @param value [1/m]: 0 where the distance is r or more.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn covbeam_kernel_evaluate(
+    shape: u32,
+    distance: f32,
+    radius: f32,
+    value: *mut f32,
+) -> covbeam_status {
+    run(|| {
+        let value = Slot::new(value, "value")?;
+        let kernel = self::shape(Element::single(shape, "shape"))?;
+        let distance = finite(Element::single(distance, "distance"))?;
+        let radius = positive(Element::single(radius, "radius"))?;
+        value.set(kernel.evaluate(distance, radius));
+        Ok(())
+    })
+}
+
+/// Second moment of a kernel of radius 1; that of radius r is r^2 times it.
+///
+/// @param shape a value of covbeam_kernel_shape.
+/// @param moment of the kernel.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn covbeam_kernel_second_moment(shape: u32, moment: *mut f32) -> covbeam_status {
+    run(|| {
+        let moment = Slot::new(moment, "moment")?;
+        moment.set(self::shape(Element::single(shape, "shape"))?.second_moment());
+        Ok(())
+    })
+}
+
+/// The radius at which the kernel costs a relative bias: sqrt(error / (2 pi^2 second_moment variance)).
+///
+/// @param shape a value of covbeam_kernel_shape.
+/// @param error the relative bias > 0.
+/// @param variance of the fluence's spectrum along the kernel's axis [cycles^2/m^2] >= 0; infinity gives 0.
+/// @param radius [m]: infinite for a variance of 0.
+/// @note Thesis 5.3.4.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn covbeam_kernel_radius_from_error(
+    shape: u32,
+    error: f32,
+    variance: f32,
+    radius: *mut f32,
+) -> covbeam_status {
+    run(|| {
+        let radius = Slot::new(radius, "radius")?;
+        let kernel = self::shape(Element::single(shape, "shape"))?;
+        let error = positive(Element::single(error, "error"))?;
+        let variance = not_negative(Element::single(variance, "variance"))?;
+        radius.set(kernel.radius_from_error(error, variance));
+        Ok(())
+    })
+}
+
+/// The kernel radius of a pair of beam and eye ray.
+///
+/// @param kernel the kernel of the pass.
+/// @param grid where the spectrum is looked up, resolved; NULL gives the progressive radius.
+/// @param position the closest point on the eye ray [m].
+/// @param axis of the kernel, unit, across ray and beam: that of the covbeam_crossing.
+/// @param radius [m] in [progressive, ceiling].
+/// @param sigma deviation of the spectrum along the axis [cycles/m]; 0 where the grid knows nothing.
+/// @note Thesis 5.3.4.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn covbeam_kernel_radius_at(
+    kernel: *const covbeam_kernel,
+    grid: *const covbeam_grid,
+    position: *const f32,
+    axis: *const f32,
+    radius: *mut f32,
+    sigma: *mut f32,
+) -> covbeam_status {
+    // SAFETY: the caller's promises about single values are those about arrays of one.
+    unsafe { covbeam_kernel_radius_at_many(kernel, grid, 1, position, 0, axis, 0, radius, 0, sigma, 0) }
+}
+
+/// covbeam_kernel_radius_at for `count` pairs.
+///
+/// @param kernel as kernel there.
+/// @param grid as grid there.
+/// @param count number of pairs; with 0 nothing is done.
+/// @param positions, position_stride as position there; a stride of 0 gives all pairs the same.
+/// @param axes, axis_stride as axis there; a stride of 0 gives all pairs the same.
+/// @param radii, radius_stride as radius there.
+/// @param sigmas, sigma_stride as sigma there.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn covbeam_kernel_radius_at_many(
+    kernel: *const covbeam_kernel,
+    grid: *const covbeam_grid,
+    count: usize,
+    positions: *const f32,
+    position_stride: usize,
+    axes: *const f32,
+    axis_stride: usize,
+    radii: *mut f32,
+    radius_stride: usize,
+    sigmas: *mut f32,
+    sigma_stride: usize,
+) -> covbeam_status {
+    run(|| {
+        // SAFETY: by the caller's promise.
+        let kernel = unsafe { kernel_radius(kernel, grid) }?;
+        // SAFETY: by the caller's promise.
+        let positions =
+            unsafe { Inputs::<[f32; 3]>::new(positions.cast(), position_stride, count, "positions") }?;
+        // SAFETY: by the caller's promise.
+        let axes = unsafe { Inputs::<[f32; 3]>::new(axes.cast(), axis_stride, count, "axes") }?;
+        // SAFETY: by the caller's promise.
+        let mut radii = unsafe { Outputs::new(radii, radius_stride, count, "radii") }?;
+        // SAFETY: by the caller's promise.
+        let mut sigmas = unsafe { Outputs::new(sigmas, sigma_stride, count, "sigmas") }?;
+        let arguments = |i| Ok((vector(positions.get(i))?, unit(axes.get(i))?));
+        for i in 0..count {
+            arguments(i)?;
+        }
+        for i in 0..count {
+            let (position, axis) = arguments(i)?;
+            let (radius, sigma) = kernel.at(position, axis);
+            radii.set(i, radius);
+            sigmas.set(i, sigma);
+        }
+        Ok(())
+    })
+}
+
+#[cfg(test)]
+#[allow(clippy::undocumented_unsafe_blocks, reason = "every argument is a local, or refused")]
+mod tests {
+    use super::*;
+    use crate::grid::{covbeam_grid_free, covbeam_grid_new};
+    use crate::hostile::{Rule::*, UNTOUCHED, padded, refuses, values};
+    use crate::status::covbeam_status::*;
+    use crate::types::covbeam_grid_layout;
+    use core::ptr;
+
+    const SIZE: u32 = size_of::<covbeam_kernel>() as u32;
+    const BLANK: covbeam_kernel = covbeam_kernel {
+        struct_size: SIZE,
+        shape: 9,
+        progressive: UNTOUCHED,
+        ceiling: UNTOUCHED,
+        error: UNTOUCHED,
+    };
+
+    fn schedule() -> covbeam_schedule {
+        let struct_size = size_of::<covbeam_schedule>() as u32;
+        covbeam_schedule { struct_size, shape: 1, radius: 0.1, alpha: 0.5, max_radius: 0.2, error: 0.02 }
+    }
+
+    #[test]
+    fn a_bad_argument_is_refused_and_nothing_is_written() {
+        let numbers = [(0.5, Positive), (0.5, Alpha), (0.5, Positive), (0.5, Positive)];
+        refuses(2, &numbers, |bad, n| {
+            let schedule =
+                covbeam_schedule { radius: n[0], alpha: n[1], max_radius: n[2], error: n[3], ..schedule() };
+            let mut out = BLANK;
+            let status = unsafe { covbeam_schedule_kernel(bad.at(0, &schedule), 1, bad.at_mut(1, &mut out)) };
+            (status, out != BLANK)
+        });
+        refuses(1, &[(0.5, Positive), (0.5, Alpha)], |bad, n| {
+            let mut out = UNTOUCHED;
+            let status = unsafe { covbeam_progressive_radius(n[0], n[1], 3, bad.at_mut(0, &mut out)) };
+            (status, out != UNTOUCHED)
+        });
+        refuses(1, &[(0.5, Positive)], |bad, n| {
+            let mut out = UNTOUCHED;
+            let status = unsafe { covbeam_error_bound(n[0], 3, bad.at_mut(0, &mut out)) };
+            (status, out != UNTOUCHED)
+        });
+        refuses(1, &[(0.5, Finite), (0.75, Positive)], |bad, n| {
+            let mut out = UNTOUCHED;
+            let status = unsafe { covbeam_kernel_evaluate(2, n[0], n[1], bad.at_mut(0, &mut out)) };
+            (status, out != UNTOUCHED)
+        });
+        refuses(1, &[], |bad, _| {
+            let mut out = UNTOUCHED;
+            (unsafe { covbeam_kernel_second_moment(2, bad.at_mut(0, &mut out)) }, out != UNTOUCHED)
+        });
+        refuses(1, &[(0.5, Positive), (0.75, NotNegative)], |bad, n| {
+            let mut out = UNTOUCHED;
+            let status = unsafe { covbeam_kernel_radius_from_error(2, n[0], n[1], bad.at_mut(0, &mut out)) };
+            (status, out != UNTOUCHED)
+        });
+        // Position, axis, kernel. A ceiling below the progressive radius is refused; so is a radius above the ceiling.
+        let numbers = [
+            (0.2, Finite),
+            (0.3, Finite),
+            (0.4, Finite),
+            (0.0, Across),
+            (1.0, Along),
+            (0.0, Across),
+            (0.75, From(0.75)),
+            (0.5, Positive),
+        ];
+        refuses(5, &numbers, |bad, n| {
+            let kernel = covbeam_kernel { shape: 0, progressive: 0.75, ceiling: n[6], error: n[7], ..BLANK };
+            let (mut radius, mut sigma) = (UNTOUCHED, UNTOUCHED);
+            let status = unsafe {
+                covbeam_kernel_radius_at(
+                    bad.at(0, &kernel),
+                    ptr::null(),
+                    bad.at(1, n.as_ptr()),
+                    bad.at(2, n[3..].as_ptr()),
+                    bad.at_mut(3, &mut radius),
+                    bad.at_mut(4, &mut sigma),
+                )
+            };
+            (status, (radius, sigma) != (UNTOUCHED, UNTOUCHED))
+        });
+        for progressive in [f32::NAN, f32::INFINITY, 0.0, -1.0, 2.5] {
+            let kernel = covbeam_kernel { shape: 0, progressive, ceiling: 2.0, error: 0.1, ..BLANK };
+            let refused =
+                unsafe { kernel_radius(&kernel, ptr::null()) }.map(|_| ()).map_err(|failure| failure.0);
+            assert_eq!(refused, Err(COVBEAM_INVALID_VALUE), "{progressive}");
+        }
+    }
+
+    #[test]
+    fn an_unknown_shape_and_a_pass_0_are_refused() {
+        let mut out = UNTOUCHED;
+        let mut kernel = BLANK;
+        let bad_shape = covbeam_schedule { shape: 3, ..schedule() };
+        let statuses = unsafe {
+            [
+                covbeam_kernel_evaluate(3, 0.0, 1.0, &mut out),
+                covbeam_kernel_second_moment(u32::MAX, &mut out),
+                covbeam_kernel_radius_from_error(3, 0.1, 1.0, &mut out),
+                covbeam_progressive_radius(1.0, 0.5, 0, &mut out),
+                covbeam_error_bound(1.0, 0, &mut out),
+                covbeam_schedule_kernel(&schedule(), 0, &mut kernel),
+                covbeam_schedule_kernel(&bad_shape, 1, &mut kernel),
+            ]
+        };
+        assert_eq!(statuses, [COVBEAM_INVALID_VALUE; 7]);
+        assert_eq!((out, kernel), (UNTOUCHED, BLANK));
+    }
+
+    #[test]
+    fn a_radius_that_shrinks_to_nothing_is_refused() {
+        let tiny = covbeam_schedule { radius: 1e-45, ..schedule() };
+        let mut kernel = BLANK;
+        assert_eq!(unsafe { covbeam_schedule_kernel(&tiny, 1000, &mut kernel) }, COVBEAM_INVALID_VALUE);
+        assert_eq!(kernel, BLANK);
+    }
+
+    #[test]
+    fn a_struct_of_another_size_is_known_by_what_it_says() {
+        #[repr(C)]
+        struct Later {
+            now: covbeam_schedule,
+            option: u32,
+        }
+        let later = |size: usize, option| Later {
+            now: covbeam_schedule { struct_size: size as u32, ..schedule() },
+            option,
+        };
+        let full = size_of::<Later>();
+        for (later, expected) in [
+            (later(full, 0), COVBEAM_OK),
+            (later(full, 1), COVBEAM_INVALID_VALUE),
+            (later(0, 0), COVBEAM_INVALID_VALUE),
+            (later(size_of::<covbeam_schedule>() - 1, 0), COVBEAM_INVALID_VALUE),
+            (later(5000, 0), COVBEAM_INVALID_VALUE),
+        ] {
+            let mut kernel = BLANK;
+            let status = unsafe { covbeam_schedule_kernel((&raw const later).cast(), 1, &mut kernel) };
+            assert_eq!((status, kernel != BLANK), (expected, expected == COVBEAM_OK));
+        }
+        for struct_size in [0, SIZE - 1, 5000] {
+            let before = covbeam_kernel { struct_size, ..BLANK };
+            let mut kernel = before;
+            assert_eq!(
+                unsafe { covbeam_schedule_kernel(&schedule(), 1, &mut kernel) },
+                COVBEAM_INVALID_VALUE
+            );
+            assert_eq!(kernel, before);
+        }
+    }
+
+    #[test]
+    fn a_schedule_makes_the_kernel_of_its_parts() {
+        let mut kernel = BLANK;
+        let (mut radius, mut error) = (UNTOUCHED, UNTOUCHED);
+        let statuses = unsafe {
+            [
+                covbeam_schedule_kernel(&schedule(), 7, &mut kernel),
+                covbeam_progressive_radius(0.1, 0.5, 7, &mut radius),
+                covbeam_error_bound(0.02, 7, &mut error),
+            ]
+        };
+        assert_eq!(statuses, [COVBEAM_OK; 3]);
+        let expected = covbeam_kernel { shape: 1, progressive: radius, ceiling: 0.2, error, ..BLANK };
+        assert_eq!(kernel, expected);
+        // A progressive radius that is larger than the largest wanted one is the ceiling itself.
+        let wide = covbeam_schedule { max_radius: 0.01, ..schedule() };
+        assert_eq!(unsafe { covbeam_schedule_kernel(&wide, 7, &mut kernel) }, COVBEAM_OK);
+        assert_eq!(kernel, covbeam_kernel { ceiling: radius, ..expected });
+    }
+
+    #[test]
+    fn a_grid_that_is_not_resolved_comes_too_early() {
+        let layout = covbeam_grid_layout { min: [0.0; 3], max: [1.0; 3], cells: [2; 3] };
+        let mut grid = ptr::null_mut();
+        assert_eq!(unsafe { covbeam_grid_new(&layout, &mut grid) }, COVBEAM_OK);
+        let kernel = covbeam_kernel { shape: 1, progressive: 0.1, ceiling: 0.2, error: 0.1, ..BLANK };
+        let (position, axis) = ([0.5; 3], [1.0, 0.0, 0.0]);
+        let (mut radius, mut sigma) = (UNTOUCHED, UNTOUCHED);
+        let status = unsafe {
+            covbeam_kernel_radius_at(&kernel, grid, position.as_ptr(), axis.as_ptr(), &mut radius, &mut sigma)
+        };
+        assert_eq!((status, radius, sigma), (COVBEAM_WRONG_ORDER, UNTOUCHED, UNTOUCHED));
+        let message = unsafe { core::ffi::CStr::from_ptr(crate::status::covbeam_last_error()) };
+        assert!(message.to_str().unwrap().contains("covbeam_grid_resolve"));
+        unsafe { covbeam_grid_free(grid) };
+    }
+
+    #[test]
+    fn many_are_the_same_bits_as_one_each() {
+        let kernel = covbeam_kernel { shape: 1, progressive: 0.1, ceiling: 0.2, error: 0.1, ..BLANK };
+        let axis = [0.0, 0.0, 1.0];
+        let positions = padded(&[[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]);
+        let (mut radii, mut sigmas) = (padded(&[UNTOUCHED; 2]), padded(&[UNTOUCHED; 2]));
+        let status = unsafe {
+            let (from, stride) = (positions.as_ptr().cast(), size_of_val(&positions[0]));
+            let (radii, sigmas) = (&raw mut radii[0].value, &raw mut sigmas[0].value);
+            covbeam_kernel_radius_at_many(
+                &kernel,
+                ptr::null(),
+                2,
+                from,
+                stride,
+                axis.as_ptr(),
+                0,
+                radii,
+                16,
+                sigmas,
+                16,
+            )
+        };
+        assert_eq!(status, COVBEAM_OK);
+        // No grid: the progressive radius, and nothing known.
+        assert_eq!((values(&radii), values(&sigmas)), (vec![0.1; 2], vec![0.0; 2]));
+    }
+}

@@ -1,0 +1,245 @@
+//! Media, by value.
+
+use crate::check::{direction, finite_not_negative, positive, vector};
+use crate::density::{Volume, covbeam_density};
+use crate::handle::shared;
+use crate::memory::{Element, read_options};
+use crate::phase::phase;
+use crate::status::Failure;
+use crate::types::covbeam_phase;
+use core::mem::offset_of;
+use covbeam_core::{Column, Density, ExponentialDensity, Knot, Medium};
+use glam::Vec3;
+use std::sync::Arc;
+
+/// How the density of a medium varies in space.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum covbeam_density_kind {
+    /// 1 everywhere: a homogeneous medium.
+    COVBEAM_DENSITY_UNIFORM = 0,
+    /// exp(-height / scale_height).
+    COVBEAM_DENSITY_EXPONENTIAL = 1,
+    /// A covbeam_density.
+    COVBEAM_DENSITY_VOXELS = 2,
+}
+
+/// A medium. Coefficients hold where the relative density is 1.
+///
+/// covbeam_medium fog = { sizeof fog, { 0.2f, 0.2f, 0.2f } }; is homogeneous and isotropic.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct covbeam_medium {
+    /// sizeof(covbeam_medium).
+    pub struct_size: u32,
+    /// Scattering coefficient per channel [1/m], each finite and >= 0.
+    pub scattering: [f32; 3],
+    /// Absorption coefficient per channel [1/m], each finite and >= 0; all coefficients add up to a finite number.
+    pub absorption: [f32; 3],
+    /// How scattered light is spread.
+    pub phase: covbeam_phase,
+    /// A value of covbeam_density_kind; the fields below are read as it needs them.
+    pub density: u32,
+    /// Exponential: a point where the density is 1 [m].
+    pub origin: [f32; 3],
+    /// Exponential: direction in which the density falls, any length but 0.
+    pub up: [f32; 3],
+    /// Exponential: height over which it falls by the factor e [m] > 0.
+    pub scale_height: f32,
+    /// Voxels: the densities.
+    pub voxels: *const covbeam_density,
+}
+
+/// The direction of a vector of any length but 0, whose square may be beyond what a float can be.
+fn normalized(vector: Vec3) -> Vec3 {
+    (vector / vector.abs().max_element()).normalize()
+}
+
+/// A medium that has been checked.
+pub(crate) struct MediumView<'a> {
+    pub(crate) medium: Medium,
+    pub(crate) density: Density<'a>,
+    voxels: Option<&'a Arc<Volume>>,
+}
+
+impl<'a> MediumView<'a> {
+    /// # Safety
+    /// `pointer` is NULL or readable, and its density alive while the view is.
+    pub(crate) unsafe fn read(pointer: *const covbeam_medium, name: &'a str) -> Result<Self, Failure> {
+        // SAFETY: by this function's contract.
+        let options = unsafe { read_options(pointer, offset_of!(covbeam_medium, density), name) }?;
+        let whole = Element::single(options, name);
+        for coefficient in options.scattering.into_iter().chain(options.absorption) {
+            finite_not_negative(whole.part(|_| coefficient))?;
+        }
+        let medium = Medium {
+            scattering: options.scattering.into(),
+            absorption: options.absorption.into(),
+            phase: phase(whole.part(|m| m.phase))?,
+        };
+        if !medium.extinction().element_sum().is_finite() {
+            return Err(
+                whole.is(format_args!("scattering and absorption add up to more than a float can be"))
+            );
+        }
+        let mut voxels = None;
+        let density = match options.density {
+            d if d == covbeam_density_kind::COVBEAM_DENSITY_UNIFORM as u32 => Density::Uniform,
+            d if d == covbeam_density_kind::COVBEAM_DENSITY_EXPONENTIAL as u32 => {
+                Density::Exponential(ExponentialDensity {
+                    origin: vector(whole.part(|m| m.origin))?,
+                    up: normalized(direction(whole.part(|m| m.up))?),
+                    scale_height: positive(whole.part(|m| m.scale_height))?,
+                })
+            }
+            d if d == covbeam_density_kind::COVBEAM_DENSITY_VOXELS as u32 => {
+                // SAFETY: by this function's contract.
+                let volume = unsafe { shared(options.voxels, "voxels of the medium") }?;
+                voxels = Some(volume);
+                volume.density()
+            }
+            unknown => return Err(whole.is(format_args!("{unknown} is no covbeam_density_kind"))),
+        };
+        Ok(Self { medium, density, voxels })
+    }
+
+    /// Mean of the channels [1/m].
+    pub(crate) fn mean_extinction(&self) -> f32 {
+        self.medium.extinction().element_sum() / 3.0
+    }
+
+    /// The column along a ray, as a gather wants it; `knots` is the memory of its table, used by voxels only.
+    pub(crate) fn tabulated<'k>(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        length: f32,
+        knots: &'k mut Vec<Knot>,
+    ) -> Column<'k> {
+        knots.clear();
+        self.density.tabulate(&self.medium, origin, direction, length, &mut |knot| knots.push(knot));
+        self.density.column(origin, direction, knots)
+    }
+
+    /// A copy that lives as long as it is kept.
+    pub(crate) fn kept(&self) -> KeptMedium {
+        let density = match (self.voxels, self.density) {
+            (Some(volume), _) => KeptDensity::Voxels(Arc::clone(volume)),
+            (None, Density::Exponential(exponential)) => KeptDensity::Exponential(exponential),
+            (None, _) => KeptDensity::Uniform,
+        };
+        KeptMedium { medium: self.medium, density }
+    }
+}
+
+/// A medium that an object holds.
+pub(crate) struct KeptMedium {
+    pub(crate) medium: Medium,
+    density: KeptDensity,
+}
+
+enum KeptDensity {
+    Uniform,
+    Exponential(ExponentialDensity),
+    Voxels(Arc<Volume>),
+}
+
+impl KeptMedium {
+    pub(crate) fn density(&self) -> Density<'_> {
+        match &self.density {
+            KeptDensity::Uniform => Density::Uniform,
+            KeptDensity::Exponential(exponential) => Density::Exponential(*exponential),
+            KeptDensity::Voxels(volume) => volume.density(),
+        }
+    }
+}
+
+/// Media of all three kinds, for tests.
+#[cfg(test)]
+pub(crate) mod samples {
+    use super::{covbeam_density_kind::*, *};
+    use crate::density::{covbeam_density_free, covbeam_density_new};
+    use crate::status::covbeam_status::COVBEAM_OK;
+    use crate::types::covbeam_grid_layout;
+    use core::ptr;
+
+    /// Homogeneous, a colour of its own in each channel.
+    pub(crate) fn fog() -> covbeam_medium {
+        covbeam_medium {
+            struct_size: size_of::<covbeam_medium>() as u32,
+            scattering: [0.2, 0.3, 0.4],
+            absorption: [0.0, 0.1, 0.2],
+            phase: covbeam_phase { kind: 1, asymmetry: 0.5 },
+            density: COVBEAM_DENSITY_UNIFORM as u32,
+            origin: [0.0; 3],
+            up: [0.0; 3],
+            scale_height: 0.0,
+            voxels: ptr::null(),
+        }
+    }
+
+    /// Thinner with height, which is along y.
+    pub(crate) fn haze() -> covbeam_medium {
+        covbeam_medium {
+            density: COVBEAM_DENSITY_EXPONENTIAL as u32,
+            up: [0.0, 2.0, 0.0],
+            scale_height: 2.0,
+            ..fog()
+        }
+    }
+
+    /// Two voxels a side in the unit cube.
+    pub(crate) struct Smoke {
+        pub(crate) medium: covbeam_medium,
+        voxels: *mut covbeam_density,
+    }
+
+    impl Drop for Smoke {
+        fn drop(&mut self) {
+            // SAFETY: made below, once.
+            unsafe { covbeam_density_free(self.voxels) }
+        }
+    }
+
+    pub(crate) fn smoke() -> Smoke {
+        let layout = covbeam_grid_layout { min: [0.0; 3], max: [1.0; 3], cells: [2; 3] };
+        let values: [f32; 8] = [1.0, 3.0, 0.5, 2.0, 4.0, 0.0, 1.5, 2.5];
+        let mut voxels = ptr::null_mut();
+        // SAFETY: all arguments are locals.
+        let status = unsafe { covbeam_density_new(&layout, values.as_ptr(), 4, 8, &mut voxels) };
+        assert_eq!(status, COVBEAM_OK);
+        let medium = covbeam_medium { density: COVBEAM_DENSITY_VOXELS as u32, voxels, ..fog() };
+        Smoke { medium, voxels }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{samples::*, *};
+    use crate::status::covbeam_status::COVBEAM_INVALID_VALUE;
+
+    #[test]
+    fn up_may_have_any_length_but_0() {
+        for length in [1e-45, 1e-30, 1.0, 1e30, f32::MAX] {
+            let medium = covbeam_medium { up: [0.0, length, 0.0], ..haze() };
+            let Ok(view) = (unsafe { MediumView::read(&medium, "medium") }) else {
+                panic!("{length} is refused")
+            };
+            // e^-1 one scale height up.
+            assert_eq!(
+                view.density.at(Vec3::new(0.0, medium.scale_height, 0.0)),
+                (-1.0f32).exp(),
+                "{length}"
+            );
+        }
+    }
+
+    #[test]
+    fn coefficients_that_add_up_to_infinity_are_refused() {
+        let most = covbeam_medium { scattering: [f32::MAX, 0.0, 0.0], absorption: [0.0; 3], ..fog() };
+        assert!(unsafe { MediumView::read(&most, "medium") }.is_ok());
+        let more = covbeam_medium { absorption: [f32::MAX, 0.0, 0.0], ..most };
+        let Err(failure) = (unsafe { MediumView::read(&more, "medium") }) else { panic!("taken") };
+        assert_eq!(failure.0, COVBEAM_INVALID_VALUE);
+    }
+}

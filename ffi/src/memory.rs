@@ -1,0 +1,203 @@
+//! The host's memory: pointers and strided arrays, checked before they are touched.
+
+use crate::status::{Failure, covbeam_status::*, fail};
+use core::marker::PhantomData;
+use core::mem::MaybeUninit;
+
+/// Refuses NULL and misaligned pointers.
+pub(crate) fn aligned<T>(pointer: *const T, name: &str) -> Result<(), Failure> {
+    if pointer.is_null() {
+        return Err(fail(COVBEAM_NULL_POINTER, format_args!("{name}: NULL")));
+    }
+    if !pointer.is_aligned() {
+        let message = format_args!("{name}: not a multiple of {} bytes", align_of::<T>());
+        return Err(fail(COVBEAM_MISALIGNED, message));
+    }
+    Ok(())
+}
+
+/// Reads one value.
+pub(crate) unsafe fn read<T: Copy>(pointer: *const T, name: &str) -> Result<T, Failure> {
+    aligned(pointer, name)?;
+    // SAFETY: not NULL, aligned; readable by the host's promise. `T` is a plain struct of numbers and pointers.
+    Ok(unsafe { pointer.read() })
+}
+
+/// Reads an options struct, which begins with its size as the host was compiled with it. A smaller one leaves the later fields 0;
+/// a larger one is accepted if what this library does not know is 0.
+///
+/// - `least`: bytes that every version had.
+pub(crate) unsafe fn read_options<T: Copy>(
+    pointer: *const T,
+    least: usize,
+    name: &str,
+) -> Result<T, Failure> {
+    /// No options struct will ever be longer: what a host claims beyond is not read.
+    const MOST: usize = 4096;
+    aligned(pointer, name)?;
+    // SAFETY: not NULL and aligned; by the host's promise at least `least` bytes, which begin with a u32.
+    let size = unsafe { pointer.cast::<u32>().read() } as usize;
+    if !(least..=MOST).contains(&size) {
+        let message =
+            format_args!("{name}: struct_size is {size}; set it to sizeof(*{name}), here {}", size_of::<T>());
+        return Err(fail(COVBEAM_INVALID_VALUE, message));
+    }
+    // SAFETY: the host says that so many bytes are there.
+    let bytes = unsafe { core::slice::from_raw_parts(pointer.cast::<u8>(), size) };
+    if bytes.iter().skip(size_of::<T>()).any(|byte| *byte != 0) {
+        let message = format_args!("{name}: has options that this version of the library does not know");
+        return Err(fail(COVBEAM_INVALID_VALUE, message));
+    }
+    let mut options = MaybeUninit::<T>::zeroed();
+    let known = size.min(size_of::<T>());
+    // SAFETY: both are valid for `known` bytes and apart; `T` is a plain struct of numbers and pointers, for which every
+    // pattern of bits is a value.
+    unsafe {
+        options.as_mut_ptr().cast::<u8>().copy_from_nonoverlapping(bytes.as_ptr(), known);
+        Ok(options.assume_init())
+    }
+}
+
+/// Where one result goes.
+pub(crate) struct Slot<T>(*mut T);
+
+impl<T: Copy> Slot<T> {
+    /// Checks the pointer; nothing is written yet.
+    pub(crate) fn new(pointer: *mut T, name: &str) -> Result<Self, Failure> {
+        aligned(pointer, name)?;
+        Ok(Self(pointer))
+    }
+
+    pub(crate) fn set(self, value: T) {
+        // SAFETY: checked by `new`; writable by the host's promise.
+        unsafe { self.0.write(value) }
+    }
+}
+
+/// Whether an array of `count` elements, `stride` bytes apart, can lie at `pointer`. One without elements lies anywhere.
+fn fits<T>(pointer: *const T, stride: usize, count: usize, name: &str) -> Result<(), Failure> {
+    if count == 0 {
+        return Ok(());
+    }
+    aligned(pointer, name)?;
+    if !stride.is_multiple_of(align_of::<T>()) {
+        let message = format_args!("{name}: the stride {stride} is not a multiple of {}", align_of::<T>());
+        return Err(fail(COVBEAM_MISALIGNED, message));
+    }
+    let end = (count - 1)
+        .checked_mul(stride)
+        .and_then(|offset| offset.checked_add(size_of::<T>()))
+        .filter(|bytes| *bytes <= isize::MAX as usize)
+        .and_then(|bytes| pointer.addr().checked_add(bytes));
+    if end.is_none() {
+        let message =
+            format_args!("{name}: {count} elements, {stride} bytes apart, are more than memory has");
+        return Err(fail(COVBEAM_INVALID_ARRAY, message));
+    }
+    Ok(())
+}
+
+/// An array that is read: element i lies at `first` + i x `stride` bytes. A stride of 0 repeats one element.
+pub(crate) struct Inputs<'a, T> {
+    first: *const T,
+    stride: usize,
+    count: usize,
+    name: &'a str,
+}
+
+impl<'a, T: Copy> Inputs<'a, T> {
+    /// # Safety
+    /// The array is readable while this lives.
+    pub(crate) unsafe fn new(
+        first: *const T,
+        stride: usize,
+        count: usize,
+        name: &'a str,
+    ) -> Result<Self, Failure> {
+        fits(first, stride, count, name)?;
+        Ok(Self { first, stride, count, name })
+    }
+
+    pub(crate) fn get(&self, index: usize) -> Element<'a, T> {
+        assert!(index < self.count);
+        // SAFETY: inside the array that `new` checked, readable by its contract; a plain struct.
+        let value = unsafe { self.first.byte_add(index * self.stride).read() };
+        Element { value, name: self.name, index: (self.count > 1).then_some(index) }
+    }
+}
+
+/// An element of an array, with what a message calls it.
+#[derive(Clone, Copy)]
+pub(crate) struct Element<'a, T> {
+    pub(crate) value: T,
+    pub(crate) name: &'a str,
+    /// None for the only one.
+    pub(crate) index: Option<usize>,
+}
+
+impl<'a, T: Copy> Element<'a, T> {
+    /// A parameter that is no array.
+    pub(crate) fn single(value: T, name: &'a str) -> Self {
+        Self { value, name, index: None }
+    }
+
+    /// A part of this element, under the same name.
+    pub(crate) fn part<U>(&self, part: impl FnOnce(T) -> U) -> Element<'a, U> {
+        Element { value: part(self.value), name: self.name, index: self.index }
+    }
+
+    /// The failure that says of this element that it is `what`.
+    pub(crate) fn is(&self, what: core::fmt::Arguments) -> Failure {
+        match self.index {
+            Some(index) => fail(COVBEAM_INVALID_VALUE, format_args!("{}[{index}]: {what}", self.name)),
+            None => fail(COVBEAM_INVALID_VALUE, format_args!("{}: {what}", self.name)),
+        }
+    }
+}
+
+/// An array that is written, or read and written.
+pub(crate) struct Outputs<'a, T> {
+    first: *mut T,
+    stride: usize,
+    count: usize,
+    name: &'a str,
+    unique: PhantomData<&'a mut T>,
+}
+
+impl<'a, T: Copy> Outputs<'a, T> {
+    /// # Safety
+    /// The array is writable while this lives; readable too, if `get` is called.
+    pub(crate) unsafe fn new(
+        first: *mut T,
+        stride: usize,
+        count: usize,
+        name: &'a str,
+    ) -> Result<Self, Failure> {
+        fits(first, stride, count, name)?;
+        if count > 1 && stride < size_of::<T>() {
+            let message = format_args!(
+                "{name}: with a stride of {stride} bytes, elements of {} overlap",
+                size_of::<T>()
+            );
+            return Err(fail(COVBEAM_INVALID_ARRAY, message));
+        }
+        Ok(Self { first, stride, count, name, unique: PhantomData })
+    }
+
+    pub(crate) fn count(&self) -> usize {
+        self.count
+    }
+
+    pub(crate) fn get(&self, index: usize) -> Element<'a, T> {
+        assert!(index < self.count);
+        // SAFETY: inside the array that `new` checked, readable by its contract; a plain struct.
+        let value = unsafe { self.first.byte_add(index * self.stride).read() };
+        Element { value, name: self.name, index: (self.count > 1).then_some(index) }
+    }
+
+    pub(crate) fn set(&mut self, index: usize, value: T) {
+        assert!(index < self.count);
+        // SAFETY: inside the array that `new` checked, writable by its contract.
+        unsafe { self.first.byte_add(index * self.stride).write(value) }
+    }
+}

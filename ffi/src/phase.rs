@@ -1,0 +1,306 @@
+//! Phase functions.
+
+use crate::arrays::write;
+use crate::check::{cosine, finite, random, random_pair, unit};
+use crate::memory::{Element, Inputs, Outputs, Slot, read};
+use crate::status::{Failure, covbeam_status, run};
+use crate::types::{covbeam_phase, covbeam_phase_kind};
+use covbeam_core::{PhaseFunction, PhaseKind};
+
+pub(crate) fn phase(e: Element<covbeam_phase>) -> Result<PhaseFunction, Failure> {
+    use covbeam_phase_kind::*;
+    let kind = match e.value.kind {
+        k if k == COVBEAM_PHASE_ISOTROPIC as u32 => PhaseKind::Isotropic,
+        k if k == COVBEAM_PHASE_HENYEY_GREENSTEIN as u32 => PhaseKind::HenyeyGreenstein,
+        k if k == COVBEAM_PHASE_RAYLEIGH as u32 => PhaseKind::Rayleigh,
+        unknown => return Err(e.is(format_args!("{unknown} is no covbeam_phase_kind"))),
+    };
+    let asymmetry = if kind == PhaseKind::HenyeyGreenstein {
+        let g = finite(e.part(|phase| phase.asymmetry))?;
+        if g.abs() >= 1.0 {
+            return Err(e.is(format_args!("an asymmetry of {g} is not in (-1, 1)")));
+        }
+        g
+    } else {
+        0.0
+    };
+    Ok(PhaseFunction { kind, asymmetry })
+}
+
+unsafe fn read_phase(pointer: *const covbeam_phase) -> Result<PhaseFunction, Failure> {
+    // SAFETY: by the caller's promise.
+    phase(Element::single(unsafe { read(pointer, "phase") }?, "phase"))
+}
+
+/// The value of a phase function [1/sr]: 1 in all over the sphere.
+///
+/// @param phase the phase function.
+/// @param cos_theta dot(propagation before, propagation after), forward 1; in [-1, 1], rounding past the ends is harmless.
+/// @param value [1/sr] >= 0.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn covbeam_phase_evaluate(
+    phase: *const covbeam_phase,
+    cos_theta: f32,
+    value: *mut f32,
+) -> covbeam_status {
+    // SAFETY: the caller's promises about single values are those about arrays of one.
+    unsafe { covbeam_phase_evaluate_many(phase, 1, &cos_theta, 0, value, 0) }
+}
+
+/// covbeam_phase_evaluate for `count` cosines.
+///
+/// @param phase as phase there.
+/// @param count number of values; with 0 nothing is done.
+/// @param cosines, cosine_stride as cos_theta there.
+/// @param values, value_stride as value there.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn covbeam_phase_evaluate_many(
+    phase: *const covbeam_phase,
+    count: usize,
+    cosines: *const f32,
+    cosine_stride: usize,
+    values: *mut f32,
+    value_stride: usize,
+) -> covbeam_status {
+    run(|| {
+        // SAFETY: by the caller's promise.
+        let phase = unsafe { read_phase(phase) }?;
+        // SAFETY: by the caller's promise.
+        let cosines = unsafe { Inputs::new(cosines, cosine_stride, count, "cosines") }?;
+        // SAFETY: by the caller's promise.
+        let values = unsafe { Outputs::new(values, value_stride, count, "values") }?;
+        write(values, |i| cosine(cosines.get(i)), |cos_theta| phase.evaluate(cos_theta))
+    })
+}
+
+/// Samples a direction after scattering in proportion to the phase function: the weight (value / density) is 1.
+///
+/// @param phase the phase function.
+/// @param direction of propagation before the event, unit.
+/// @param xi two independent uniform numbers in [0, 1).
+/// @param scattered direction of propagation after the event, unit; may be the same array as direction.
+/// @note The angle of a narrow lobe is exact: it does not pass through its cosine.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn covbeam_phase_sample(
+    phase: *const covbeam_phase,
+    direction: *const f32,
+    xi: *const f32,
+    scattered: *mut f32,
+) -> covbeam_status {
+    // SAFETY: the caller's promises about single values are those about arrays of one.
+    unsafe { covbeam_phase_sample_many(phase, 1, direction, 0, xi, 0, scattered, 0) }
+}
+
+/// covbeam_phase_sample for `count` directions.
+///
+/// @param phase as phase there.
+/// @param count number of directions; with 0 nothing is done.
+/// @param directions, direction_stride as direction there; a stride of 0 scatters one direction `count` times.
+/// @param xis, xi_stride as xi there.
+/// @param scattered, scattered_stride as scattered there.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn covbeam_phase_sample_many(
+    phase: *const covbeam_phase,
+    count: usize,
+    directions: *const f32,
+    direction_stride: usize,
+    xis: *const f32,
+    xi_stride: usize,
+    scattered: *mut f32,
+    scattered_stride: usize,
+) -> covbeam_status {
+    run(|| {
+        // SAFETY: by the caller's promise.
+        let phase = unsafe { read_phase(phase) }?;
+        // SAFETY: by the caller's promise.
+        let directions =
+            unsafe { Inputs::<[f32; 3]>::new(directions.cast(), direction_stride, count, "directions") }?;
+        // SAFETY: by the caller's promise.
+        let xis = unsafe { Inputs::<[f32; 2]>::new(xis.cast(), xi_stride, count, "xis") }?;
+        // SAFETY: by the caller's promise.
+        let scattered =
+            unsafe { Outputs::<[f32; 3]>::new(scattered.cast(), scattered_stride, count, "scattered") }?;
+        write(
+            scattered,
+            |i| Ok((unit(directions.get(i))?, random_pair(xis.get(i))?)),
+            |(direction, xi)| phase.sample(direction, xi).into(),
+        )
+    })
+}
+
+/// Samples the cosine of the scattering angle in proportion to the phase function.
+///
+/// @param phase the phase function.
+/// @param xi uniform in [0, 1); 0 gives -1, and the cosine grows with it.
+/// @param cos_theta in [-1, 1].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn covbeam_phase_sample_cosine(
+    phase: *const covbeam_phase,
+    xi: f32,
+    cos_theta: *mut f32,
+) -> covbeam_status {
+    // SAFETY: the caller's promises about single values are those about arrays of one.
+    unsafe { covbeam_phase_sample_cosine_many(phase, 1, &xi, 0, cos_theta, 0) }
+}
+
+/// covbeam_phase_sample_cosine for `count` random numbers.
+///
+/// @param phase as phase there.
+/// @param count number of cosines; with 0 nothing is done.
+/// @param xis, xi_stride as xi there.
+/// @param cosines, cosine_stride as cos_theta there.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn covbeam_phase_sample_cosine_many(
+    phase: *const covbeam_phase,
+    count: usize,
+    xis: *const f32,
+    xi_stride: usize,
+    cosines: *mut f32,
+    cosine_stride: usize,
+) -> covbeam_status {
+    run(|| {
+        // SAFETY: by the caller's promise.
+        let phase = unsafe { read_phase(phase) }?;
+        // SAFETY: by the caller's promise.
+        let xis = unsafe { Inputs::new(xis, xi_stride, count, "xis") }?;
+        // SAFETY: by the caller's promise.
+        let cosines = unsafe { Outputs::new(cosines, cosine_stride, count, "cosines") }?;
+        write(cosines, |i| random(xis.get(i)), |xi| phase.sample_cosine(xi))
+    })
+}
+
+/// What covbeam_light_field_scatter takes: variance, per axis, of the angular spectrum of the lobe.
+///
+/// @param phase the phase function.
+/// @param variance [cycles^2/rad^2]: 3|g| / (4 pi^2 (1 - |g|)^2) for Henyey-Greenstein, 1/(4 pi^2) for Rayleigh, 0 for isotropic.
+/// @note Derived from the lobe's curvature at its peak.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn covbeam_phase_angular_variance(
+    phase: *const covbeam_phase,
+    variance: *mut f32,
+) -> covbeam_status {
+    run(|| {
+        let variance = Slot::new(variance, "variance")?;
+        // SAFETY: by the caller's promise.
+        let phase = unsafe { read_phase(phase) }?;
+        variance.set(phase.angular_variance());
+        Ok(())
+    })
+}
+
+#[cfg(test)]
+#[allow(clippy::undocumented_unsafe_blocks, reason = "every argument is a local, or refused")]
+mod tests {
+    use super::*;
+    use crate::hostile::{Rule::*, UNTOUCHED, padded, refuses, values};
+    use crate::status::covbeam_status::*;
+
+    #[test]
+    fn a_bad_argument_is_refused_and_nothing_is_written() {
+        let fog = |asymmetry| covbeam_phase { kind: 1, asymmetry };
+        refuses(2, &[(0.5, Asymmetry), (0.25, Cosine)], |bad, n| {
+            let (phase, mut out) = (fog(n[0]), UNTOUCHED);
+            let status = unsafe { covbeam_phase_evaluate(bad.at(0, &phase), n[1], bad.at_mut(1, &mut out)) };
+            (status, out != UNTOUCHED)
+        });
+        let numbers =
+            [(0.5, Asymmetry), (0.0, Across), (0.0, Across), (1.0, Along), (0.5, Random), (0.5, Random)];
+        refuses(4, &numbers, |bad, n| {
+            let (phase, mut out) = (fog(n[0]), [UNTOUCHED; 3]);
+            let status = unsafe {
+                covbeam_phase_sample(
+                    bad.at(0, &phase),
+                    bad.at(1, n[1..4].as_ptr()),
+                    bad.at(2, n[4..6].as_ptr()),
+                    bad.at_mut(3, out.as_mut_ptr()),
+                )
+            };
+            (status, out != [UNTOUCHED; 3])
+        });
+        refuses(2, &[(0.5, Asymmetry), (0.25, Random)], |bad, n| {
+            let (phase, mut out) = (fog(n[0]), UNTOUCHED);
+            let status =
+                unsafe { covbeam_phase_sample_cosine(bad.at(0, &phase), n[1], bad.at_mut(1, &mut out)) };
+            (status, out != UNTOUCHED)
+        });
+        refuses(2, &[(0.5, Asymmetry)], |bad, n| {
+            let (phase, mut out) = (fog(n[0]), UNTOUCHED);
+            let status =
+                unsafe { covbeam_phase_angular_variance(bad.at(0, &phase), bad.at_mut(1, &mut out)) };
+            (status, out != UNTOUCHED)
+        });
+    }
+
+    #[test]
+    fn only_henyey_greenstein_looks_at_the_asymmetry() {
+        for (kind, expected) in
+            [(0, COVBEAM_OK), (1, COVBEAM_INVALID_VALUE), (2, COVBEAM_OK), (3, COVBEAM_INVALID_VALUE)]
+        {
+            let phase = covbeam_phase { kind, asymmetry: f32::NAN };
+            let mut out = UNTOUCHED;
+            assert_eq!(unsafe { covbeam_phase_evaluate(&phase, 0.5, &mut out) }, expected);
+            assert_eq!(out != UNTOUCHED, expected == COVBEAM_OK);
+        }
+    }
+
+    #[test]
+    fn many_are_the_same_bits_as_one_each() {
+        let phase = covbeam_phase { kind: 1, asymmetry: 0.7 };
+        let cosines = padded(&[-1.0, -0.3, 0.9, 1.0]);
+        let mut found = padded(&[UNTOUCHED; 4]);
+        let status =
+            unsafe { covbeam_phase_evaluate_many(&phase, 4, &cosines[0].value, 16, &mut found[0].value, 16) };
+        assert_eq!(status, COVBEAM_OK);
+        for (cosine, found) in values(&cosines).into_iter().zip(values(&found)) {
+            let mut one = UNTOUCHED;
+            assert_eq!(unsafe { covbeam_phase_evaluate(&phase, cosine, &mut one) }, COVBEAM_OK);
+            assert_eq!(one.to_bits(), found.to_bits());
+        }
+        // One direction for all; in pairs of random numbers without a stride of their own.
+        let direction = [0.6, 0.0, 0.8];
+        let xis = [[0.1, 0.2], [0.3, 0.4], [0.5, 0.6]];
+        let mut found = padded(&[[UNTOUCHED; 3]; 3]);
+        let status = unsafe {
+            let out = (&raw mut found[0].value).cast();
+            covbeam_phase_sample_many(
+                &phase,
+                3,
+                direction.as_ptr(),
+                0,
+                xis.as_ptr().cast(),
+                8,
+                out,
+                size_of_val(&found[0]),
+            )
+        };
+        assert_eq!(status, COVBEAM_OK);
+        for (xi, found) in xis.iter().zip(values(&found)) {
+            let mut one = [UNTOUCHED; 3];
+            let status =
+                unsafe { covbeam_phase_sample(&phase, direction.as_ptr(), xi.as_ptr(), one.as_mut_ptr()) };
+            assert_eq!((status, one), (COVBEAM_OK, found));
+        }
+        let mut found = [UNTOUCHED; 3];
+        let status = unsafe {
+            covbeam_phase_sample_cosine_many(&phase, 3, xis.as_ptr().cast(), 8, found.as_mut_ptr(), 4)
+        };
+        assert_eq!(status, COVBEAM_OK);
+        for (xi, found) in xis.iter().zip(found) {
+            let mut one = UNTOUCHED;
+            let status = unsafe { covbeam_phase_sample_cosine(&phase, xi[0], &mut one) };
+            assert_eq!((status, one), (COVBEAM_OK, found));
+        }
+    }
+
+    #[test]
+    fn a_bad_element_is_named_and_keeps_the_others_from_being_written() {
+        let phase = covbeam_phase { kind: 0, asymmetry: 0.0 };
+        let mut out = [UNTOUCHED; 3];
+        let status = unsafe {
+            covbeam_phase_evaluate_many(&phase, 3, [0.5, 0.5, 2.0].as_ptr(), 4, out.as_mut_ptr(), 4)
+        };
+        assert_eq!((status, out), (COVBEAM_INVALID_VALUE, [UNTOUCHED; 3]));
+        let message = unsafe { core::ffi::CStr::from_ptr(crate::status::covbeam_last_error()) };
+        assert_eq!(message.to_str(), Ok("cosines[2]: 2 is not in [-1, 1]"));
+    }
+}

@@ -1,0 +1,398 @@
+//! The plain structs of the ABI, and their way to and from the core's.
+
+use crate::check::{finite_each, finite_not_negative, not_negative, unit, unit_or_zero, vector};
+use crate::memory::Element;
+use crate::status::Failure;
+use covbeam_core as core_types;
+use glam::Vec3;
+
+/// Square root of the covariance of a local light field's spectrum. Made by covbeam_light_field_point and its kin; the
+/// numbers are the host's to copy, store and send, not to write.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_light_field {
+    /// Lower-triangular L with covariance L L^T, rows (u, v, x, y), packed row by row [uu, vu, vv, xu, xv, xx, yu, yv, yx, yy]:
+    /// u, v in cycles/rad, x, y in cycles/m.
+    pub root: [f32; 10],
+    /// The frame's x axis: unit, across direction; y = direction x x_axis.
+    pub x_axis: [f32; 3],
+    /// Direction of propagation, unit.
+    pub direction: [f32; 3],
+}
+
+/// Curvature of a surface at a hit [1/m], positive where it is convex on the side of the normal; all 0 is a plane.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_curvature {
+    /// First axis of the tensor, in the surface, any length; 0 if along equals across.
+    pub tangent: [f32; 3],
+    /// Normal curvature along tangent.
+    pub along: f32,
+    /// Normal curvature along normal x tangent.
+    pub across: f32,
+    /// The off-diagonal entry.
+    pub twist: f32,
+}
+
+/// Covariance of the spectrum of the fluence around a point, in world axes [cycles^2/m^2].
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_spectrum {
+    /// Variance along world x.
+    pub xx: f32,
+    /// Variance along world y.
+    pub yy: f32,
+    /// Variance along world z.
+    pub zz: f32,
+    /// Covariance of x and y.
+    pub xy: f32,
+    /// Covariance of x and z.
+    pub xz: f32,
+    /// Covariance of y and z.
+    pub yz: f32,
+}
+
+/// Box and resolution of a grid or of a density. Voxels lie in memory x first, then y, then z.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_grid_layout {
+    /// Lower corner [m].
+    pub min: [f32; 3],
+    /// Upper corner [m], above min on every axis.
+    pub max: [f32; 3],
+    /// Voxels along x, y, z, each >= 1; at most 2^24 in all.
+    pub cells: [u32; 3],
+}
+
+/// What one voxel has collected. All 0 is empty.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_grid_cell {
+    /// Sum of weight x (xx, yy, zz, xy, xz, yz).
+    pub sum: [f64; 6],
+    /// Sum of the weights.
+    pub weight: f64,
+}
+
+/// The mean spectrum of one voxel, for look-ups.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_fluence_cell {
+    /// Flux-weighted mean of what was deposited.
+    pub spectrum: covbeam_spectrum,
+    /// Fluence over that of the brightest voxel, in (0, 1]; 0 = no data.
+    pub weight: f32,
+}
+
+/// A straight piece of a photon's path whose light field goes into a grid.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct covbeam_segment {
+    /// Where it starts [m], in or out of the grid. It runs along field.direction.
+    pub origin: [f32; 3],
+    /// Length [m] > 0; infinity reaches the end of the grid.
+    pub length: f32,
+    /// Flux at the origin [W] > 0, mean of the channels.
+    pub power: f32,
+    /// 1 if the light comes from its source without scattering in a medium or on a diffuse surface (mirrors and glass are no
+    /// scattering), else 0.
+    pub unscattered: u32,
+    /// The light field at the origin.
+    pub field: covbeam_light_field,
+    /// How the light is attenuated: NULL takes it from the medium. A host with media of its own gives a table of (distance from the
+    /// origin, optical depth up to there / extinction of the medium passed), both finite, neither falling.
+    pub knots: *const covbeam_knot,
+    /// Number of knots; 0 if knots is NULL.
+    pub knot_count: usize,
+}
+
+/// A phase function: how scattered light is spread over directions.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_phase {
+    /// A value of covbeam_phase_kind.
+    pub kind: u32,
+    /// Mean cosine of Henyey-Greenstein, in (-1, 1), forward positive; ignored by the others.
+    pub asymmetry: f32,
+}
+
+/// Which phase function.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum covbeam_phase_kind {
+    /// The same in all directions.
+    COVBEAM_PHASE_ISOTROPIC = 0,
+    /// Henyey-Greenstein.
+    COVBEAM_PHASE_HENYEY_GREENSTEIN = 1,
+    /// Rayleigh.
+    COVBEAM_PHASE_RAYLEIGH = 2,
+}
+
+/// A point of a table of columns.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_knot {
+    /// Distance along the ray [m].
+    pub distance: f32,
+    /// Integral of the relative density up to there [m].
+    pub column: f32,
+}
+
+/// Derivatives of a relative density, in world axes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_derivatives {
+    /// First derivatives [1/m].
+    pub gradient: [f32; 3],
+    /// Second derivatives xx, yy, zz, xy, xz, yz [1/m^2].
+    pub hessian: [f32; 6],
+}
+
+/// A photon beam: a straight piece of a photon's path through a medium. It runs on to the next surface, whatever the photon's
+/// free flight was; the gather multiplies by the transmittance ("long beams").
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_beam {
+    /// Where it starts [m].
+    pub origin: [f32; 3],
+    /// Direction of propagation, unit.
+    pub direction: [f32; 3],
+    /// Length [m], finite and >= 0.
+    pub length: f32,
+    /// Flux at the origin per channel [W], already divided by the number of light paths of the pass.
+    pub power: [f32; 3],
+    /// Unit normal of the surface on which it starts, towards the medium; 0 if it starts in the open.
+    pub start_normal: [f32; 3],
+    /// Unit normal of the surface on which it ends, towards the medium; 0 if it ends in the open.
+    pub end_normal: [f32; 3],
+}
+
+/// One straight piece of an eye path inside one medium.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_eye_ray {
+    /// Where it starts [m].
+    pub origin: [f32; 3],
+    /// Direction, unit, away from the eye.
+    pub direction: [f32; 3],
+    /// Length [m] >= 0 to the next surface; infinity allowed.
+    pub length: f32,
+}
+
+/// What an eye ray has gathered.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_gathered {
+    /// In-scattered radiance at the ray's origin [W/(m^2 sr)].
+    pub radiance: [f32; 3],
+    /// Accepted pairs of ray and beam.
+    pub pairs: u32,
+    /// Sum over the pairs of their contribution (mean of the channels): the weight of the next two.
+    pub weight: f32,
+    /// Weighted sum of the kernel radii [m].
+    pub radius: f32,
+    /// Weighted sum of the light's bandwidth along the kernel's axis [cycles/m].
+    pub sigma: f32,
+}
+
+/// Closest approach of an eye ray's line and a beam's line.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_crossing {
+    /// Distance along the eye ray [m]; may lie outside it.
+    pub ray_distance: f32,
+    /// Distance along the beam [m]; may lie outside it.
+    pub beam_distance: f32,
+    /// Distance between the two closest points [m].
+    pub gap: f32,
+    /// Sine of the angle between the directions, in (0, 1].
+    pub sin_theta: f32,
+    /// Unit common perpendicular, on which the kernel acts.
+    pub axis: [f32; 3],
+}
+
+/// A place where a beam comes within the kernel radius of an eye ray, for covbeam_beam_map_gather_shaded.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_contact {
+    /// The closest point on the eye ray [m].
+    pub position: [f32; 3],
+    /// Index of the eye ray in the call.
+    pub ray: u32,
+    /// Index of the beam, in the order in which they were added.
+    pub beam: u32,
+    /// Distance along the eye ray [m].
+    pub ray_distance: f32,
+    /// Distance along the beam [m]; at an end on a surface it may be outside the beam by less than radius.
+    pub beam_distance: f32,
+    /// Cosine between the light's propagation before and after scattering towards the eye: forward +1.
+    pub cos_theta: f32,
+    /// The blur kernel over the sine of the angle between beam and ray [1/m], with which the library multiplies.
+    pub kernel: f32,
+    /// Kernel radius [m].
+    pub radius: f32,
+    /// Bandwidth along the kernel's axis [cycles/m]; 0 without a grid.
+    pub sigma: f32,
+}
+
+impl From<covbeam_light_field> for core_types::LightField {
+    fn from(field: covbeam_light_field) -> Self {
+        Self { root: field.root, x_axis: field.x_axis.into(), direction: field.direction.into() }
+    }
+}
+
+impl From<core_types::LightField> for covbeam_light_field {
+    fn from(field: core_types::LightField) -> Self {
+        Self { root: field.root, x_axis: field.x_axis.into(), direction: field.direction.into() }
+    }
+}
+
+/// A light field as only the library writes them, up to the rounding of its frame.
+pub(crate) fn light_field(e: Element<covbeam_light_field>) -> Result<core_types::LightField, Failure> {
+    finite_each(e.part(|field| field.root))?;
+    let x = unit(e.part(|field| field.x_axis))?;
+    let z = unit(e.part(|field| field.direction))?;
+    // Rounded axes are across each other to 1e-7.
+    if x.dot(z).abs() <= 1e-4 {
+        Ok(e.value.into())
+    } else {
+        Err(e.is(format_args!("x_axis {x} is not across direction {z}")))
+    }
+}
+
+impl From<covbeam_curvature> for core_types::Curvature {
+    fn from(c: covbeam_curvature) -> Self {
+        Self { tangent: c.tangent.into(), along: c.along, across: c.across, twist: c.twist }
+    }
+}
+
+pub(crate) fn curvature(e: Element<covbeam_curvature>) -> Result<core_types::Curvature, Failure> {
+    vector(e.part(|c| c.tangent))?;
+    finite_each(e.part(|c| [c.along, c.across, c.twist]))?;
+    Ok(e.value.into())
+}
+
+impl From<core_types::FluenceSpectrum> for covbeam_spectrum {
+    fn from(s: core_types::FluenceSpectrum) -> Self {
+        let [xx, yy, zz, xy, xz, yz] = s.to_array();
+        Self { xx, yy, zz, xy, xz, yz }
+    }
+}
+
+impl From<covbeam_spectrum> for core_types::FluenceSpectrum {
+    fn from(s: covbeam_spectrum) -> Self {
+        Self::from_array([s.xx, s.yy, s.zz, s.xy, s.xz, s.yz])
+    }
+}
+
+pub(crate) fn spectrum(e: Element<covbeam_spectrum>) -> Result<core_types::FluenceSpectrum, Failure> {
+    finite_each(e.part(|s| [s.xx, s.yy, s.zz, s.xy, s.xz, s.yz]))?;
+    Ok(e.value.into())
+}
+
+impl From<covbeam_grid_layout> for core_types::GridLayout {
+    fn from(layout: covbeam_grid_layout) -> Self {
+        Self { min: layout.min.into(), max: layout.max.into(), cells: layout.cells }
+    }
+}
+
+impl From<core_types::GridLayout> for covbeam_grid_layout {
+    fn from(layout: core_types::GridLayout) -> Self {
+        Self { min: layout.min.into(), max: layout.max.into(), cells: layout.cells }
+    }
+}
+
+impl From<covbeam_knot> for core_types::Knot {
+    fn from(knot: covbeam_knot) -> Self {
+        Self { distance: knot.distance, column: knot.column }
+    }
+}
+
+impl From<core_types::Knot> for covbeam_knot {
+    fn from(knot: core_types::Knot) -> Self {
+        Self { distance: knot.distance, column: knot.column }
+    }
+}
+
+impl From<core_types::Derivatives> for covbeam_derivatives {
+    fn from(d: core_types::Derivatives) -> Self {
+        Self { gradient: d.gradient.into(), hessian: d.hessian }
+    }
+}
+
+pub(crate) fn beam(e: Element<covbeam_beam>) -> Result<core_types::Beam, Failure> {
+    Ok(core_types::Beam {
+        origin: vector(e.part(|b| b.origin))?,
+        direction: unit(e.part(|b| b.direction))?,
+        length: finite_not_negative(e.part(|b| b.length))?,
+        power: vector(e.part(|b| b.power))?,
+        start_normal: unit_or_zero(e.part(|b| b.start_normal))?,
+        end_normal: unit_or_zero(e.part(|b| b.end_normal))?,
+    })
+}
+
+pub(crate) fn eye_ray(e: Element<covbeam_eye_ray>) -> Result<core_types::EyeRay, Failure> {
+    Ok(core_types::EyeRay {
+        origin: vector(e.part(|r| r.origin))?,
+        direction: unit(e.part(|r| r.direction))?,
+        length: not_negative(e.part(|r| r.length))?,
+    })
+}
+
+impl From<core_types::Gathered> for covbeam_gathered {
+    fn from(g: core_types::Gathered) -> Self {
+        Self {
+            radiance: g.radiance.into(),
+            pairs: g.pairs,
+            weight: g.weight,
+            radius: g.radius,
+            sigma: g.sigma,
+        }
+    }
+}
+
+impl From<covbeam_gathered> for core_types::Gathered {
+    fn from(g: covbeam_gathered) -> Self {
+        Self {
+            radiance: Vec3::from(g.radiance),
+            pairs: g.pairs,
+            weight: g.weight,
+            radius: g.radius,
+            sigma: g.sigma,
+        }
+    }
+}
+
+/// What an eye ray has gathered so far.
+pub(crate) fn gathered(e: Element<covbeam_gathered>) -> Result<core_types::Gathered, Failure> {
+    finite_each(e.part(|g| g.radiance))?;
+    finite_each(e.part(|g| [g.weight, g.radius, g.sigma]))?;
+    Ok(e.value.into())
+}
+
+impl From<core_types::Crossing> for covbeam_crossing {
+    fn from(c: core_types::Crossing) -> Self {
+        Self {
+            ray_distance: c.ray_distance,
+            beam_distance: c.beam_distance,
+            gap: c.gap,
+            sin_theta: c.sin_theta,
+            axis: c.axis.into(),
+        }
+    }
+}
+
+/// The structs that arrays of the host's are read as, without a copy.
+macro_rules! same_layout {
+    ($ours:ty, $core:ty, $last_ours:ident, $last_core:ident) => {
+        const _: () = assert!(
+            size_of::<$ours>() == size_of::<$core>()
+                && align_of::<$ours>() == align_of::<$core>()
+                && core::mem::offset_of!($ours, $last_ours) == core::mem::offset_of!($core, $last_core)
+        );
+    };
+}
+same_layout!(covbeam_grid_cell, core_types::GridCell, weight, weight);
+same_layout!(covbeam_fluence_cell, core_types::FluenceCell, weight, weight);
+same_layout!(covbeam_contact, core_types::Contact, sigma, sigma);
+same_layout!(covbeam_knot, core_types::Knot, column, column);

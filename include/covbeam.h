@@ -1,0 +1,2315 @@
+/*
+ * covbeam: frequency-aware photon beams. Fog, smoke and water lit by strong lights.
+ * MIT or Apache-2.0. Made by cbindgen from ffi/src; do not edit.
+ *
+ * A pass of a picture
+ *
+ *   covbeam_schedule_kernel(&schedule, pass, &kernel);         radius and accepted error of this pass, counted from 1
+ *   covbeam_beam_map_clear(map);                               one map a medium
+ *   ... trace photons: every segment in a medium is a covbeam_beam; a tenth of the paths carry a covbeam_light_field, changed at
+ *       each event, and leave covbeam_segments ...
+ *   covbeam_beam_map_add(map, count, beams, sizeof *beams);
+ *   covbeam_grid_deposit(grid, &fog, count, segments, sizeof *segments);
+ *   covbeam_grid_resolve(grid);
+ *   covbeam_beam_map_commit(map, kernel.ceiling, NULL, NULL);
+ *   ... trace eye rays, those of a tile of 8x8 pixels side by side ...
+ *   covbeam_beam_map_gather(map, &kernel, grid, count, rays, sizeof *rays, gathered, sizeof *gathered, scratch, NULL, NULL);
+ *   ... picture += gathered[i].radiance; the mean over the passes is the result ...
+ *
+ * examples/c is a whole host in 150 lines.
+ *
+ * Conventions
+ *
+ * Units: any unit of length will do (written m here), power in watts per channel, angles in radians, frequencies in cycles/m and
+ * cycles/rad. Axes are right-handed. A direction of propagation is the light's, away from the lamp.
+ *
+ * Pointers: none may be NULL unless that is said; `const float*` of a vector points to 3 floats (other lengths are said). What a pointer
+ * shows must stay readable (or writable) during the call, and outputs must not overlap inputs. Pointers and strides are multiples of
+ * the alignment of what they point to.
+ *
+ * Arrays: count, first element, stride. Element i lies stride x i bytes after the first. The stride of an input may be 0: all elements
+ * are then the first. Elements of an output must not overlap. With a count of 0 the pointer is not looked at.
+ *
+ * Names: covbeam_light_fields_travel is covbeam_light_field_travel for many fields; covbeam_medium_density_at_many asks one medium about many
+ * points. Both do what the single function does, to the bit.
+ *
+ * Options: structs that begin with struct_size = sizeof of themselves. Fields that a newer header adds are 0 for an older host; an older
+ * library refuses new fields that are not 0.
+ *
+ * Failure: every function that can fail returns a covbeam_status; all but COVBEAM_OK leave the outputs unwritten and the objects
+ * as they were, and covbeam_last_error() says which parameter it was and what to do. NaN, infinities without a meaning, and vectors that
+ * should have a direction but do not are refused. Nothing is ever printed. A defect of the library that ends in a panic returns
+ * COVBEAM_PANICKED; the object that the call was changing then answers COVBEAM_POISONED until it is freed.
+ *
+ * Handles: made by _new, freed by _free (NULL is ignored). A handle of the wrong kind is refused; one that has been freed often is, but that
+ * cannot be relied upon: its memory may be in other use.
+ *
+ * Threads: objects passed by pointer to const may be used by several threads at once, those passed without const by one at a time.
+ * The library starts no thread and keeps no state but each thread's last message. The same calls give the same bits.
+ *
+ * Versions: COVBEAM_ABI_VERSION changes when a host must be compiled anew, and with it the SONAME, libcovbeam.so.0 for now.
+ */
+
+
+#ifndef COVBEAM_H
+#define COVBEAM_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/**
+ * Of the ABI that the header declares. A host compares it with covbeam_abi_version().
+ */
+#define COVBEAM_ABI_VERSION 1
+
+/**
+ * How a call ended. All but COVBEAM_OK have changed nothing, unless the function says otherwise.
+ */
+enum covbeam_status
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * Done.
+     */
+    COVBEAM_OK = 0,
+    /**
+     * A pointer is NULL that may not be.
+     */
+    COVBEAM_NULL_POINTER = 1,
+    /**
+     * A pointer or a stride is not a multiple of the alignment of what it points to.
+     */
+    COVBEAM_MISALIGNED = 2,
+    /**
+     * A number is NaN, infinite or out of its range, a vector has no length, or a struct_size is unknown.
+     */
+    COVBEAM_INVALID_VALUE = 3,
+    /**
+     * A count or a stride that no array in memory can have, or more elements than the library takes.
+     */
+    COVBEAM_INVALID_ARRAY = 4,
+    /**
+     * A buffer is not as long as it must be.
+     */
+    COVBEAM_SHORT_BUFFER = 5,
+    /**
+     * The pointer is not a handle of this kind, or no longer.
+     */
+    COVBEAM_INVALID_HANDLE = 6,
+    /**
+     * The call comes too early or too late in the cycle of its object.
+     */
+    COVBEAM_WRONG_ORDER = 7,
+    /**
+     * Two objects that must agree do not, such as the layouts of two grids.
+     */
+    COVBEAM_MISMATCH = 8,
+    /**
+     * The bytes are not what the library saves.
+     */
+    COVBEAM_BAD_DATA = 9,
+    /**
+     * Memory could not be had.
+     */
+    COVBEAM_OUT_OF_MEMORY = 10,
+    /**
+     * The host's poll asked to stop.
+     */
+    COVBEAM_CANCELLED = 11,
+    /**
+     * The host's shade callback reported a failure.
+     */
+    COVBEAM_CALLBACK_FAILED = 12,
+    /**
+     * An earlier call on this object ended in COVBEAM_PANICKED: free it.
+     */
+    COVBEAM_POISONED = 13,
+    /**
+     * A defect of the library: please report the message.
+     */
+    COVBEAM_PANICKED = 14,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum covbeam_status covbeam_status;
+#else
+typedef int32_t covbeam_status;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * How the density of a medium varies in space.
+ */
+enum covbeam_density_kind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * 1 everywhere: a homogeneous medium.
+     */
+    COVBEAM_DENSITY_UNIFORM = 0,
+    /**
+     * exp(-height / scale_height).
+     */
+    COVBEAM_DENSITY_EXPONENTIAL = 1,
+    /**
+     * A covbeam_density.
+     */
+    COVBEAM_DENSITY_VOXELS = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum covbeam_density_kind covbeam_density_kind;
+#else
+typedef uint32_t covbeam_density_kind;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * Shape of the blur kernel K_r(d), whose integral over [-r, r] is 1. With q = d / r:
+ */
+enum covbeam_kernel_shape
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * 1 / (2r).
+     */
+    COVBEAM_KERNEL_BOX = 0,
+    /**
+     * 3 (1 - q^2) / (4r).
+     */
+    COVBEAM_KERNEL_EPANECHNIKOV = 1,
+    /**
+     * 15 (1 - q^2)^2 / (16r).
+     */
+    COVBEAM_KERNEL_BIWEIGHT = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum covbeam_kernel_shape covbeam_kernel_shape;
+#else
+typedef uint32_t covbeam_kernel_shape;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * Which phase function.
+ */
+enum covbeam_phase_kind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * The same in all directions.
+     */
+    COVBEAM_PHASE_ISOTROPIC = 0,
+    /**
+     * Henyey-Greenstein.
+     */
+    COVBEAM_PHASE_HENYEY_GREENSTEIN = 1,
+    /**
+     * Rayleigh.
+     */
+    COVBEAM_PHASE_RAYLEIGH = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum covbeam_phase_kind covbeam_phase_kind;
+#else
+typedef uint32_t covbeam_phase_kind;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * The beams of one medium and one pass. The cycle of a pass: clear, add (any number of times), commit, gather (any number of
+ * times, from any number of threads).
+ */
+typedef struct covbeam_beam_map covbeam_beam_map;
+
+/**
+ * A relative density given at the centres of voxels, copied from the host. Nothing changes it: any number of threads and beam
+ * maps may use it at once.
+ */
+typedef struct covbeam_density covbeam_density;
+
+/**
+ * A grid of fluence spectra. It collects (covbeam_grid_deposit), adds up (covbeam_grid_merge), is resolved once the photons of a
+ * pass are in (covbeam_grid_resolve), and is looked up from then on, by covbeam_beam_map_gather too. It keeps what it has
+ * collected over the passes of a picture.
+ *
+ * Deposits from several threads: give each *share of the photons*, not each thread, a grid of its own, and merge these in
+ * their order. The result is then the same, to the bit, for any number of threads. With one grid for all photons, deposit in order.
+ */
+typedef struct covbeam_grid covbeam_grid;
+
+/**
+ * Memory that gathers need, kept from call to call: one a thread.
+ */
+typedef struct covbeam_scratch covbeam_scratch;
+
+/**
+ * Square root of the covariance of a local light field's spectrum. Made by covbeam_light_field_point and its kin; the
+ * numbers are the host's to copy, store and send, not to write.
+ */
+typedef struct covbeam_light_field {
+    /**
+     * Lower-triangular L with covariance L L^T, rows (u, v, x, y), packed row by row [uu, vu, vv, xu, xv, xx, yu, yv, yx, yy]:
+     * u, v in cycles/rad, x, y in cycles/m.
+     */
+    float root[10];
+    /**
+     * The frame's x axis: unit, across direction; y = direction x x_axis.
+     */
+    float x_axis[3];
+    /**
+     * Direction of propagation, unit.
+     */
+    float direction[3];
+} covbeam_light_field;
+
+/**
+ * A phase function: how scattered light is spread over directions.
+ */
+typedef struct covbeam_phase {
+    /**
+     * A value of covbeam_phase_kind.
+     */
+    uint32_t kind;
+    /**
+     * Mean cosine of Henyey-Greenstein, in (-1, 1), forward positive; ignored by the others.
+     */
+    float asymmetry;
+} covbeam_phase;
+
+/**
+ * A medium. Coefficients hold where the relative density is 1.
+ *
+ * covbeam_medium fog = { sizeof fog, { 0.2f, 0.2f, 0.2f } }; is homogeneous and isotropic.
+ */
+typedef struct covbeam_medium {
+    /**
+     * sizeof(covbeam_medium).
+     */
+    uint32_t struct_size;
+    /**
+     * Scattering coefficient per channel [1/m], each finite and >= 0.
+     */
+    float scattering[3];
+    /**
+     * Absorption coefficient per channel [1/m], each finite and >= 0; all coefficients add up to a finite number.
+     */
+    float absorption[3];
+    /**
+     * How scattered light is spread.
+     */
+    struct covbeam_phase phase;
+    /**
+     * A value of covbeam_density_kind; the fields below are read as it needs them.
+     */
+    uint32_t density;
+    /**
+     * Exponential: a point where the density is 1 [m].
+     */
+    float origin[3];
+    /**
+     * Exponential: direction in which the density falls, any length but 0.
+     */
+    float up[3];
+    /**
+     * Exponential: height over which it falls by the factor e [m] > 0.
+     */
+    float scale_height;
+    /**
+     * Voxels: the densities.
+     */
+    const struct covbeam_density *voxels;
+} covbeam_medium;
+
+/**
+ * Curvature of a surface at a hit [1/m], positive where it is convex on the side of the normal; all 0 is a plane.
+ */
+typedef struct covbeam_curvature {
+    /**
+     * First axis of the tensor, in the surface, any length; 0 if along equals across.
+     */
+    float tangent[3];
+    /**
+     * Normal curvature along tangent.
+     */
+    float along;
+    /**
+     * Normal curvature along normal x tangent.
+     */
+    float across;
+    /**
+     * The off-diagonal entry.
+     */
+    float twist;
+} covbeam_curvature;
+
+/**
+ * Covariance of the spectrum of the fluence around a point, in world axes [cycles^2/m^2].
+ */
+typedef struct covbeam_spectrum {
+    /**
+     * Variance along world x.
+     */
+    float xx;
+    /**
+     * Variance along world y.
+     */
+    float yy;
+    /**
+     * Variance along world z.
+     */
+    float zz;
+    /**
+     * Covariance of x and y.
+     */
+    float xy;
+    /**
+     * Covariance of x and z.
+     */
+    float xz;
+    /**
+     * Covariance of y and z.
+     */
+    float yz;
+} covbeam_spectrum;
+
+/**
+ * Box and resolution of a grid or of a density. Voxels lie in memory x first, then y, then z.
+ */
+typedef struct covbeam_grid_layout {
+    /**
+     * Lower corner [m].
+     */
+    float min[3];
+    /**
+     * Upper corner [m], above min on every axis.
+     */
+    float max[3];
+    /**
+     * Voxels along x, y, z, each >= 1; at most 2^24 in all.
+     */
+    uint32_t cells[3];
+} covbeam_grid_layout;
+
+/**
+ * Derivatives of a relative density, in world axes.
+ */
+typedef struct covbeam_derivatives {
+    /**
+     * First derivatives [1/m].
+     */
+    float gradient[3];
+    /**
+     * Second derivatives xx, yy, zz, xy, xz, yz [1/m^2].
+     */
+    float hessian[6];
+} covbeam_derivatives;
+
+/**
+ * A point of a table of columns.
+ */
+typedef struct covbeam_knot {
+    /**
+     * Distance along the ray [m].
+     */
+    float distance;
+    /**
+     * Integral of the relative density up to there [m].
+     */
+    float column;
+} covbeam_knot;
+
+/**
+ * The column along one ray as a function of the distance. Made by covbeam_medium_column.
+ *
+ * A host with media of its own may write one: VOXELS with a table of its own, whatever the density is made of.
+ */
+typedef struct covbeam_column {
+    /**
+     * A value of covbeam_density_kind; the fields below are read as it needs them.
+     */
+    uint32_t kind;
+    /**
+     * Exponential: relative density at the ray's origin, finite and >= 0.
+     */
+    float density;
+    /**
+     * Exponential: the density falls as exp(-rate x distance) [1/m], of either sign.
+     */
+    float rate;
+    /**
+     * Voxels: the host's table, which stays in place and unchanged while the column is used; NULL if knot_count is 0.
+     */
+    const struct covbeam_knot *knots;
+    /**
+     * Voxels: number of knots; 0 is empty space.
+     */
+    size_t knot_count;
+} covbeam_column;
+
+/**
+ * What one voxel has collected. All 0 is empty.
+ */
+typedef struct covbeam_grid_cell {
+    /**
+     * Sum of weight x (xx, yy, zz, xy, xz, yz).
+     */
+    double sum[6];
+    /**
+     * Sum of the weights.
+     */
+    double weight;
+} covbeam_grid_cell;
+
+/**
+ * The mean spectrum of one voxel, for look-ups.
+ */
+typedef struct covbeam_fluence_cell {
+    /**
+     * Flux-weighted mean of what was deposited.
+     */
+    struct covbeam_spectrum spectrum;
+    /**
+     * Fluence over that of the brightest voxel, in (0, 1]; 0 = no data.
+     */
+    float weight;
+} covbeam_fluence_cell;
+
+/**
+ * A straight piece of a photon's path whose light field goes into a grid.
+ */
+typedef struct covbeam_segment {
+    /**
+     * Where it starts [m], in or out of the grid. It runs along field.direction.
+     */
+    float origin[3];
+    /**
+     * Length [m] > 0; infinity reaches the end of the grid.
+     */
+    float length;
+    /**
+     * Flux at the origin [W] > 0, mean of the channels.
+     */
+    float power;
+    /**
+     * 1 if the light comes from its source without scattering in a medium or on a diffuse surface (mirrors and glass are no
+     * scattering), else 0.
+     */
+    uint32_t unscattered;
+    /**
+     * The light field at the origin.
+     */
+    struct covbeam_light_field field;
+    /**
+     * How the light is attenuated: NULL takes it from the medium. A host with media of its own gives a table of (distance from the
+     * origin, optical depth up to there / extinction of the medium passed), both finite, neither falling.
+     */
+    const struct covbeam_knot *knots;
+    /**
+     * Number of knots; 0 if knots is NULL.
+     */
+    size_t knot_count;
+} covbeam_segment;
+
+/**
+ * How the kernel shrinks over the passes of a picture.
+ */
+typedef struct covbeam_schedule {
+    /**
+     * sizeof(covbeam_schedule).
+     */
+    uint32_t struct_size;
+    /**
+     * A value of covbeam_kernel_shape.
+     */
+    uint32_t shape;
+    /**
+     * Progressive radius of pass 1 [m] > 0.
+     */
+    float radius;
+    /**
+     * In (0, 1]: the progressive radius falls as pass^(alpha - 1); 1 keeps it.
+     */
+    float alpha;
+    /**
+     * Largest radius that a spectrum may ask for [m] > 0.
+     */
+    float max_radius;
+    /**
+     * Accepted relative bias of a pair in pass 1, > 0; it falls as pass^(-2/5).
+     */
+    float error;
+} covbeam_schedule;
+
+/**
+ * How wide the pairs of one pass are gathered: within max(progressive, min(ceiling, what the spectrum allows)).
+ */
+typedef struct covbeam_kernel {
+    /**
+     * sizeof(covbeam_kernel).
+     */
+    uint32_t struct_size;
+    /**
+     * A value of covbeam_kernel_shape.
+     */
+    uint32_t shape;
+    /**
+     * The radius where the grid knows nothing, and the smallest one [m] > 0.
+     */
+    float progressive;
+    /**
+     * The largest radius [m], finite and >= progressive.
+     */
+    float ceiling;
+    /**
+     * Accepted relative bias of a pair > 0; without a grid it has no effect.
+     */
+    float error;
+} covbeam_kernel;
+
+/**
+ * A photon beam: a straight piece of a photon's path through a medium. It runs on to the next surface, whatever the photon's
+ * free flight was; the gather multiplies by the transmittance ("long beams").
+ */
+typedef struct covbeam_beam {
+    /**
+     * Where it starts [m].
+     */
+    float origin[3];
+    /**
+     * Direction of propagation, unit.
+     */
+    float direction[3];
+    /**
+     * Length [m], finite and >= 0.
+     */
+    float length;
+    /**
+     * Flux at the origin per channel [W], already divided by the number of light paths of the pass.
+     */
+    float power[3];
+    /**
+     * Unit normal of the surface on which it starts, towards the medium; 0 if it starts in the open.
+     */
+    float start_normal[3];
+    /**
+     * Unit normal of the surface on which it ends, towards the medium; 0 if it ends in the open.
+     */
+    float end_normal[3];
+} covbeam_beam;
+
+/**
+ * Asked now and then during a long call, in the thread of the call: return 0 to go on, anything else to stop. It must return (no
+ * exception, no longjmp) and must not use the objects of the call.
+ */
+typedef int32_t (*covbeam_poll)(void *user);
+
+/**
+ * One straight piece of an eye path inside one medium.
+ */
+typedef struct covbeam_eye_ray {
+    /**
+     * Where it starts [m].
+     */
+    float origin[3];
+    /**
+     * Direction, unit, away from the eye.
+     */
+    float direction[3];
+    /**
+     * Length [m] >= 0 to the next surface; infinity allowed.
+     */
+    float length;
+} covbeam_eye_ray;
+
+/**
+ * What an eye ray has gathered.
+ */
+typedef struct covbeam_gathered {
+    /**
+     * In-scattered radiance at the ray's origin [W/(m^2 sr)].
+     */
+    float radiance[3];
+    /**
+     * Accepted pairs of ray and beam.
+     */
+    uint32_t pairs;
+    /**
+     * Sum over the pairs of their contribution (mean of the channels): the weight of the next two.
+     */
+    float weight;
+    /**
+     * Weighted sum of the kernel radii [m].
+     */
+    float radius;
+    /**
+     * Weighted sum of the light's bandwidth along the kernel's axis [cycles/m].
+     */
+    float sigma;
+} covbeam_gathered;
+
+/**
+ * A place where a beam comes within the kernel radius of an eye ray, for covbeam_beam_map_gather_shaded.
+ */
+typedef struct covbeam_contact {
+    /**
+     * The closest point on the eye ray [m].
+     */
+    float position[3];
+    /**
+     * Index of the eye ray in the call.
+     */
+    uint32_t ray;
+    /**
+     * Index of the beam, in the order in which they were added.
+     */
+    uint32_t beam;
+    /**
+     * Distance along the eye ray [m].
+     */
+    float ray_distance;
+    /**
+     * Distance along the beam [m]; at an end on a surface it may be outside the beam by less than radius.
+     */
+    float beam_distance;
+    /**
+     * Cosine between the light's propagation before and after scattering towards the eye: forward +1.
+     */
+    float cos_theta;
+    /**
+     * The blur kernel over the sine of the angle between beam and ray [1/m], with which the library multiplies.
+     */
+    float kernel;
+    /**
+     * Kernel radius [m].
+     */
+    float radius;
+    /**
+     * Bandwidth along the kernel's axis [cycles/m]; 0 without a grid.
+     */
+    float sigma;
+} covbeam_contact;
+
+/**
+ * Fills values with three floats a contact: scattering coefficient x phase function x transmittance along the eye ray up to the
+ * contact x transmittance along the beam up to it, per channel [1/(m sr)]. Return 0, or anything else to give up. Called in the thread of
+ * the call; it must return (no exception, no longjmp) and must not use the objects of the call.
+ */
+typedef int32_t (*covbeam_shade)(void *user,
+                                 const struct covbeam_contact *contacts,
+                                 size_t count,
+                                 float *values);
+
+/**
+ * Closest approach of an eye ray's line and a beam's line.
+ */
+typedef struct covbeam_crossing {
+    /**
+     * Distance along the eye ray [m]; may lie outside it.
+     */
+    float ray_distance;
+    /**
+     * Distance along the beam [m]; may lie outside it.
+     */
+    float beam_distance;
+    /**
+     * Distance between the two closest points [m].
+     */
+    float gap;
+    /**
+     * Sine of the angle between the directions, in (0, 1].
+     */
+    float sin_theta;
+    /**
+     * Unit common perpendicular, on which the kernel acts.
+     */
+    float axis[3];
+} covbeam_crossing;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/**
+ * The ABI of the library that runs, which is COVBEAM_ABI_VERSION of the header it was built with.
+ *
+ * Equal numbers fit together. The shared library's SONAME changes with it.
+ */
+uint32_t covbeam_abi_version(void);
+
+/**
+ * The version of the library that runs, such as "0.1.0".
+ *
+ * @return a static string.
+ */
+const char *covbeam_version(void);
+
+/**
+ * The name of a status, such as "COVBEAM_SHORT_BUFFER".
+ *
+ * @param status a value of covbeam_status; any other number gives "unknown status".
+ * @return a static string, never NULL. Any thread, any time.
+ */
+const char *covbeam_status_name(int32_t status);
+
+/**
+ * What went wrong in the latest call of this thread that did not return COVBEAM_OK: names the parameter and the remedy.
+ *
+ * @return UTF-8, at most 255 bytes, never NULL, empty before the first failure; valid until the thread's next call that fails.
+ */
+const char *covbeam_last_error(void);
+
+/**
+ * Light of an exact point source.
+ *
+ * @param direction of propagation, normalised by the library: any length but 0.
+ * @param angular_variance of the emission [cycles^2/rad^2], >= 0: 0 for a lamp without falloff.
+ * @param out the light field.
+ * @note Thesis 5.3.1.
+ */
+covbeam_status covbeam_light_field_point(const float *direction,
+                                         float angular_variance,
+                                         struct covbeam_light_field *out);
+
+/**
+ * Light of a disk source, at its centre.
+ *
+ * @param direction of propagation, normalised by the library: any length but 0.
+ * @param normal of the disk, any length, either sign.
+ * @param radius [m] >= 0: 0 is a point, infinity a uniform field.
+ * @param angular_variance of the emission [cycles^2/rad^2], >= 0.
+ * @param out the light field.
+ * @note Thesis 5.3.1.
+ */
+covbeam_status covbeam_light_field_disk(const float *direction,
+                                        const float *normal,
+                                        float radius,
+                                        float angular_variance,
+                                        struct covbeam_light_field *out);
+
+/**
+ * An exactly parallel beam, such as sunlight or a laser.
+ *
+ * @param direction of propagation, normalised by the library: any length but 0.
+ * @param radius of the beam [m] >= 0: infinity for a uniform one.
+ * @param out the light field.
+ * @note Thesis 5.3.1.
+ */
+covbeam_status covbeam_light_field_collimated(const float *direction,
+                                              float radius,
+                                              struct covbeam_light_field *out);
+
+/**
+ * A light field without correlations, from its four variances. A Gaussian of standard deviation w has 1/(4 pi^2 w^2).
+ *
+ * @param direction of propagation, normalised by the library: any length but 0.
+ * @param x_axis its part across the direction is the x axis of the variances; some axis if it has none.
+ * @param spatial_variance along x and y [cycles^2/m^2], each >= 0: 0 is uniform, infinity a point or a line.
+ * @param angular_variance along x and y [cycles^2/rad^2], each >= 0: 0 is isotropic, infinity parallel.
+ * @param out the light field.
+ * @note Thesis Eq 5.12.
+ */
+covbeam_status covbeam_light_field_gaussian(const float *direction,
+                                            const float *x_axis,
+                                            const float *spatial_variance,
+                                            const float *angular_variance,
+                                            struct covbeam_light_field *out);
+
+/**
+ * Travel through vacuum or a homogeneous medium.
+ *
+ * @param field the light field, changed in place.
+ * @param distance [m], finite; 0 changes nothing, a negative one goes back.
+ * @note Thesis 5.3.1.
+ */
+covbeam_status covbeam_light_field_travel(struct covbeam_light_field *field, float distance);
+
+/**
+ * Travel through a medium: in a homogeneous one covbeam_light_field_travel, else with the attenuation that varies across the ray.
+ *
+ * @param field the light field, changed in place; it moves along its direction.
+ * @param medium what it travels in; the mean extinction of the channels counts.
+ * @param origin where the field is [m].
+ * @param distance [m] >= 0, finite.
+ * @note Thesis 5.3.1. Costs up to 256 look-ups of the density's derivatives.
+ */
+covbeam_status covbeam_light_field_carry(struct covbeam_light_field *field,
+                                         const struct covbeam_medium *medium,
+                                         const float *origin,
+                                         float distance);
+
+/**
+ * Turns the frame about the ray, to read covbeam_light_field_slice along given axes. The light stays what it is.
+ *
+ * @param field the light field, changed in place.
+ * @param x_axis its part across the ray becomes the x axis; along the ray: nothing changes.
+ * @note Thesis 5.3.1.2.
+ */
+covbeam_status covbeam_light_field_rotate(struct covbeam_light_field *field,
+                                          const float *x_axis);
+
+/**
+ * Reflection by a smooth mirror. A ray that grazes it to below 1e-12 is left as it was.
+ *
+ * @param field the light field, changed in place.
+ * @param normal at the hit, any length, either side.
+ * @param curvature of the surface on the side of the normal; may be NULL: a plane.
+ * @note Coddington's equations.
+ */
+covbeam_status covbeam_light_field_reflect(struct covbeam_light_field *field,
+                                           const float *normal,
+                                           const struct covbeam_curvature *curvature);
+
+/**
+ * Refraction through a smooth surface.
+ *
+ * @param field the light field, changed in place.
+ * @param normal at the hit, any length, either side.
+ * @param curvature of the surface on the side of the normal; may be NULL: a plane.
+ * @param eta refractive index on the incoming side over that on the other, > 0.
+ * @param passed 1 if light passes; 0 on total reflection (and exactly grazing light), which leaves the field as it was.
+ * @note Coddington's equations.
+ */
+covbeam_status covbeam_light_field_refract(struct covbeam_light_field *field,
+                                           const float *normal,
+                                           const struct covbeam_curvature *curvature,
+                                           float eta,
+                                           uint8_t *passed);
+
+/**
+ * Occlusion by an edge beside the ray, such as a silhouette that it passes.
+ *
+ * @param field the light field, changed in place.
+ * @param towards_edge from the ray to the nearest point of the edge, any length; along the ray: nothing changes.
+ * @param distance between ray and edge [m] >= 0; infinity is no edge.
+ * @note Thesis 5.3.1.
+ */
+covbeam_status covbeam_light_field_occlude(struct covbeam_light_field *field,
+                                           const float *towards_edge,
+                                           float distance);
+
+/**
+ * Attenuation by a stretch of medium whose optical depth varies across the ray. covbeam_light_field_carry does this for the built-in media.
+ *
+ * @param field the light field, changed in place.
+ * @param gradient of the optical depth of the stretch, in world axes [1/m].
+ * @param hessian of the same, [xx, yy, zz, xy, xz, yz] [1/m^2].
+ * @note Thesis 5.3.1.
+ */
+covbeam_status covbeam_light_field_attenuate(struct covbeam_light_field *field,
+                                             const float *gradient,
+                                             const float *hessian);
+
+/**
+ * Narrowing of the directions across one axis, such as by the soft rim of a spot light (a Gaussian rim of standard deviation s has 1/(4 pi^2 s^2)).
+ *
+ * @param field the light field, changed in place.
+ * @param across in which the light falls off, any length; along the ray: nothing changes.
+ * @param angular_variance [cycles^2/rad^2] >= 0: 0 changes nothing, infinity leaves one direction.
+ * @note Thesis 5.3.1.
+ */
+covbeam_status covbeam_light_field_narrow(struct covbeam_light_field *field,
+                                          const float *across,
+                                          float angular_variance);
+
+/**
+ * Scattering in a medium, or by a rough surface's lobe, into a new direction.
+ *
+ * @param field the light field, changed in place.
+ * @param direction of propagation after the event, any length but 0.
+ * @param angular_variance of the lobe [cycles^2/rad^2] >= 0, see covbeam_phase_angular_variance: 0 is isotropic, infinity does not blur.
+ * @note Thesis 5.3.1.
+ */
+covbeam_status covbeam_light_field_scatter(struct covbeam_light_field *field,
+                                           const float *direction,
+                                           float angular_variance);
+
+/**
+ * Diffuse reflection or transmission into a new direction. A cosine below 1e-12 on either side leaves the field as it was.
+ *
+ * @param field the light field, changed in place.
+ * @param normal of the surface, any length, either sign.
+ * @param direction of propagation after the event, any length but 0.
+ * @note Thesis 5.3.1.
+ */
+covbeam_status covbeam_light_field_diffuse(struct covbeam_light_field *field,
+                                           const float *normal,
+                                           const float *direction);
+
+/**
+ * The spectrum of the fluence across the ray, along the frame's axes.
+ *
+ * @param field the light field.
+ * @param variances [xx, xy, yy] [cycles^2/m^2].
+ * @note Thesis Eq 5.14.
+ */
+covbeam_status covbeam_light_field_slice(const struct covbeam_light_field *field, float *variances);
+
+/**
+ * The spectrum of the fluence around the ray, in world axes.
+ *
+ * @param field the light field.
+ * @param limit largest deviation kept [cycles/m] > 0, such as the Nyquist frequency 1/(2h) of voxels of side h; infinity keeps all.
+ * @param spectrum covariance [cycles^2/m^2].
+ * @note Thesis Eq 5.14.
+ */
+covbeam_status covbeam_light_field_fluence(const struct covbeam_light_field *field,
+                                           float limit,
+                                           struct covbeam_spectrum *spectrum);
+
+/**
+ * Variance of the fluence's spectrum along the ray, from how the rays spread and from extinction; for light that has not been scattered.
+ *
+ * @param field the light field.
+ * @param extinction around the ray [1/m] >= 0.
+ * @param variance [cycles^2/m^2] >= 0.
+ * @note Derived.
+ */
+covbeam_status covbeam_light_field_variance_along_ray(const struct covbeam_light_field *field,
+                                                      float extinction,
+                                                      float *variance);
+
+/**
+ * covbeam_light_field_point for `count` light fields.
+ *
+ * @param count number of fields; with 0 nothing is done.
+ * @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
+ * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields the same.
+ * @param out, out_stride the light fields.
+ */
+covbeam_status covbeam_light_fields_point(size_t count,
+                                          const float *directions,
+                                          size_t direction_stride,
+                                          const float *angular_variances,
+                                          size_t angular_variance_stride,
+                                          struct covbeam_light_field *out,
+                                          size_t out_stride);
+
+/**
+ * covbeam_light_field_disk for `count` light fields.
+ *
+ * @param count number of fields; with 0 nothing is done.
+ * @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
+ * @param normals, normal_stride as normal there; a stride of 0 gives all fields the same.
+ * @param radii, radius_stride as radius there; a stride of 0 gives all fields the same.
+ * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields the same.
+ * @param out, out_stride the light fields.
+ */
+covbeam_status covbeam_light_fields_disk(size_t count,
+                                         const float *directions,
+                                         size_t direction_stride,
+                                         const float *normals,
+                                         size_t normal_stride,
+                                         const float *radii,
+                                         size_t radius_stride,
+                                         const float *angular_variances,
+                                         size_t angular_variance_stride,
+                                         struct covbeam_light_field *out,
+                                         size_t out_stride);
+
+/**
+ * covbeam_light_field_collimated for `count` light fields.
+ *
+ * @param count number of fields; with 0 nothing is done.
+ * @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
+ * @param radii, radius_stride as radius there; a stride of 0 gives all fields the same.
+ * @param out, out_stride the light fields.
+ */
+covbeam_status covbeam_light_fields_collimated(size_t count,
+                                               const float *directions,
+                                               size_t direction_stride,
+                                               const float *radii,
+                                               size_t radius_stride,
+                                               struct covbeam_light_field *out,
+                                               size_t out_stride);
+
+/**
+ * covbeam_light_field_gaussian for `count` light fields.
+ *
+ * @param count number of fields; with 0 nothing is done.
+ * @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
+ * @param x_axes, x_axis_stride as x_axis there; a stride of 0 gives all fields the same.
+ * @param spatial_variances, spatial_variance_stride as spatial_variance there; a stride of 0 gives all fields the same.
+ * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields the same.
+ * @param out, out_stride the light fields.
+ */
+covbeam_status covbeam_light_fields_gaussian(size_t count,
+                                             const float *directions,
+                                             size_t direction_stride,
+                                             const float *x_axes,
+                                             size_t x_axis_stride,
+                                             const float *spatial_variances,
+                                             size_t spatial_variance_stride,
+                                             const float *angular_variances,
+                                             size_t angular_variance_stride,
+                                             struct covbeam_light_field *out,
+                                             size_t out_stride);
+
+/**
+ * covbeam_light_field_travel for `count` light fields.
+ *
+ * @param count number of fields; with 0 nothing is done.
+ * @param fields, field_stride array of light fields, changed in place.
+ * @param distances, distance_stride as distance there; a stride of 0 gives all fields the same.
+ */
+covbeam_status covbeam_light_fields_travel(size_t count,
+                                           struct covbeam_light_field *fields,
+                                           size_t field_stride,
+                                           const float *distances,
+                                           size_t distance_stride);
+
+/**
+ * covbeam_light_field_carry for `count` light fields in one medium.
+ *
+ * @param count number of fields; with 0 nothing is done.
+ * @param fields, field_stride array of light fields, changed in place.
+ * @param medium as medium there.
+ * @param origins, origin_stride as origin there; a stride of 0 gives all fields the same.
+ * @param distances, distance_stride as distance there; a stride of 0 gives all fields the same.
+ */
+covbeam_status covbeam_light_fields_carry(size_t count,
+                                          struct covbeam_light_field *fields,
+                                          size_t field_stride,
+                                          const struct covbeam_medium *medium,
+                                          const float *origins,
+                                          size_t origin_stride,
+                                          const float *distances,
+                                          size_t distance_stride);
+
+/**
+ * covbeam_light_field_rotate for `count` light fields.
+ *
+ * @param count number of fields; with 0 nothing is done.
+ * @param fields, field_stride array of light fields, changed in place.
+ * @param x_axes, x_axis_stride as x_axis there; a stride of 0 gives all fields the same.
+ */
+covbeam_status covbeam_light_fields_rotate(size_t count,
+                                           struct covbeam_light_field *fields,
+                                           size_t field_stride,
+                                           const float *x_axes,
+                                           size_t x_axis_stride);
+
+/**
+ * covbeam_light_field_reflect for `count` light fields.
+ *
+ * @param count number of fields; with 0 nothing is done.
+ * @param fields, field_stride array of light fields, changed in place.
+ * @param normals, normal_stride as normal there; a stride of 0 gives all fields the same.
+ * @param curvatures, curvature_stride as curvature there; a stride of 0 gives all fields the same.
+ */
+covbeam_status covbeam_light_fields_reflect(size_t count,
+                                            struct covbeam_light_field *fields,
+                                            size_t field_stride,
+                                            const float *normals,
+                                            size_t normal_stride,
+                                            const struct covbeam_curvature *curvatures,
+                                            size_t curvature_stride);
+
+/**
+ * covbeam_light_field_refract for `count` light fields.
+ *
+ * @param count number of fields; with 0 nothing is done.
+ * @param fields, field_stride array of light fields, changed in place.
+ * @param normals, normal_stride as normal there; a stride of 0 gives all fields the same.
+ * @param curvatures, curvature_stride as curvature there; a stride of 0 gives all fields the same.
+ * @param etas, eta_stride as eta there; a stride of 0 gives all fields the same.
+ * @param passed, passed_stride as passed there.
+ */
+covbeam_status covbeam_light_fields_refract(size_t count,
+                                            struct covbeam_light_field *fields,
+                                            size_t field_stride,
+                                            const float *normals,
+                                            size_t normal_stride,
+                                            const struct covbeam_curvature *curvatures,
+                                            size_t curvature_stride,
+                                            const float *etas,
+                                            size_t eta_stride,
+                                            uint8_t *passed,
+                                            size_t passed_stride);
+
+/**
+ * covbeam_light_field_occlude for `count` light fields.
+ *
+ * @param count number of fields; with 0 nothing is done.
+ * @param fields, field_stride array of light fields, changed in place.
+ * @param towards_edges, towards_edge_stride as towards_edge there; a stride of 0 gives all fields the same.
+ * @param distances, distance_stride as distance there; a stride of 0 gives all fields the same.
+ */
+covbeam_status covbeam_light_fields_occlude(size_t count,
+                                            struct covbeam_light_field *fields,
+                                            size_t field_stride,
+                                            const float *towards_edges,
+                                            size_t towards_edge_stride,
+                                            const float *distances,
+                                            size_t distance_stride);
+
+/**
+ * covbeam_light_field_attenuate for `count` light fields.
+ *
+ * @param count number of fields; with 0 nothing is done.
+ * @param fields, field_stride array of light fields, changed in place.
+ * @param gradients, gradient_stride as gradient there; a stride of 0 gives all fields the same.
+ * @param hessians, hessian_stride as hessian there; a stride of 0 gives all fields the same.
+ */
+covbeam_status covbeam_light_fields_attenuate(size_t count,
+                                              struct covbeam_light_field *fields,
+                                              size_t field_stride,
+                                              const float *gradients,
+                                              size_t gradient_stride,
+                                              const float *hessians,
+                                              size_t hessian_stride);
+
+/**
+ * covbeam_light_field_narrow for `count` light fields.
+ *
+ * @param count number of fields; with 0 nothing is done.
+ * @param fields, field_stride array of light fields, changed in place.
+ * @param acrosses, across_stride as across there; a stride of 0 gives all fields the same.
+ * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields the same.
+ */
+covbeam_status covbeam_light_fields_narrow(size_t count,
+                                           struct covbeam_light_field *fields,
+                                           size_t field_stride,
+                                           const float *acrosses,
+                                           size_t across_stride,
+                                           const float *angular_variances,
+                                           size_t angular_variance_stride);
+
+/**
+ * covbeam_light_field_scatter for `count` light fields.
+ *
+ * @param count number of fields; with 0 nothing is done.
+ * @param fields, field_stride array of light fields, changed in place.
+ * @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
+ * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields the same.
+ */
+covbeam_status covbeam_light_fields_scatter(size_t count,
+                                            struct covbeam_light_field *fields,
+                                            size_t field_stride,
+                                            const float *directions,
+                                            size_t direction_stride,
+                                            const float *angular_variances,
+                                            size_t angular_variance_stride);
+
+/**
+ * covbeam_light_field_diffuse for `count` light fields.
+ *
+ * @param count number of fields; with 0 nothing is done.
+ * @param fields, field_stride array of light fields, changed in place.
+ * @param normals, normal_stride as normal there; a stride of 0 gives all fields the same.
+ * @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
+ */
+covbeam_status covbeam_light_fields_diffuse(size_t count,
+                                            struct covbeam_light_field *fields,
+                                            size_t field_stride,
+                                            const float *normals,
+                                            size_t normal_stride,
+                                            const float *directions,
+                                            size_t direction_stride);
+
+/**
+ * covbeam_light_field_slice for `count` light fields.
+ *
+ * @param count number of fields; with 0 nothing is done.
+ * @param fields, field_stride array of light fields.
+ * @param variances_out, out_stride as variances there.
+ */
+covbeam_status covbeam_light_fields_slice(size_t count,
+                                          const struct covbeam_light_field *fields,
+                                          size_t field_stride,
+                                          float *variances_out,
+                                          size_t out_stride);
+
+/**
+ * covbeam_light_field_fluence for `count` light fields.
+ *
+ * @param count number of fields; with 0 nothing is done.
+ * @param fields, field_stride array of light fields.
+ * @param limits, limit_stride as limit there; a stride of 0 gives all fields the same.
+ * @param spectrum_out, out_stride as spectrum there.
+ */
+covbeam_status covbeam_light_fields_fluence(size_t count,
+                                            const struct covbeam_light_field *fields,
+                                            size_t field_stride,
+                                            const float *limits,
+                                            size_t limit_stride,
+                                            struct covbeam_spectrum *spectrum_out,
+                                            size_t out_stride);
+
+/**
+ * covbeam_light_field_variance_along_ray for `count` light fields.
+ *
+ * @param count number of fields; with 0 nothing is done.
+ * @param fields, field_stride array of light fields.
+ * @param extinctions, extinction_stride as extinction there; a stride of 0 gives all fields the same.
+ * @param variance_out, out_stride as variance there.
+ */
+covbeam_status covbeam_light_fields_variance_along_ray(size_t count,
+                                                       const struct covbeam_light_field *fields,
+                                                       size_t field_stride,
+                                                       const float *extinctions,
+                                                       size_t extinction_stride,
+                                                       float *variance_out,
+                                                       size_t out_stride);
+
+/**
+ * The value of a phase function [1/sr]: 1 in all over the sphere.
+ *
+ * @param phase the phase function.
+ * @param cos_theta dot(propagation before, propagation after), forward 1; in [-1, 1], rounding past the ends is harmless.
+ * @param value [1/sr] >= 0.
+ */
+covbeam_status covbeam_phase_evaluate(const struct covbeam_phase *phase,
+                                      float cos_theta,
+                                      float *value);
+
+/**
+ * covbeam_phase_evaluate for `count` cosines.
+ *
+ * @param phase as phase there.
+ * @param count number of values; with 0 nothing is done.
+ * @param cosines, cosine_stride as cos_theta there.
+ * @param values, value_stride as value there.
+ */
+covbeam_status covbeam_phase_evaluate_many(const struct covbeam_phase *phase,
+                                           size_t count,
+                                           const float *cosines,
+                                           size_t cosine_stride,
+                                           float *values,
+                                           size_t value_stride);
+
+/**
+ * Samples a direction after scattering in proportion to the phase function: the weight (value / density) is 1.
+ *
+ * @param phase the phase function.
+ * @param direction of propagation before the event, unit.
+ * @param xi two independent uniform numbers in [0, 1).
+ * @param scattered direction of propagation after the event, unit; may be the same array as direction.
+ * @note The angle of a narrow lobe is exact: it does not pass through its cosine.
+ */
+covbeam_status covbeam_phase_sample(const struct covbeam_phase *phase,
+                                    const float *direction,
+                                    const float *xi,
+                                    float *scattered);
+
+/**
+ * covbeam_phase_sample for `count` directions.
+ *
+ * @param phase as phase there.
+ * @param count number of directions; with 0 nothing is done.
+ * @param directions, direction_stride as direction there; a stride of 0 scatters one direction `count` times.
+ * @param xis, xi_stride as xi there.
+ * @param scattered, scattered_stride as scattered there.
+ */
+covbeam_status covbeam_phase_sample_many(const struct covbeam_phase *phase,
+                                         size_t count,
+                                         const float *directions,
+                                         size_t direction_stride,
+                                         const float *xis,
+                                         size_t xi_stride,
+                                         float *scattered,
+                                         size_t scattered_stride);
+
+/**
+ * Samples the cosine of the scattering angle in proportion to the phase function.
+ *
+ * @param phase the phase function.
+ * @param xi uniform in [0, 1); 0 gives -1, and the cosine grows with it.
+ * @param cos_theta in [-1, 1].
+ */
+covbeam_status covbeam_phase_sample_cosine(const struct covbeam_phase *phase, float xi, float *cos_theta);
+
+/**
+ * covbeam_phase_sample_cosine for `count` random numbers.
+ *
+ * @param phase as phase there.
+ * @param count number of cosines; with 0 nothing is done.
+ * @param xis, xi_stride as xi there.
+ * @param cosines, cosine_stride as cos_theta there.
+ */
+covbeam_status covbeam_phase_sample_cosine_many(const struct covbeam_phase *phase,
+                                                size_t count,
+                                                const float *xis,
+                                                size_t xi_stride,
+                                                float *cosines,
+                                                size_t cosine_stride);
+
+/**
+ * What covbeam_light_field_scatter takes: variance, per axis, of the angular spectrum of the lobe.
+ *
+ * @param phase the phase function.
+ * @param variance [cycles^2/rad^2]: 3|g| / (4 pi^2 (1 - |g|)^2) for Henyey-Greenstein, 1/(4 pi^2) for Rayleigh, 0 for isotropic.
+ * @note Derived from the lobe's curvature at its peak.
+ */
+covbeam_status covbeam_phase_angular_variance(const struct covbeam_phase *phase,
+                                              float *variance);
+
+/**
+ * Makes a density from voxels: trilinear between their centres, held over the half voxel at the border of the box, 0 outside.
+ *
+ * @param layout box and resolution.
+ * @param values, value_stride, value_count one a voxel, each finite and >= 0, x first, then y, then z.
+ * @param out the handle.
+ * @note Copies the values: 4 bytes a voxel.
+ */
+covbeam_status covbeam_density_new(const struct covbeam_grid_layout *layout,
+                                   const float *values,
+                                   size_t value_stride,
+                                   size_t value_count,
+                                   struct covbeam_density **out);
+
+/**
+ * Frees a density. Beam maps that were made with it keep what they need.
+ *
+ * @param density NULL is ignored.
+ */
+void covbeam_density_free(struct covbeam_density *density);
+
+/**
+ * Relative density of a medium at a point.
+ *
+ * @param medium the medium.
+ * @param position [m].
+ * @param density >= 0: 1 where the medium's coefficients hold. An exponential one is held beyond e^80 and e^-80.
+ * @note Costs nothing, an exponential, or a trilinear look-up.
+ */
+covbeam_status covbeam_medium_density_at(const struct covbeam_medium *medium,
+                                         const float *position,
+                                         float *density);
+
+/**
+ * covbeam_medium_density_at for `count` points.
+ *
+ * @param medium as medium there.
+ * @param count number of points; with 0 nothing is done.
+ * @param positions, position_stride as position there.
+ * @param densities, density_stride as density there.
+ */
+covbeam_status covbeam_medium_density_at_many(const struct covbeam_medium *medium,
+                                              size_t count,
+                                              const float *positions,
+                                              size_t position_stride,
+                                              float *densities,
+                                              size_t density_stride);
+
+/**
+ * Derivatives of the relative density at a point. Their integrals along a way, times the extinction, are what
+ * covbeam_light_field_attenuate takes.
+ *
+ * @param medium the medium.
+ * @param position [m].
+ * @param derivatives exact for an exponential density; differences between neighbouring voxels, 0 outside the box.
+ */
+covbeam_status covbeam_medium_derivatives_at(const struct covbeam_medium *medium,
+                                             const float *position,
+                                             struct covbeam_derivatives *derivatives);
+
+/**
+ * covbeam_medium_derivatives_at for `count` points.
+ *
+ * @param medium as medium there.
+ * @param count number of points; with 0 nothing is done.
+ * @param positions, position_stride as position there.
+ * @param derivatives, derivative_stride as derivatives there.
+ */
+covbeam_status covbeam_medium_derivatives_at_many(const struct covbeam_medium *medium,
+                                                  size_t count,
+                                                  const float *positions,
+                                                  size_t position_stride,
+                                                  struct covbeam_derivatives *derivatives,
+                                                  size_t derivative_stride);
+
+/**
+ * Largest step [m] over which the second derivatives may be taken as constant, for a host that sums them itself.
+ *
+ * @param medium the medium.
+ * @param step [m] > 0: infinity where the medium is homogeneous, half the scale height, or a voxel's smallest side.
+ */
+covbeam_status covbeam_medium_step(const struct covbeam_medium *medium,
+                                   float *step);
+
+/**
+ * Column along a ray: the integral of the relative density. Extinction x column is the optical depth.
+ *
+ * @param medium the medium.
+ * @param origin of the ray [m].
+ * @param direction of the ray, unit.
+ * @param distance along the ray [m] >= 0; infinity allowed.
+ * @param column [m] >= 0; infinite only for an infinite distance in a homogeneous medium.
+ * @note Voxels: exact, about 20 ns a voxel passed. For many distances on one ray see covbeam_medium_column.
+ */
+covbeam_status covbeam_medium_column_at(const struct covbeam_medium *medium,
+                                        const float *origin,
+                                        const float *direction,
+                                        float distance,
+                                        float *column);
+
+/**
+ * covbeam_medium_column_at for `count` rays.
+ *
+ * @param medium as medium there.
+ * @param count number of rays; with 0 nothing is done.
+ * @param origins, origin_stride as origin there; a stride of 0 gives all rays the same.
+ * @param directions, direction_stride as direction there; a stride of 0 gives all rays the same.
+ * @param distances, distance_stride as distance there; a stride of 0 gives all rays the same.
+ * @param columns, column_stride as column there.
+ */
+covbeam_status covbeam_medium_column_at_many(const struct covbeam_medium *medium,
+                                             size_t count,
+                                             const float *origins,
+                                             size_t origin_stride,
+                                             const float *directions,
+                                             size_t direction_stride,
+                                             const float *distances,
+                                             size_t distance_stride,
+                                             float *columns,
+                                             size_t column_stride);
+
+/**
+ * Distance along a ray at which a column is reached: the inverse of covbeam_medium_column_at.
+ *
+ * Free flight is sampled with it: column = -log(1 - u) / extinction for a uniform u in [0, 1) and the extinction of one channel;
+ * light that gets infinity reaches the end of the ray.
+ *
+ * @param medium the medium.
+ * @param origin of the ray [m].
+ * @param direction of the ray, unit.
+ * @param length of the ray [m] >= 0; infinity allowed.
+ * @param column [m] >= 0; infinity allowed.
+ * @param distance [m]; infinity if the ray ends before.
+ * @note Voxels: the column there is within 5e-4 of the one asked for, relatively; about 20 ns a voxel passed.
+ */
+covbeam_status covbeam_medium_distance_at(const struct covbeam_medium *medium,
+                                          const float *origin,
+                                          const float *direction,
+                                          float length,
+                                          float column,
+                                          float *distance);
+
+/**
+ * covbeam_medium_distance_at for `count` rays.
+ *
+ * @param medium as medium there.
+ * @param count number of rays; with 0 nothing is done.
+ * @param origins, origin_stride as origin there; a stride of 0 gives all rays the same.
+ * @param directions, direction_stride as direction there; a stride of 0 gives all rays the same.
+ * @param lengths, length_stride as length there; a stride of 0 gives all rays the same.
+ * @param columns, column_stride as column there; a stride of 0 gives all rays the same.
+ * @param distances, distance_stride as distance there.
+ */
+covbeam_status covbeam_medium_distance_at_many(const struct covbeam_medium *medium,
+                                               size_t count,
+                                               const float *origins,
+                                               size_t origin_stride,
+                                               const float *directions,
+                                               size_t direction_stride,
+                                               const float *lengths,
+                                               size_t length_stride,
+                                               const float *columns,
+                                               size_t column_stride,
+                                               float *distances,
+                                               size_t distance_stride);
+
+/**
+ * The share of light that a stretch of medium leaves, per channel.
+ *
+ * @param medium the medium.
+ * @param origin of the ray [m].
+ * @param direction of the ray, unit.
+ * @param distance along the ray [m] >= 0; infinity allowed.
+ * @param transmittance three numbers in [0, 1]: exp(-extinction x column).
+ * @note The column of covbeam_medium_column_at, and one exponential if the channels are equal, else three.
+ */
+covbeam_status covbeam_medium_transmittance(const struct covbeam_medium *medium,
+                                            const float *origin,
+                                            const float *direction,
+                                            float distance,
+                                            float *transmittance);
+
+/**
+ * covbeam_medium_transmittance for `count` rays.
+ *
+ * @param medium as medium there.
+ * @param count number of rays; with 0 nothing is done.
+ * @param origins, origin_stride as origin there; a stride of 0 gives all rays the same.
+ * @param directions, direction_stride as direction there; a stride of 0 gives all rays the same.
+ * @param distances, distance_stride as distance there; a stride of 0 gives all rays the same.
+ * @param transmittances, transmittance_stride as transmittance there.
+ */
+covbeam_status covbeam_medium_transmittance_many(const struct covbeam_medium *medium,
+                                                 size_t count,
+                                                 const float *origins,
+                                                 size_t origin_stride,
+                                                 const float *directions,
+                                                 size_t direction_stride,
+                                                 const float *distances,
+                                                 size_t distance_stride,
+                                                 float *transmittances,
+                                                 size_t transmittance_stride);
+
+/**
+ * The share of light that a column leaves, per channel: for a host that has the column already.
+ *
+ * @param medium the medium; its density does not matter.
+ * @param column [m] >= 0; infinity allowed.
+ * @param transmittance three numbers in [0, 1]: exp(-extinction x column).
+ */
+covbeam_status covbeam_medium_column_transmittance(const struct covbeam_medium *medium,
+                                                   float column,
+                                                   float *transmittance);
+
+/**
+ * covbeam_medium_column_transmittance for `count` columns.
+ *
+ * @param medium as medium there.
+ * @param count number of columns; with 0 nothing is done.
+ * @param columns, column_stride as column there.
+ * @param transmittances, transmittance_stride as transmittance there.
+ */
+covbeam_status covbeam_medium_column_transmittance_many(const struct covbeam_medium *medium,
+                                                        size_t count,
+                                                        const float *columns,
+                                                        size_t column_stride,
+                                                        float *transmittances,
+                                                        size_t transmittance_stride);
+
+/**
+ * The column after which light of every channel is down to e^-17 = 4e-8.
+ *
+ * @param medium the medium.
+ * @param column [m]; infinite if a channel has no extinction.
+ */
+covbeam_status covbeam_medium_opaque_column(const struct covbeam_medium *medium, float *column);
+
+/**
+ * Distance beyond which light that starts on a ray leaves nothing to see: where a host may end an eye ray or a beam that no
+ * surface ends.
+ *
+ * @param medium the medium.
+ * @param origin of the ray [m].
+ * @param direction of the ray, unit.
+ * @param distance [m]: where the medium becomes opaque, hardly goes on, or its voxels end; infinite if there is no such place.
+ * @note Voxels: about 20 ns a voxel passed.
+ */
+covbeam_status covbeam_medium_reach(const struct covbeam_medium *medium,
+                                    const float *origin,
+                                    const float *direction,
+                                    float *distance);
+
+/**
+ * covbeam_medium_reach for `count` rays.
+ *
+ * @param medium as medium there.
+ * @param count number of rays; with 0 nothing is done.
+ * @param origins, origin_stride as origin there; a stride of 0 gives all rays the same.
+ * @param directions, direction_stride as direction there; a stride of 0 gives all rays the same.
+ * @param distances, distance_stride as distance there.
+ */
+covbeam_status covbeam_medium_reach_many(const struct covbeam_medium *medium,
+                                         size_t count,
+                                         const float *origins,
+                                         size_t origin_stride,
+                                         const float *directions,
+                                         size_t direction_stride,
+                                         float *distances,
+                                         size_t distance_stride);
+
+/**
+ * The table of columns along a ray through voxels: points between which a straight line is within `error` of the column. None
+ * for other densities, whose columns are closed forms.
+ *
+ * @param medium the medium.
+ * @param origin of the ray [m].
+ * @param direction of the ray, unit.
+ * @param length of the ray [m] >= 0; infinity ends where it leaves the voxels.
+ * @param error of a column [m] > 0; infinity keeps the ends alone. Times the extinction it is the error of the optical depth.
+ * @param most the table ends at the first point with a larger column [m] >= 0; infinity for the whole ray.
+ * @param knots packed, room for `capacity` of them; NULL with a capacity of 0 only counts.
+ * @param capacity of knots; 64 x (voxels along x + y + z + 2) is always enough.
+ * @param count number of knots.
+ * @note If the capacity is too small: COVBEAM_SHORT_BUFFER, and the message says what is needed. About 40 ns a voxel passed.
+ */
+covbeam_status covbeam_medium_knots(const struct covbeam_medium *medium,
+                                    const float *origin,
+                                    const float *direction,
+                                    float length,
+                                    float error,
+                                    float most,
+                                    struct covbeam_knot *knots,
+                                    size_t capacity,
+                                    size_t *count);
+
+/**
+ * covbeam_medium_knots as a gather wants them: within 5e-4 of the optical depth of the channel that is attenuated most, up to where every
+ * channel is opaque.
+ *
+ * @param medium the medium.
+ * @param origin of the ray [m].
+ * @param direction of the ray, unit.
+ * @param length of the ray [m] >= 0; infinity ends where it leaves the voxels.
+ * @param knots packed, room for `capacity` of them; NULL with a capacity of 0 only counts.
+ * @param capacity of knots.
+ * @param count number of knots.
+ * @note A capacity that is too small is answered as by covbeam_medium_knots. About 40 ns a voxel passed.
+ */
+covbeam_status covbeam_medium_tabulate(const struct covbeam_medium *medium,
+                                       const float *origin,
+                                       const float *direction,
+                                       float length,
+                                       struct covbeam_knot *knots,
+                                       size_t capacity,
+                                       size_t *count);
+
+/**
+ * The column along a ray, by value: a closed form, or the table that covbeam_medium_tabulate made of it.
+ *
+ * @param medium the medium.
+ * @param origin of the ray [m].
+ * @param direction of the ray, unit.
+ * @param knots packed, not copied: they stay in place while the column is used; ignored, and may be NULL, unless the density is voxels.
+ * @param knot_count number of knots.
+ * @param column the column.
+ * @note Checks the table: finite, distances and columns not falling. Nothing that is given a column checks that again.
+ */
+covbeam_status covbeam_medium_column(const struct covbeam_medium *medium,
+                                     const float *origin,
+                                     const float *direction,
+                                     const struct covbeam_knot *knots,
+                                     size_t knot_count,
+                                     struct covbeam_column *column);
+
+/**
+ * The column up to a distance.
+ *
+ * @param column the column along the ray.
+ * @param distance along the ray [m] >= 0; infinity allowed.
+ * @param value [m] >= 0, never falling with distance.
+ * @note Costs nothing, an exponential, or a binary search. The order of the knots is not checked; without it, value means nothing.
+ */
+covbeam_status covbeam_column_at(const struct covbeam_column *column,
+                                 float distance,
+                                 float *value);
+
+/**
+ * covbeam_column_at for `count` distances along one ray.
+ *
+ * @param column as column there.
+ * @param count number of distances; with 0 nothing is done.
+ * @param distances, distance_stride as distance there.
+ * @param values, value_stride as value there.
+ */
+covbeam_status covbeam_column_at_many(const struct covbeam_column *column,
+                                      size_t count,
+                                      const float *distances,
+                                      size_t distance_stride,
+                                      float *values,
+                                      size_t value_stride);
+
+/**
+ * The distance at which the column reaches a value: the inverse of covbeam_column_at. See covbeam_medium_distance_at.
+ *
+ * @param column the column along the ray.
+ * @param value [m] >= 0; infinity allowed.
+ * @param distance [m]; infinity if it never does.
+ * @note Costs nothing, a logarithm, or a binary search. The order of the knots is not checked; without it, distance means nothing.
+ */
+covbeam_status covbeam_column_distance_at(const struct covbeam_column *column,
+                                          float value,
+                                          float *distance);
+
+/**
+ * covbeam_column_distance_at for `count` values along one ray.
+ *
+ * @param column as column there.
+ * @param count number of values; with 0 nothing is done.
+ * @param values, value_stride as value there.
+ * @param distances, distance_stride as distance there.
+ */
+covbeam_status covbeam_column_distance_at_many(const struct covbeam_column *column,
+                                               size_t count,
+                                               const float *values,
+                                               size_t value_stride,
+                                               float *distances,
+                                               size_t distance_stride);
+
+/**
+ * A spectrum's variance along an axis: what covbeam_kernel_radius_from_error takes.
+ *
+ * @param spectrum of the fluence.
+ * @param axis unit.
+ * @param variance [cycles^2/m^2] >= 0, to a few roundings of xx + yy + zz.
+ * @note Thesis 5.3.4.
+ */
+covbeam_status covbeam_spectrum_variance_along(const struct covbeam_spectrum *spectrum,
+                                               const float *axis,
+                                               float *variance);
+
+/**
+ * covbeam_spectrum_variance_along for `count` spectra.
+ *
+ * @param count number of spectra; with 0 nothing is done.
+ * @param spectra, spectrum_stride as spectrum there; a stride of 0 asks one spectrum for all axes.
+ * @param axes, axis_stride as axis there; a stride of 0 gives all spectra the same.
+ * @param variances, variance_stride as variance there.
+ */
+covbeam_status covbeam_spectra_variance_along(size_t count,
+                                              const struct covbeam_spectrum *spectra,
+                                              size_t spectrum_stride,
+                                              const float *axes,
+                                              size_t axis_stride,
+                                              float *variances,
+                                              size_t variance_stride);
+
+/**
+ * Adds a variance along an axis, such as that of covbeam_light_field_variance_along_ray.
+ *
+ * @param spectrum of the fluence, changed in place.
+ * @param axis unit.
+ * @param variance [cycles^2/m^2], finite and >= 0.
+ */
+covbeam_status covbeam_spectrum_add_along(struct covbeam_spectrum *spectrum,
+                                          const float *axis,
+                                          float variance);
+
+/**
+ * covbeam_spectrum_add_along for `count` spectra.
+ *
+ * @param count number of spectra; with 0 nothing is done.
+ * @param spectra, spectrum_stride as spectrum there.
+ * @param axes, axis_stride as axis there; a stride of 0 gives all spectra the same.
+ * @param variances, variance_stride as variance there; a stride of 0 gives all spectra the same.
+ */
+covbeam_status covbeam_spectra_add_along(size_t count,
+                                         struct covbeam_spectrum *spectra,
+                                         size_t spectrum_stride,
+                                         const float *axes,
+                                         size_t axis_stride,
+                                         const float *variances,
+                                         size_t variance_stride);
+
+/**
+ * Makes an empty grid in the library's memory: 56 bytes a voxel, and 28 more from the first covbeam_grid_resolve on.
+ *
+ * @param layout box and resolution.
+ * @param out the handle.
+ */
+covbeam_status covbeam_grid_new(const struct covbeam_grid_layout *layout,
+                                struct covbeam_grid **out);
+
+/**
+ * Makes a grid in the host's memory, which is the grid's until it is freed: between calls on the grid the host may read it, and
+ * write it too (numbers that deposits cannot make are voxels without data).
+ *
+ * @param layout box and resolution.
+ * @param cells, cell_count as many as the layout has; their content stays: zero them for an empty grid.
+ * @param means, mean_count as many as the layout has; written by covbeam_grid_resolve.
+ * @param out the handle.
+ */
+covbeam_status covbeam_grid_new_in(const struct covbeam_grid_layout *layout,
+                                   struct covbeam_grid_cell *cells,
+                                   size_t cell_count,
+                                   struct covbeam_fluence_cell *means,
+                                   size_t mean_count,
+                                   struct covbeam_grid **out);
+
+/**
+ * Frees a grid; memory of the host's stays the host's, with what is in it.
+ *
+ * @param grid NULL is ignored.
+ */
+void covbeam_grid_free(struct covbeam_grid *grid);
+
+/**
+ * The grid's box and resolution.
+ *
+ * @param grid the grid.
+ * @param layout receives them.
+ */
+covbeam_status covbeam_grid_get_layout(const struct covbeam_grid *grid, struct covbeam_grid_layout *layout);
+
+/**
+ * Empties a grid, and forgets what was resolved.
+ *
+ * @param grid the grid.
+ */
+covbeam_status covbeam_grid_clear(struct covbeam_grid *grid);
+
+/**
+ * Adds the light fields along segments of light paths, in their order.
+ *
+ * @param grid the grid.
+ * @param medium what the segments run through; the mean extinction of the channels counts.
+ * @param count number of segments; with 0 nothing is done.
+ * @param segments, segment_stride the segments.
+ * @note Thesis 5.3.1, Eq 5.14 and 5.15. 0.2 us a voxel on the way, 0.7 us where the density varies; 2 to 40 us a segment. A tenth of a
+ * pass' photons is enough.
+ */
+covbeam_status covbeam_grid_deposit(struct covbeam_grid *grid,
+                                    const struct covbeam_medium *medium,
+                                    size_t count,
+                                    const struct covbeam_segment *segments,
+                                    size_t segment_stride);
+
+/**
+ * Adds spectra to the voxels around points, in their order: for hosts that estimate bandwidth in a way of their own.
+ *
+ * @param grid the grid.
+ * @param count number of points; with 0 nothing is done.
+ * @param positions, position_stride points [m]; one outside the grid adds nothing.
+ * @param spectra, spectrum_stride spectra [cycles^2/m^2], finite.
+ * @param weights, weight_stride contributions to the fluence [W m], finite and >= 0.
+ */
+covbeam_status covbeam_grid_deposit_spectra(struct covbeam_grid *grid,
+                                            size_t count,
+                                            const float *positions,
+                                            size_t position_stride,
+                                            const struct covbeam_spectrum *spectra,
+                                            size_t spectrum_stride,
+                                            const float *weights,
+                                            size_t weight_stride);
+
+/**
+ * Adds what other grids of the same layout have collected, in their order.
+ *
+ * @param grid the grid that is added to.
+ * @param others array of other_count handles, none of them `grid`; they stay as they are.
+ * @param other_count number of handles; with 0 nothing is done.
+ * @note The sums are f64: 10^9 equal deposits keep their mean to 1e-7.
+ */
+covbeam_status covbeam_grid_merge(struct covbeam_grid *grid,
+                                  const struct covbeam_grid *const *others,
+                                  size_t other_count);
+
+/**
+ * Computes the mean spectrum of every voxel, for look-ups; they see the state of this call until the next one.
+ *
+ * @param grid the grid.
+ * @note About 10 ns a voxel.
+ */
+covbeam_status covbeam_grid_resolve(struct covbeam_grid *grid);
+
+/**
+ * The spectrum of the fluence around points: the flux-weighted mean of the eight voxels around each, with trilinear weights.
+ *
+ * @param grid a grid that has been resolved.
+ * @param count number of points; with 0 nothing is done.
+ * @param positions, position_stride points [m].
+ * @param spectra, spectrum_stride receive the spectra [cycles^2/m^2]; 0 where the grid knows nothing.
+ * @param found, found_stride receive 1, or 0 where the grid knows nothing: outside, and where no light has passed. May be NULL.
+ * @note Thesis Eq 5.15. 20 ns a point.
+ */
+covbeam_status covbeam_grid_look_up(const struct covbeam_grid *grid,
+                                    size_t count,
+                                    const float *positions,
+                                    size_t position_stride,
+                                    struct covbeam_spectrum *spectra,
+                                    size_t spectrum_stride,
+                                    uint8_t *found,
+                                    size_t found_stride);
+
+/**
+ * What the voxels have collected, to read or to upload.
+ *
+ * @param grid the grid.
+ * @param cells receives the first; valid until the grid is changed or freed.
+ * @param count receives their number.
+ */
+covbeam_status covbeam_grid_get_cells(const struct covbeam_grid *grid,
+                                      const struct covbeam_grid_cell **cells,
+                                      size_t *count);
+
+/**
+ * The mean spectra that look-ups see, to read or to upload.
+ *
+ * @param grid a grid that has been resolved.
+ * @param means receives the first; valid until the grid is changed or freed.
+ * @param count receives their number.
+ */
+covbeam_status covbeam_grid_get_means(const struct covbeam_grid *grid,
+                                      const struct covbeam_fluence_cell **means,
+                                      size_t *count);
+
+/**
+ * Number of bytes that covbeam_grid_save writes.
+ *
+ * @param grid the grid.
+ * @param size receives it: 56 and 56 a voxel.
+ */
+covbeam_status covbeam_grid_get_saved_size(const struct covbeam_grid *grid, size_t *size);
+
+/**
+ * Writes what the grid has collected as bytes, the same on every machine.
+ *
+ * @param grid the grid.
+ * @param bytes, size memory of covbeam_grid_get_saved_size bytes.
+ * @note 0.1 us a voxel. Cells that deposits cannot make (written by the host) are refused.
+ */
+covbeam_status covbeam_grid_save(const struct covbeam_grid *grid, void *bytes, size_t size);
+
+/**
+ * Makes a grid from the bytes of covbeam_grid_save. Bytes that it has not written are refused.
+ *
+ * @param bytes, size the bytes.
+ * @param out the handle; the grid is not resolved yet.
+ * @note Memory is had only for as many voxels as there are bytes for.
+ */
+covbeam_status covbeam_grid_load(const void *bytes, size_t size, struct covbeam_grid **out);
+
+/**
+ * The kernel of a pass: what a host calls when it begins one.
+ *
+ * @param schedule how the kernel shrinks.
+ * @param pass counted from 1. Passes may run in any order.
+ * @param kernel set its struct_size before; the rest is written: progressive = covbeam_progressive_radius(radius, alpha, pass), ceiling = the larger of max_radius and progressive, error = covbeam_error_bound(error, pass).
+ * @note COVBEAM_INVALID_VALUE too if the radius or the error of the pass falls below the smallest float.
+ */
+covbeam_status covbeam_schedule_kernel(const struct covbeam_schedule *schedule,
+                                       uint32_t pass,
+                                       struct covbeam_kernel *kernel);
+
+/**
+ * The progressive radius of a pass: r_1 = radius, r_(i+1) = r_i (i + alpha) / (i + 1).
+ *
+ * @param radius of pass 1 [m] > 0.
+ * @param alpha in (0, 1]; 1 keeps the radius.
+ * @param pass i, counted from 1.
+ * @param result [m].
+ * @note A few ns a pass up to pass 4096, and no more from there on. Jarosz et al. 2011.
+ */
+covbeam_status covbeam_progressive_radius(float radius, float alpha, uint32_t pass, float *result);
+
+/**
+ * The bound on the relative bias in a pass: error x pass^(-2/5), so that the bias of the mean over passes goes to 0.
+ *
+ * @param error in pass 1, > 0.
+ * @param pass counted from 1.
+ * @param result the bound in that pass.
+ */
+covbeam_status covbeam_error_bound(float error,
+                                   uint32_t pass,
+                                   float *result);
+
+/**
+ * A kernel's value K_r(d).
+ *
+ * @param shape a value of covbeam_kernel_shape.
+ * @param distance d [m], of either sign.
+ * @param radius r [m] > 0.
+ * @param value [1/m]: 0 where the distance is r or more.
+ */
+covbeam_status covbeam_kernel_evaluate(uint32_t shape, float distance, float radius, float *value);
+
+/**
+ * Second moment of a kernel of radius 1; that of radius r is r^2 times it.
+ *
+ * @param shape a value of covbeam_kernel_shape.
+ * @param moment of the kernel.
+ */
+covbeam_status covbeam_kernel_second_moment(uint32_t shape, float *moment);
+
+/**
+ * The radius at which the kernel costs a relative bias: sqrt(error / (2 pi^2 second_moment variance)).
+ *
+ * @param shape a value of covbeam_kernel_shape.
+ * @param error the relative bias > 0.
+ * @param variance of the fluence's spectrum along the kernel's axis [cycles^2/m^2] >= 0; infinity gives 0.
+ * @param radius [m]: infinite for a variance of 0.
+ * @note Thesis 5.3.4.
+ */
+covbeam_status covbeam_kernel_radius_from_error(uint32_t shape, float error, float variance, float *radius);
+
+/**
+ * The kernel radius of a pair of beam and eye ray.
+ *
+ * @param kernel the kernel of the pass.
+ * @param grid where the spectrum is looked up, resolved; NULL gives the progressive radius.
+ * @param position the closest point on the eye ray [m].
+ * @param axis of the kernel, unit, across ray and beam: that of the covbeam_crossing.
+ * @param radius [m] in [progressive, ceiling].
+ * @param sigma deviation of the spectrum along the axis [cycles/m]; 0 where the grid knows nothing.
+ * @note Thesis 5.3.4.
+ */
+covbeam_status covbeam_kernel_radius_at(const struct covbeam_kernel *kernel,
+                                        const struct covbeam_grid *grid,
+                                        const float *position,
+                                        const float *axis,
+                                        float *radius,
+                                        float *sigma);
+
+/**
+ * covbeam_kernel_radius_at for `count` pairs.
+ *
+ * @param kernel as kernel there.
+ * @param grid as grid there.
+ * @param count number of pairs; with 0 nothing is done.
+ * @param positions, position_stride as position there; a stride of 0 gives all pairs the same.
+ * @param axes, axis_stride as axis there; a stride of 0 gives all pairs the same.
+ * @param radii, radius_stride as radius there.
+ * @param sigmas, sigma_stride as sigma there.
+ */
+covbeam_status covbeam_kernel_radius_at_many(const struct covbeam_kernel *kernel,
+                                             const struct covbeam_grid *grid,
+                                             size_t count,
+                                             const float *positions,
+                                             size_t position_stride,
+                                             const float *axes,
+                                             size_t axis_stride,
+                                             float *radii,
+                                             size_t radius_stride,
+                                             float *sigmas,
+                                             size_t sigma_stride);
+
+/**
+ * Makes a map without beams.
+ *
+ * @param medium what its beams run through; copied, and voxels are kept alive. For covbeam_beam_map_gather_shaded: any homogeneous one.
+ * @param out the handle.
+ */
+covbeam_status covbeam_beam_map_new(const struct covbeam_medium *medium,
+                                    struct covbeam_beam_map **out);
+
+/**
+ * Frees a map.
+ *
+ * @param map NULL is ignored.
+ */
+void covbeam_beam_map_free(struct covbeam_beam_map *map);
+
+/**
+ * Begins a pass: forgets all beams, keeps their memory.
+ *
+ * @param map the map.
+ */
+covbeam_status covbeam_beam_map_clear(struct covbeam_beam_map *map);
+
+/**
+ * Adds beams. What a map gathers depends on their order only, not on how they were cut into batches.
+ *
+ * @param map a map that is not committed.
+ * @param count number of beams; with 0 nothing is done. At most 2^28 beams in all.
+ * @param beams, beam_stride the beams, copied.
+ */
+covbeam_status covbeam_beam_map_add(struct covbeam_beam_map *map,
+                                    size_t count,
+                                    const struct covbeam_beam *beams,
+                                    size_t beam_stride);
+
+/**
+ * Builds the hierarchy over the beams. Stopped, the map is as before.
+ *
+ * @param map a map that is not committed.
+ * @param ceiling largest kernel radius that it will be gathered with [m] > 0: covbeam_kernel's ceiling.
+ * @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with COVBEAM_CANCELLED.
+ * @param user given to poll.
+ * @note n log n in the number of beams: about 1 us a beam; 450 bytes a beam afterwards.
+ */
+covbeam_status covbeam_beam_map_commit(struct covbeam_beam_map *map,
+                                       float ceiling,
+                                       covbeam_poll poll,
+                                       void *user);
+
+/**
+ * How many beams a map has.
+ *
+ * @param map the map, committed or not.
+ * @param count receives their number.
+ */
+covbeam_status covbeam_beam_map_get_count(const struct covbeam_beam_map *map, size_t *count);
+
+/**
+ * How much memory a map holds.
+ *
+ * @param map the map, committed or not.
+ * @param bytes receives it.
+ */
+covbeam_status covbeam_beam_map_get_memory(const struct covbeam_beam_map *map, size_t *bytes);
+
+/**
+ * Makes the memory of a thread's gathers.
+ *
+ * @param out the handle.
+ */
+covbeam_status covbeam_scratch_new(struct covbeam_scratch **out);
+
+/**
+ * Frees a thread's memory.
+ *
+ * @param scratch NULL is ignored.
+ */
+void covbeam_scratch_free(struct covbeam_scratch *scratch);
+
+/**
+ * Gathers the light that beams scatter into eye rays. Stopped or failed, nothing is written.
+ *
+ * @param map a map that has been committed.
+ * @param kernel the kernel and how wide it may be; its ceiling at most the map's.
+ * @param grid a grid that has been resolved, for kernels as wide as the light's bandwidth allows. NULL: all of them have kernel->progressive.
+ * @param count number of rays; with 0 nothing is done. Each 64 that follow each other share one walk through the hierarchy: give
+ * those of a tile of 8x8 pixels together.
+ * @param rays, ray_stride the eye rays, all in the map's medium.
+ * @param gathered, gathered_stride receive what each ray gathers.
+ * @param scratch the thread's memory; NULL allocates for this call.
+ * @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with COVBEAM_CANCELLED.
+ * @param user given to poll.
+ * @note Thesis 5.3.4. An accepted pair costs 42 ns in a homogeneous medium, 73 ns in an exponential one, 65 ns in voxels.
+ */
+covbeam_status covbeam_beam_map_gather(const struct covbeam_beam_map *map,
+                                       const struct covbeam_kernel *kernel,
+                                       const struct covbeam_grid *grid,
+                                       size_t count,
+                                       const struct covbeam_eye_ray *rays,
+                                       size_t ray_stride,
+                                       struct covbeam_gathered *gathered,
+                                       size_t gathered_stride,
+                                       struct covbeam_scratch *scratch,
+                                       covbeam_poll poll,
+                                       void *user);
+
+/**
+ * covbeam_beam_map_gather in a medium that only the host knows: shade says how much light each contact lets through.
+ *
+ * @param map, kernel, grid, count, rays, ray_stride, gathered, gathered_stride, scratch as there. The map's own medium does not matter.
+ * @param shade called with up to 256 contacts at a time.
+ * @param poll may be NULL, as there.
+ * @param user given to shade and to poll.
+ * @note 10 to 15 ns a pair on top of what shade takes.
+ */
+covbeam_status covbeam_beam_map_gather_shaded(const struct covbeam_beam_map *map,
+                                              const struct covbeam_kernel *kernel,
+                                              const struct covbeam_grid *grid,
+                                              size_t count,
+                                              const struct covbeam_eye_ray *rays,
+                                              size_t ray_stride,
+                                              struct covbeam_gathered *gathered,
+                                              size_t gathered_stride,
+                                              struct covbeam_scratch *scratch,
+                                              covbeam_shade shade,
+                                              covbeam_poll poll,
+                                              void *user);
+
+/**
+ * Closest approach of an eye ray's line and a beam's line.
+ *
+ * @param ray the eye ray; its length does not matter.
+ * @param beam the beam; its length does not matter.
+ * @param crossing the closest approach; untouched if they are nearly parallel.
+ * @param crosses 1, or 0 if the sine of the angle between them is below 1e-5: such pairs are never gathered.
+ */
+covbeam_status covbeam_cross(const struct covbeam_eye_ray *ray,
+                             const struct covbeam_beam *beam,
+                             struct covbeam_crossing *crossing,
+                             uint8_t *crosses);
+
+/**
+ * covbeam_cross for `count` beams.
+ *
+ * @param ray as ray there.
+ * @param count number of beams; with 0 nothing is done.
+ * @param beams, beam_stride as beam there.
+ * @param crossings, crossing_stride as crossing there.
+ * @param crosses, cross_stride as crosses there.
+ */
+covbeam_status covbeam_cross_many(const struct covbeam_eye_ray *ray,
+                                  size_t count,
+                                  const struct covbeam_beam *beams,
+                                  size_t beam_stride,
+                                  struct covbeam_crossing *crossings,
+                                  size_t crossing_stride,
+                                  uint8_t *crosses,
+                                  size_t cross_stride);
+
+/**
+ * Gathers one beam, and adds it to what the eye ray has gathered: scattering x phase function x transmittance along both x flux of
+ * the beam x kernel(gap) / sin(angle), if the gap is less than the kernel's radius, looked up on the eye ray.
+ *
+ * @param ray the eye ray.
+ * @param beam the beam, in the same medium.
+ * @param from, to part of the beam that counts [m] >= 0, [from, to): 0 and the beam's length, or more, for all of it. Cutting a beam into adjoining parts changes nothing.
+ * @param medium that both lie in.
+ * @param ray_column along the ray; NULL takes the closed form (voxels have none: COVBEAM_NULL_POINTER).
+ * @param beam_column along the beam; NULL likewise.
+ * @param kernel the kernel of the pass.
+ * @param grid as in covbeam_kernel_radius_at.
+ * @param gathered in and out: finite numbers, all 0 to begin with.
+ * @param accepted 1 if the pair counts, else 0.
+ * @note Thesis 5.3.4. A beam that starts or ends on a surface is cut by its tangent plane. The order of the columns' knots is not checked.
+ */
+covbeam_status covbeam_gather_pair(const struct covbeam_eye_ray *ray,
+                                   const struct covbeam_beam *beam,
+                                   float from,
+                                   float to,
+                                   const struct covbeam_medium *medium,
+                                   const struct covbeam_column *ray_column,
+                                   const struct covbeam_column *beam_column,
+                                   const struct covbeam_kernel *kernel,
+                                   const struct covbeam_grid *grid,
+                                   struct covbeam_gathered *gathered,
+                                   uint8_t *accepted);
+
+/**
+ * covbeam_gather_pair for one eye ray and `count` beams, added in their order.
+ *
+ * @param ray as ray there.
+ * @param count number of beams; with 0 nothing is done.
+ * @param beams, beam_stride as beam there.
+ * @param froms, from_stride as from there; a stride of 0 gives all beams the same.
+ * @param tos, to_stride as to there; a stride of 0 gives all beams the same.
+ * @param medium as medium there.
+ * @param ray_column as ray_column there.
+ * @param beam_columns, beam_column_stride as beam_column there; NULL for all of them.
+ * @param kernel as kernel there.
+ * @param grid as grid there.
+ * @param gathered as gathered there, one for all beams.
+ * @param accepted, accepted_stride as accepted there.
+ */
+covbeam_status covbeam_gather_pairs(const struct covbeam_eye_ray *ray,
+                                    size_t count,
+                                    const struct covbeam_beam *beams,
+                                    size_t beam_stride,
+                                    const float *froms,
+                                    size_t from_stride,
+                                    const float *tos,
+                                    size_t to_stride,
+                                    const struct covbeam_medium *medium,
+                                    const struct covbeam_column *ray_column,
+                                    const struct covbeam_column *beam_columns,
+                                    size_t beam_column_stride,
+                                    const struct covbeam_kernel *kernel,
+                                    const struct covbeam_grid *grid,
+                                    struct covbeam_gathered *gathered,
+                                    uint8_t *accepted,
+                                    size_t accepted_stride);
+
+/**
+ * Which of many beams an eye ray may be paired with: eight at a time, without looking at grid or surfaces. Errs towards accepting (a
+ * parallel beam always passes): covbeam_gather_pair refuses every beam that it refuses.
+ *
+ * @param ray the eye ray.
+ * @param count number of beams; with 0 nothing is done.
+ * @param beams, beam_stride the beams, each as a whole.
+ * @param ceiling largest kernel radius [m] > 0: that of the covbeam_kernel.
+ * @param masks, mask_stride 1 for a beam that may come within the ceiling, else 0.
+ */
+covbeam_status covbeam_filter_beams(const struct covbeam_eye_ray *ray,
+                                    size_t count,
+                                    const struct covbeam_beam *beams,
+                                    size_t beam_stride,
+                                    float ceiling,
+                                    uint8_t *masks,
+                                    size_t mask_stride);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* COVBEAM_H */

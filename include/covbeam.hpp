@@ -1,0 +1,648 @@
+/*
+ * covbeam for C++11 and later: owners, exceptions and views over covbeam.h, which is the manual. Header only.
+ * MIT or Apache-2.0.
+ *
+ * Every call that fails throws covbeam::Error. Nothing is thrown through the library: an exception of a callback stops the
+ * call, and comes out of it here. Single calls are members, calls on arrays are in namespace `many`. A `const float*` is a
+ * vector of 3 floats unless its name says another number.
+ */
+#ifndef COVBEAM_HPP
+#define COVBEAM_HPP
+
+#include "covbeam.h"
+
+#include <exception>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace covbeam {
+
+/// A call that ended in another status than COVBEAM_OK; what() names the parameter and the remedy.
+class Error : public std::runtime_error {
+public:
+    Error(covbeam_status status, const std::string& message)
+        : std::runtime_error(std::string(covbeam_status_name(status)) + ": " + message), status_(status) {}
+    covbeam_status status() const noexcept { return status_; }
+
+private:
+    covbeam_status status_;
+};
+
+/// COVBEAM_CANCELLED: the host's poll said no.
+class Cancelled : public Error {
+public:
+    explicit Cancelled(const std::string& message) : Error(COVBEAM_CANCELLED, message) {}
+};
+
+/// Throws what a call of the C API returned.
+inline void check(covbeam_status status) {
+    if (status == COVBEAM_OK) return;
+    if (status == COVBEAM_CANCELLED) throw Cancelled(covbeam_last_error());
+    throw Error(status, covbeam_last_error());
+}
+
+/// Throws unless the library that runs is that of this header: for hosts that load it themselves; others have the SONAME.
+inline void require_abi() {
+    if (covbeam_abi_version() != COVBEAM_ABI_VERSION)
+        throw Error(COVBEAM_MISMATCH, "the library's ABI is not that of the header");
+}
+
+/// A view of an array: elements of N Ts, `stride` bytes apart. Made from a C array or anything with data() and size(), whose
+/// elements are Ts, or structs of N Ts such as the host's own vectors. The default is NULL, for functions that allow it.
+template <class T, size_t N = 1>
+struct Strided {
+    T* data = nullptr;
+    size_t stride = 0;
+    size_t count = any;
+
+    /// The count of what is as long as the other arrays of the call.
+    static constexpr size_t any = static_cast<size_t>(-1);
+
+    Strided() noexcept = default;
+    Strided(T* first, size_t elements, size_t bytes = N * sizeof(T)) noexcept
+        : data(first), stride(bytes), count(elements) {}
+    template <class C> Strided(C& c, decltype(c.data())* = nullptr) noexcept : Strided(from(c.data(), c.size())) {}
+    template <class C> Strided(const C& c, decltype(c.data())* = nullptr) noexcept : Strided(from(c.data(),
+        c.size())) {}
+    template <class U, size_t M> Strided(U (&array)[M]) noexcept : Strided(from(array, M)) {}
+
+    /// One member of a struct, all along an array of them: of(&p[0].direction, p.size(), sizeof p[0]).
+    template <class U> static Strided of(U* first, size_t elements, size_t bytes) noexcept {
+        Strided view = from(first, elements);
+        view.stride = bytes;
+        return view;
+    }
+    /// The same value for all elements of the other arrays. It must outlive the call.
+    template <class U> static Strided every(const U& value) noexcept { return of(&value, any, 0); }
+
+private:
+    template <class U> static Strided from(U* first, size_t elements) noexcept {
+        using Plain = typename std::remove_const<U>::type;
+        using Wanted = typename std::remove_const<T>::type;
+        static_assert(sizeof(U) == N * sizeof(T) && alignof(U) % alignof(T) == 0, "elements of another size");
+        static_assert(N > 1 || std::is_same<Plain, Wanted>::value || std::is_base_of<Wanted, Plain>::value,
+                      "elements of another type");
+        static_assert(std::is_standard_layout<U>::value, "elements whose layout C does not know");
+        static_assert(std::is_const<T>::value || !std::is_const<U>::value, "elements that may not be written");
+        return Strided(reinterpret_cast<T*>(first), elements, sizeof(U));
+    }
+};
+template <class T, size_t N> constexpr size_t Strided<T, N>::any;
+
+using Floats = Strided<const float>;
+using Vectors = Strided<const float, 3>;
+using FloatsOut = Strided<float>;
+using VectorsOut = Strided<float, 3>;
+using Flags = Strided<uint8_t>;
+using Fields = Strided<covbeam_light_field>;
+using FieldsIn = Strided<const covbeam_light_field>;
+using Spectra = Strided<covbeam_spectrum>;
+using SpectraIn = Strided<const covbeam_spectrum>;
+using Beams = Strided<const covbeam_beam>;
+using Curvatures = Strided<const covbeam_curvature>;
+
+namespace detail {
+
+/// The length that all arrays of a call have.
+inline size_t common(size_t count) noexcept { return count; }
+template <class... Rest> size_t common(size_t a, size_t b, Rest... rest) {
+    if (a != b && a != Floats::any && b != Floats::any)
+        throw Error(COVBEAM_INVALID_ARRAY, "arrays of one call have different lengths");
+    return common(a != Floats::any ? a : b, rest...);
+}
+
+template <class T, void (*Free)(T*)> struct Deleter {
+    void operator()(T* handle) const noexcept { Free(handle); }
+};
+template <class T, void (*Free)(T*)> using Owner = std::unique_ptr<T, Deleter<T, Free>>;
+
+/// Host callables as C callbacks: their exceptions are kept until the call is over.
+template <class Poll, class Shade> struct Calls {
+    Poll& go_on;
+    Shade& host_shade;
+    std::exception_ptr thrown;
+
+    Calls(Poll& p, Shade& s) noexcept : go_on(p), host_shade(s), thrown() {}
+    static int32_t poll(void* user) noexcept {
+        Calls& calls = *static_cast<Calls*>(user);
+        try {
+            return calls.go_on() ? 0 : 1;
+        } catch (...) {
+            calls.thrown = std::current_exception();
+            return 1;
+        }
+    }
+    static int32_t shade(void* user, const covbeam_contact* contacts, size_t count, float* values) noexcept {
+        Calls& calls = *static_cast<Calls*>(user);
+        try {
+            calls.host_shade(contacts, count, values);
+            return 0;
+        } catch (...) {
+            calls.thrown = std::current_exception();
+            return 1;
+        }
+    }
+    void check(covbeam_status status) const {
+        if (thrown) std::rethrow_exception(thrown);
+        covbeam::check(status);
+    }
+};
+
+} // namespace detail
+
+/// A relative density in voxels. Media refer to it: keep it as long as they are used.
+class Density {
+public:
+    Density(const covbeam_grid_layout& layout, Floats values) {
+        covbeam_density* handle = nullptr;
+        check(covbeam_density_new(&layout, values.data, values.stride, values.count, &handle));
+        handle_.reset(handle);
+    }
+    const covbeam_density* get() const noexcept { return handle_.get(); }
+
+private:
+    detail::Owner<covbeam_density, covbeam_density_free> handle_;
+};
+
+struct Phase : covbeam_phase {
+    explicit Phase(uint32_t of_kind = COVBEAM_PHASE_ISOTROPIC, float g = 0) noexcept : covbeam_phase() {
+        kind = of_kind;
+        asymmetry = g;
+    }
+    static Phase henyey_greenstein(float g) noexcept { return Phase(COVBEAM_PHASE_HENYEY_GREENSTEIN, g); }
+    static Phase rayleigh() noexcept { return Phase(COVBEAM_PHASE_RAYLEIGH); }
+
+    float evaluate(float cos_theta) const { float v; check(covbeam_phase_evaluate(this, cos_theta, &v)); return v; }
+    void sample(const float* direction, const float* xi, float* scattered) const {
+        check(covbeam_phase_sample(this, direction, xi, scattered));
+    }
+    float sample_cosine(float xi) const { float v; check(covbeam_phase_sample_cosine(this, xi, &v)); return v; }
+    float angular_variance() const { float v; check(covbeam_phase_angular_variance(this, &v)); return v; }
+};
+
+/// The column along one ray; see covbeam_medium_column.
+struct Column : covbeam_column {
+    Column() noexcept : covbeam_column() {}
+    float at(float distance) const { float v; check(covbeam_column_at(this, distance, &v)); return v; }
+    float distance_at(float value) const { float v; check(covbeam_column_distance_at(this, value, &v)); return v; }
+};
+
+/// Homogeneous and isotropic unless a with_ function says otherwise.
+struct Medium : covbeam_medium {
+    Medium() noexcept : covbeam_medium() { struct_size = sizeof(covbeam_medium); }
+    static Medium grey(float scattering, float absorption) noexcept {
+        const float s[3] = {scattering, scattering, scattering}, a[3] = {absorption, absorption, absorption};
+        return rgb(s, a);
+    }
+    static Medium rgb(const float* scattering, const float* absorption) noexcept {
+        Medium m;
+        for (int i = 0; i < 3; ++i) m.scattering[i] = scattering[i], m.absorption[i] = absorption[i];
+        return m;
+    }
+    Medium& with_phase(const covbeam_phase& p) noexcept { phase = p; return *this; }
+    Medium& with_exponential(const float* where_1, const float* upwards, float height) noexcept {
+        density = COVBEAM_DENSITY_EXPONENTIAL;
+        for (int i = 0; i < 3; ++i) origin[i] = where_1[i], up[i] = upwards[i];
+        scale_height = height;
+        return *this;
+    }
+    Medium& with_voxels(const Density& d) noexcept { density = COVBEAM_DENSITY_VOXELS; voxels = d.get(); return *this; }
+
+    float density_at(const float* position) const {
+        float v; check(covbeam_medium_density_at(this, position, &v)); return v;
+    }
+    covbeam_derivatives derivatives_at(const float* position) const {
+        covbeam_derivatives v; check(covbeam_medium_derivatives_at(this, position, &v)); return v;
+    }
+    float step() const { float v; check(covbeam_medium_step(this, &v)); return v; }
+    float column_at(const float* start, const float* direction, float distance) const {
+        float v; check(covbeam_medium_column_at(this, start, direction, distance, &v)); return v;
+    }
+    float distance_at(const float* start, const float* direction, float length, float column) const {
+        float v; check(covbeam_medium_distance_at(this, start, direction, length, column, &v)); return v;
+    }
+    void transmittance(const float* start, const float* direction, float distance, float* rgb) const {
+        check(covbeam_medium_transmittance(this, start, direction, distance, rgb));
+    }
+    void column_transmittance(float column, float* rgb) const {
+        check(covbeam_medium_column_transmittance(this, column, rgb));
+    }
+    float opaque_column() const { float v; check(covbeam_medium_opaque_column(this, &v)); return v; }
+    float reach(const float* start, const float* direction) const {
+        float v; check(covbeam_medium_reach(this, start, direction, &v)); return v;
+    }
+    /// Returns the number of knots; with (NULL, 0) it only counts.
+    size_t knots(const float* start, const float* direction, float length, float error, float most,
+                 covbeam_knot* table, size_t capacity) const {
+        size_t n; check(covbeam_medium_knots(this, start, direction, length, error, most, table, capacity,
+                                             &n)); return n;
+    }
+    size_t tabulate(const float* start, const float* direction, float length, covbeam_knot* table,
+                    size_t capacity) const {
+        size_t n; check(covbeam_medium_tabulate(this, start, direction, length, table, capacity, &n)); return n;
+    }
+    /// The table stays the caller's and must stay in place.
+    Column column(const float* start, const float* direction, const covbeam_knot* table = nullptr, size_t n = 0) const {
+        Column c; check(covbeam_medium_column(this, start, direction, table, n, &c)); return c;
+    }
+};
+
+struct Spectrum : covbeam_spectrum {
+    Spectrum() noexcept : covbeam_spectrum() {}
+    Spectrum(const covbeam_spectrum& s) noexcept : covbeam_spectrum(s) {}
+    float variance_along(const float* axis) const {
+        float v; check(covbeam_spectrum_variance_along(this, axis, &v)); return v;
+    }
+    void add_along(const float* axis, float variance) { check(covbeam_spectrum_add_along(this, axis, variance)); }
+};
+
+struct LightField : covbeam_light_field {
+    /// None yet: room for a maker in `many`.
+    LightField() noexcept : covbeam_light_field() {}
+    LightField(const covbeam_light_field& f) noexcept : covbeam_light_field(f) {}
+
+    static LightField point(const float* direction, float angular_variance) {
+        LightField f; check(covbeam_light_field_point(direction, angular_variance, &f)); return f;
+    }
+    static LightField disk(const float* direction, const float* normal, float radius, float angular_variance) {
+        LightField f; check(covbeam_light_field_disk(direction, normal, radius, angular_variance, &f)); return f;
+    }
+    static LightField collimated(const float* direction, float radius) {
+        LightField f; check(covbeam_light_field_collimated(direction, radius, &f)); return f;
+    }
+    /// The variances are two numbers each, along x_axis and across it.
+    static LightField gaussian(const float* direction, const float* x_axis, const float* spatial,
+                               const float* angular) {
+        LightField f; check(covbeam_light_field_gaussian(direction, x_axis, spatial, angular, &f)); return f;
+    }
+    void travel(float distance) { check(covbeam_light_field_travel(this, distance)); }
+    void carry(const covbeam_medium& medium, const float* origin, float distance) {
+        check(covbeam_light_field_carry(this, &medium, origin, distance));
+    }
+    void rotate(const float* new_x_axis) { check(covbeam_light_field_rotate(this, new_x_axis)); }
+    void reflect(const float* normal, const covbeam_curvature* curvature = nullptr) {
+        check(covbeam_light_field_reflect(this, normal, curvature));
+    }
+    /// False on total reflection, which leaves the field as it was.
+    bool refract(const float* normal, const covbeam_curvature* curvature, float eta) {
+        uint8_t passed; check(covbeam_light_field_refract(this, normal, curvature, eta, &passed)); return passed != 0;
+    }
+    void occlude(const float* towards_edge, float distance) {
+        check(covbeam_light_field_occlude(this, towards_edge, distance));
+    }
+    void attenuate(const float* gradient, const float* hessian6) {
+        check(covbeam_light_field_attenuate(this, gradient, hessian6));
+    }
+    void narrow(const float* across, float angular_variance) {
+        check(covbeam_light_field_narrow(this, across, angular_variance));
+    }
+    void scatter(const float* new_direction, float angular_variance) {
+        check(covbeam_light_field_scatter(this, new_direction, angular_variance));
+    }
+    void diffuse(const float* normal, const float* new_direction) {
+        check(covbeam_light_field_diffuse(this, normal, new_direction));
+    }
+    /// [xx, xy, yy].
+    void slice(float* variances3) const { check(covbeam_light_field_slice(this, variances3)); }
+    Spectrum fluence(float limit) const { Spectrum s; check(covbeam_light_field_fluence(this, limit, &s)); return s; }
+    float variance_along_ray(float extinction) const {
+        float v; check(covbeam_light_field_variance_along_ray(this, extinction, &v)); return v;
+    }
+};
+
+/// A grid of fluence spectra.
+class Grid {
+public:
+    explicit Grid(const covbeam_grid_layout& layout) {
+        covbeam_grid* grid = nullptr; check(covbeam_grid_new(&layout, &grid)); handle_.reset(grid);
+    }
+    /// In memory of the host's, which must outlive the grid.
+    Grid(const covbeam_grid_layout& layout, covbeam_grid_cell* cells, size_t cell_count, covbeam_fluence_cell* means,
+         size_t mean_count) {
+        covbeam_grid* grid = nullptr;
+        check(covbeam_grid_new_in(&layout, cells, cell_count, means, mean_count, &grid));
+        handle_.reset(grid);
+    }
+    static Grid load(const void* bytes, size_t size) {
+        Grid grid;
+        covbeam_grid* loaded = nullptr;
+        check(covbeam_grid_load(bytes, size, &loaded));
+        grid.handle_.reset(loaded);
+        return grid;
+    }
+    covbeam_grid* get() noexcept { return handle_.get(); }
+    const covbeam_grid* get() const noexcept { return handle_.get(); }
+
+    covbeam_grid_layout layout() const { covbeam_grid_layout l; check(covbeam_grid_get_layout(get(), &l)); return l; }
+    void clear() { check(covbeam_grid_clear(get())); }
+    void deposit(const covbeam_medium& medium, Strided<const covbeam_segment> s) {
+        check(covbeam_grid_deposit(get(), &medium, s.count, s.data, s.stride));
+    }
+    void deposit_spectra(Vectors at, SpectraIn s, Floats weights) {
+        const size_t n = detail::common(at.count, s.count, weights.count);
+        check(covbeam_grid_deposit_spectra(get(), n, at.data, at.stride, s.data, s.stride, weights.data,
+                                           weights.stride));
+    }
+    void merge(const Grid& other) { const covbeam_grid* one = other.get(); check(covbeam_grid_merge(get(), &one, 1)); }
+    void resolve() { check(covbeam_grid_resolve(get())); }
+    void look_up(Vectors at, Spectra out, Flags found = Flags()) const {
+        const size_t n = detail::common(at.count, out.count, found.count);
+        check(covbeam_grid_look_up(get(), n, at.data, at.stride, out.data, out.stride, found.data, found.stride));
+    }
+    /// Valid until the grid is changed or freed; likewise means().
+    Strided<const covbeam_grid_cell> cells() const {
+        const covbeam_grid_cell* c; size_t n; check(covbeam_grid_get_cells(get(), &c, &n)); return {c, n};
+    }
+    Strided<const covbeam_fluence_cell> means() const {
+        const covbeam_fluence_cell* c; size_t n; check(covbeam_grid_get_means(get(), &c, &n)); return {c, n};
+    }
+    std::vector<unsigned char> save() {
+        size_t size; check(covbeam_grid_get_saved_size(get(), &size));
+        std::vector<unsigned char> bytes(size);
+        check(covbeam_grid_save(get(), bytes.data(), size));
+        return bytes;
+    }
+
+private:
+    Grid() noexcept = default;
+    detail::Owner<covbeam_grid, covbeam_grid_free> handle_;
+};
+
+/// NULL for no grid.
+inline const covbeam_grid* handle(const Grid* grid) noexcept { return grid ? grid->get() : nullptr; }
+
+struct Kernel : covbeam_kernel {
+    Kernel(uint32_t of_shape, float radius, float largest, float accepted_error) noexcept : covbeam_kernel() {
+        struct_size = sizeof(covbeam_kernel);
+        shape = of_shape, progressive = radius, ceiling = largest, error = accepted_error;
+    }
+    /// Returns the radius.
+    float radius_at(const Grid* grid, const float* position, const float* axis, float* sigma) const {
+        float r; check(covbeam_kernel_radius_at(this, handle(grid), position, axis, &r, sigma)); return r;
+    }
+};
+
+struct Schedule : covbeam_schedule {
+    Schedule(uint32_t of_shape, float first_radius, float falloff, float largest,
+             float first_error) noexcept : covbeam_schedule() {
+        struct_size = sizeof(covbeam_schedule);
+        shape = of_shape, radius = first_radius, alpha = falloff, max_radius = largest, error = first_error;
+    }
+    /// Passes are counted from 1.
+    Kernel kernel(uint32_t pass) const {
+        Kernel k(shape, 0, 0, 0); check(covbeam_schedule_kernel(this, pass, &k)); return k;
+    }
+};
+
+/// Memory of a thread's gathers.
+class Scratch {
+public:
+    Scratch() { covbeam_scratch* s = nullptr; check(covbeam_scratch_new(&s)); handle_.reset(s); }
+    covbeam_scratch* get() noexcept { return handle_.get(); }
+
+private:
+    detail::Owner<covbeam_scratch, covbeam_scratch_free> handle_;
+};
+
+/// The beams of one medium and one pass. A poll is any callable () -> bool, true to go on.
+class BeamMap {
+public:
+    using Rays = Strided<const covbeam_eye_ray>;
+    using Out = Strided<covbeam_gathered>;
+
+    explicit BeamMap(const covbeam_medium& medium) {
+        covbeam_beam_map* map = nullptr; check(covbeam_beam_map_new(&medium, &map)); handle_.reset(map);
+    }
+    covbeam_beam_map* get() noexcept { return handle_.get(); }
+    const covbeam_beam_map* get() const noexcept { return handle_.get(); }
+
+    void clear() { check(covbeam_beam_map_clear(get())); }
+    void add(Beams beams) { check(covbeam_beam_map_add(get(), beams.count, beams.data, beams.stride)); }
+    void commit(float ceiling) { check(covbeam_beam_map_commit(get(), ceiling, nullptr, nullptr)); }
+    template <class Poll> void commit(float ceiling, Poll&& go_on) {
+        detail::Calls<Poll, Poll> calls(go_on, go_on);
+        calls.check(covbeam_beam_map_commit(get(), ceiling, calls.poll, &calls));
+    }
+    size_t count() const { size_t n; check(covbeam_beam_map_get_count(get(), &n)); return n; }
+    size_t memory() const { size_t n; check(covbeam_beam_map_get_memory(get(), &n)); return n; }
+
+    /// Without a grid every kernel has the progressive radius.
+    void gather(const covbeam_kernel& kernel, const Grid* grid, Rays rays, Out out, Scratch& scratch) const {
+        check(run(kernel, grid, rays, out, scratch, nullptr, nullptr));
+    }
+    template <class Poll>
+    void gather(const covbeam_kernel& kernel, const Grid* grid, Rays rays, Out out, Scratch& scratch,
+                Poll&& go_on) const {
+        detail::Calls<Poll, Poll> calls(go_on, go_on);
+        calls.check(run(kernel, grid, rays, out, scratch, calls.poll, &calls));
+    }
+    /// In a medium of the host's: shade is any callable (const covbeam_contact*, size_t count, float* values).
+    template <class Shade>
+    void gather_shaded(const covbeam_kernel& kernel, const Grid* grid, Rays rays, Out out, Scratch& scratch,
+                       Shade&& shade) const {
+        detail::Calls<Shade, Shade> calls(shade, shade);
+        calls.check(run_shaded(kernel, grid, rays, out, scratch, calls.shade, nullptr, &calls));
+    }
+    template <class Shade, class Poll>
+    void gather_shaded(const covbeam_kernel& kernel, const Grid* grid, Rays rays, Out out, Scratch& scratch,
+                       Shade&& shade, Poll&& go_on) const {
+        detail::Calls<Poll, Shade> calls(go_on, shade);
+        calls.check(run_shaded(kernel, grid, rays, out, scratch, calls.shade, calls.poll, &calls));
+    }
+
+private:
+    covbeam_status run(const covbeam_kernel& kernel, const Grid* grid, Rays rays, Out out, Scratch& scratch,
+                       covbeam_poll poll, void* user) const {
+        const size_t n = detail::common(rays.count, out.count);
+        return covbeam_beam_map_gather(get(), &kernel, handle(grid), n, rays.data, rays.stride, out.data, out.stride,
+                                       scratch.get(), poll, user);
+    }
+    covbeam_status run_shaded(const covbeam_kernel& kernel, const Grid* grid, Rays rays, Out out, Scratch& scratch,
+                              covbeam_shade shade, covbeam_poll poll, void* user) const {
+        const size_t n = detail::common(rays.count, out.count);
+        return covbeam_beam_map_gather_shaded(get(), &kernel, handle(grid), n, rays.data, rays.stride, out.data,
+                                              out.stride, scratch.get(), shade, poll, user);
+    }
+    detail::Owner<covbeam_beam_map, covbeam_beam_map_free> handle_;
+};
+
+/// Blur kernels by themselves; `shape` is a covbeam_kernel_shape.
+inline float progressive_radius(float radius, float alpha, uint32_t pass) {
+    float v; check(covbeam_progressive_radius(radius, alpha, pass, &v)); return v;
+}
+inline float error_bound(float error, uint32_t pass) { float v; check(covbeam_error_bound(error, pass, &v)); return v; }
+inline float kernel_evaluate(uint32_t shape, float distance, float radius) {
+    float v; check(covbeam_kernel_evaluate(shape, distance, radius, &v)); return v;
+}
+inline float kernel_second_moment(uint32_t shape) { float v; check(covbeam_kernel_second_moment(shape, &v)); return v; }
+inline float kernel_radius_from_error(uint32_t shape, float error, float variance) {
+    float v; check(covbeam_kernel_radius_from_error(shape, error, variance, &v)); return v;
+}
+
+/// One pair of eye ray and beam. False if they are nearly parallel: the crossing is then untouched.
+inline bool cross(const covbeam_eye_ray& ray, const covbeam_beam& beam, covbeam_crossing& crossing) {
+    uint8_t v; check(covbeam_cross(&ray, &beam, &crossing, &v)); return v != 0;
+}
+/// Adds the part [from, to) of a beam to `sum`, if it counts. Media of voxels need both columns.
+inline bool gather_pair(const covbeam_eye_ray& ray, const covbeam_beam& beam, float from, float to,
+                        const covbeam_medium& medium, const covbeam_column* ray_column,
+                        const covbeam_column* beam_column, const covbeam_kernel& kernel, const Grid* grid,
+                        covbeam_gathered& sum) {
+    uint8_t v;
+    check(covbeam_gather_pair(&ray, &beam, from, to, &medium, ray_column, beam_column, &kernel, handle(grid), &sum, &v));
+    return v != 0;
+}
+
+/// The calls on arrays, all of one length or `every`.
+namespace many {
+
+namespace detail {
+using covbeam::detail::common;
+template <class F, class A, class B> void each(F f, A a, B b) {
+    check(f(common(a.count, b.count), a.data, a.stride, b.data, b.stride));
+}
+template <class F, class A, class B, class C> void each(F f, A a, B b, C c) {
+    check(f(common(a.count, b.count, c.count), a.data, a.stride, b.data, b.stride, c.data, c.stride));
+}
+template <class F, class A, class B, class C, class D> void each(F f, A a, B b, C c, D d) {
+    check(f(common(a.count, b.count, c.count, d.count), a.data, a.stride, b.data, b.stride, c.data, c.stride, d.data,
+            d.stride));
+}
+template <class F, class A, class B, class C, class D, class E> void each(F f, A a, B b, C c, D d, E e) {
+    check(f(common(a.count, b.count, c.count, d.count, e.count), a.data, a.stride, b.data, b.stride, c.data, c.stride,
+            d.data, d.stride, e.data, e.stride));
+}
+
+/// A function whose first parameter is given: the options that all elements share.
+template <class F, class S> struct With {
+    F f;
+    const S* shared;
+    template <class... Rest> covbeam_status operator()(Rest... rest) const { return f(shared, rest...); }
+};
+template <class F, class S> With<F, S> with(F f, const S* shared) { return {f, shared}; }
+} // namespace detail
+
+inline void point(Vectors directions, Floats variances, Fields out) {
+    detail::each(covbeam_light_fields_point, directions, variances, out);
+}
+inline void disk(Vectors directions, Vectors normals, Floats radii, Floats variances, Fields out) {
+    detail::each(covbeam_light_fields_disk, directions, normals, radii, variances, out);
+}
+inline void collimated(Vectors directions, Floats radii, Fields out) {
+    detail::each(covbeam_light_fields_collimated, directions, radii, out);
+}
+inline void gaussian(Vectors directions, Vectors x_axes, Strided<const float, 2> spatial,
+                     Strided<const float, 2> angular, Fields out) {
+    detail::each(covbeam_light_fields_gaussian, directions, x_axes, spatial, angular, out);
+}
+inline void travel(Fields f, Floats distances) { detail::each(covbeam_light_fields_travel, f, distances); }
+inline void carry(Fields f, const covbeam_medium& medium, Vectors origins, Floats distances) {
+    const size_t n = detail::common(f.count, origins.count, distances.count);
+    check(covbeam_light_fields_carry(n, f.data, f.stride, &medium, origins.data, origins.stride, distances.data,
+                                     distances.stride));
+}
+inline void rotate(Fields f, Vectors x_axes) { detail::each(covbeam_light_fields_rotate, f, x_axes); }
+inline void reflect(Fields f, Vectors normals, Curvatures c = Curvatures()) {
+    detail::each(covbeam_light_fields_reflect, f, normals, c);
+}
+inline void refract(Fields f, Vectors normals, Curvatures c, Floats etas, Flags passed) {
+    detail::each(covbeam_light_fields_refract, f, normals, c, etas, passed);
+}
+inline void occlude(Fields f, Vectors towards_edges, Floats distances) {
+    detail::each(covbeam_light_fields_occlude, f, towards_edges, distances);
+}
+inline void attenuate(Fields f, Vectors gradients, Strided<const float, 6> hessians) {
+    detail::each(covbeam_light_fields_attenuate, f, gradients, hessians);
+}
+inline void narrow(Fields f, Vectors across, Floats variances) {
+    detail::each(covbeam_light_fields_narrow, f, across, variances);
+}
+inline void scatter(Fields f, Vectors directions, Floats variances) {
+    detail::each(covbeam_light_fields_scatter, f, directions, variances);
+}
+inline void diffuse(Fields f, Vectors normals, Vectors directions) {
+    detail::each(covbeam_light_fields_diffuse, f, normals, directions);
+}
+inline void slice(FieldsIn f, VectorsOut variances) { detail::each(covbeam_light_fields_slice, f, variances); }
+inline void fluence(FieldsIn f, Floats limits, Spectra out) {
+    detail::each(covbeam_light_fields_fluence, f, limits, out);
+}
+inline void variance_along_ray(FieldsIn f, Floats extinctions, FloatsOut out) {
+    detail::each(covbeam_light_fields_variance_along_ray, f, extinctions, out);
+}
+inline void variance_along(SpectraIn s, Vectors axes, FloatsOut out) {
+    detail::each(covbeam_spectra_variance_along, s, axes, out);
+}
+inline void add_along(Spectra s, Vectors axes, Floats variances) {
+    detail::each(covbeam_spectra_add_along, s, axes, variances);
+}
+
+inline void evaluate(const covbeam_phase& p, Floats cosines, FloatsOut out) {
+    detail::each(detail::with(covbeam_phase_evaluate_many, &p), cosines, out);
+}
+inline void sample(const covbeam_phase& p, Vectors directions, Strided<const float, 2> xis, VectorsOut out) {
+    detail::each(detail::with(covbeam_phase_sample_many, &p), directions, xis, out);
+}
+inline void sample_cosine(const covbeam_phase& p, Floats xis, FloatsOut out) {
+    detail::each(detail::with(covbeam_phase_sample_cosine_many, &p), xis, out);
+}
+
+inline void density_at(const covbeam_medium& m, Vectors at, FloatsOut out) {
+    detail::each(detail::with(covbeam_medium_density_at_many, &m), at, out);
+}
+inline void derivatives_at(const covbeam_medium& m, Vectors at, Strided<covbeam_derivatives> out) {
+    detail::each(detail::with(covbeam_medium_derivatives_at_many, &m), at, out);
+}
+inline void column_at(const covbeam_medium& m, Vectors origins, Vectors directions, Floats distances, FloatsOut out) {
+    detail::each(detail::with(covbeam_medium_column_at_many, &m), origins, directions, distances, out);
+}
+inline void distance_at(const covbeam_medium& m, Vectors origins, Vectors directions, Floats lengths, Floats columns,
+                        FloatsOut out) {
+    detail::each(detail::with(covbeam_medium_distance_at_many, &m), origins, directions, lengths, columns, out);
+}
+inline void transmittance(const covbeam_medium& m, Vectors origins, Vectors directions, Floats distances,
+                          VectorsOut out) {
+    detail::each(detail::with(covbeam_medium_transmittance_many, &m), origins, directions, distances, out);
+}
+inline void column_transmittance(const covbeam_medium& m, Floats columns, VectorsOut out) {
+    detail::each(detail::with(covbeam_medium_column_transmittance_many, &m), columns, out);
+}
+inline void reach(const covbeam_medium& m, Vectors origins, Vectors directions, FloatsOut out) {
+    detail::each(detail::with(covbeam_medium_reach_many, &m), origins, directions, out);
+}
+inline void at(const covbeam_column& c, Floats distances, FloatsOut out) {
+    detail::each(detail::with(covbeam_column_at_many, &c), distances, out);
+}
+inline void distance_at(const covbeam_column& c, Floats values, FloatsOut out) {
+    detail::each(detail::with(covbeam_column_distance_at_many, &c), values, out);
+}
+inline void radius_at(const covbeam_kernel& k, const Grid* grid, Vectors at, Vectors axes, FloatsOut radii,
+                      FloatsOut sigmas) {
+    const size_t n = detail::common(at.count, axes.count, radii.count, sigmas.count);
+    check(covbeam_kernel_radius_at_many(&k, handle(grid), n, at.data, at.stride, axes.data, axes.stride, radii.data,
+                                        radii.stride, sigmas.data, sigmas.stride));
+}
+
+inline void cross(const covbeam_eye_ray& ray, Beams beams, Strided<covbeam_crossing> out, Flags crosses) {
+    detail::each(detail::with(covbeam_cross_many, &ray), beams, out, crosses);
+}
+inline void gather_pairs(const covbeam_eye_ray& ray, Beams beams, Floats from, Floats to, const covbeam_medium& medium,
+                         const covbeam_column* ray_column, Strided<const covbeam_column> beam_columns,
+                         const covbeam_kernel& kernel, const Grid* grid, covbeam_gathered& sum, Flags accepted) {
+    const size_t n = detail::common(beams.count, from.count, to.count, beam_columns.count, accepted.count);
+    check(covbeam_gather_pairs(&ray, n, beams.data, beams.stride, from.data, from.stride, to.data, to.stride, &medium,
+                               ray_column, beam_columns.data, beam_columns.stride, &kernel, handle(grid), &sum,
+                               accepted.data, accepted.stride));
+}
+inline void filter_beams(const covbeam_eye_ray& ray, Beams beams, float ceiling, Flags out) {
+    const size_t n = detail::common(beams.count, out.count);
+    check(covbeam_filter_beams(&ray, n, beams.data, beams.stride, ceiling, out.data, out.stride));
+}
+
+} // namespace many
+} // namespace covbeam
+
+#endif

@@ -1,0 +1,121 @@
+#!/bin/bash
+# Builds the C library as a host's author would and installs it: tests/clients/install.sh PREFIX (new or empty)
+# Then checks names, links, dependencies, what is exported, and what the library keeps.
+set -euo pipefail
+root="$(cd "$(dirname "$0")/../.." && pwd)"
+[ $# -eq 1 ] || { echo "usage: $0 PREFIX" >&2; exit 1; }
+mkdir -p "$1"
+prefix="$(cd "$1" && pwd)"
+[ -z "$(ls -A "$prefix")" ] || { echo "install: $prefix is not empty" >&2; exit 1; }
+work="$(mktemp -d)"
+trap 'rm -rf "$work"' EXIT
+
+fail() { echo "install: $*" >&2; exit 1; }
+
+# same WHAT FOUND EXPECTED
+same() {
+    if [ "$2" != "$3" ]; then
+        diff <(printf '%s\n' "$2") <(printf '%s\n' "$3") >&2 || true
+        fail "$1 is not as expected (< found, > expected, above)"
+    fi
+}
+
+cmake -S "$root/ffi" -B "$work/build" -DCMAKE_INSTALL_LIBDIR=lib > "$work/log" || { cat "$work/log"; fail "cmake -S ffi"; }
+cmake --build "$work/build"
+cmake --install "$work/build" --prefix "$prefix" > "$work/log" || { cat "$work/log"; fail "cmake --install"; }
+
+version="$(sed -n 's/^version = "\(.*\)"/\1/p' "$root/Cargo.toml")"
+full="libcovbeam.so.$version"
+same "the list of installed files" "$(cd "$prefix" && find . ! -type d | LC_ALL=C sort)" "./include/covbeam.h
+./include/covbeam.hpp
+./lib/cmake/covbeam/covbeam-config-version.cmake
+./lib/cmake/covbeam/covbeam-config.cmake
+./lib/libcovbeam.a
+./lib/libcovbeam.so
+./lib/libcovbeam.so.0
+./lib/$full
+./lib/pkgconfig/covbeam.pc"
+shared="$prefix/lib/$full"
+for link in libcovbeam.so libcovbeam.so.0; do
+    same "the link $link" "$(readlink "$prefix/lib/$link")" "$full"
+done
+readelf -d "$shared" > "$work/dynamic"
+same "the SONAME" "$(sed -n 's/.*SONAME.*\[\(.*\)\]/\1/p' "$work/dynamic")" "libcovbeam.so.0"
+# The C library, its loader, and gcc's unwinder for panics.
+same "the list of libraries needed" \
+    "$(sed -n 's/.*NEEDED.*\[\(.*\)\.so\.[0-9]*\]/\1/p' "$work/dynamic" | grep -v '^ld-linux' | LC_ALL=C sort)" "libc
+libgcc_s"
+if ldd "$shared" | grep 'not found'; then fail "a library is missing (above)"; fi
+
+# What is exported is what the header declares, and nothing else.
+nm -D --defined-only "$shared" | awk '{ print $NF }' | LC_ALL=C sort > "$work/exported"
+printf '#include <covbeam.h>\n' | cc -E -I"$prefix/include" - | tr '\n' ' ' |
+    grep -oE '\bcovbeam_[a-z0-9_]+ *\(' | tr -d ' (' | LC_ALL=C sort -u > "$work/declared"
+same "the list of exported symbols" "$(cat "$work/exported")" "$(cat "$work/declared")"
+
+# Writable memory that is not a thread's own. Rust's standard library has some, and the C runtime; covbeam has one word, which says
+# that panics have been made quiet. Tables of constants that hold addresses are in .data.rel.ro, read-only once loaded.
+objdump -t "$shared" | awk '/ (\.data|\.bss)\t/ && !/ df / { print $NF }' | LC_ALL=C sort > "$work/globals"
+standard='^(__dso_handle|__TMC_END__|completed\.0|DW\.ref\.rust_eh_personality|_rust_extern_with_linkage_.*)$|_(3std|6memchr)([0-9]|$)'
+grep -vE "$standard|^\.(data|bss)$" "$work/globals" > "$work/own" || true
+[ "$(wc -l < "$work/own")" -eq 1 ] && grep -q '7covbeam6status17keep_panics_quiet4ONCE' "$work/own" ||
+    { cat "$work/own"; fail "covbeam has writable memory besides one Once (above)"; }
+
+# No thread can be started by what cannot call for one; no text can reach the host's streams but Rust's own for a panic
+# outside of a call.
+nm -D --undefined-only "$shared" | awk '{ sub("@.*", "", $NF); print $NF }' > "$work/undefined"
+if grep -E '^(pthread_create|thrd_create|clone3?|fork|vfork|system|posix_spawn.*|exit|_exit|.*printf|f?puts|fwrite|signal|sigaction)$' \
+    "$work/undefined"; then
+    fail "the library calls what it should not (above)"
+fi
+
+# pkg-config, here and after the tree has moved.
+check_pc() {
+    local pc="$1/lib/pkgconfig"
+    same "the version of covbeam.pc" "$(PKG_CONFIG_PATH="$pc" pkg-config --modversion covbeam)" "$version"
+    local flags folder
+    flags="$(PKG_CONFIG_PATH="$pc" pkg-config --cflags --libs covbeam)"
+    same "the kinds of flags of covbeam.pc" "$(tr ' ' '\n' <<< "$flags" | grep . | cut -c 1-2 | xargs)" "-I -L -l"
+    for folder in $(grep -oE -- '-[IL][^ ]+' <<< "$flags" | cut -c 3-); do
+        case "$(realpath "$folder")" in
+            "$1/include" | "$1/lib") ;;
+            *) fail "covbeam.pc: $folder is not in $1" ;;
+        esac
+    done
+    PKG_CONFIG_PATH="$pc" pkg-config --static --libs covbeam | grep -- '-lgcc_s' > /dev/null || fail "covbeam.pc: Libs.private"
+}
+moved="$(realpath "$work")/moved"
+check_pc "$(realpath "$prefix")"
+cp -a "$prefix" "$moved"
+check_pc "$moved"
+
+# find_package: what fits is found, in the tree that has moved too; what does not fit is refused.
+mkdir "$work/find"
+cat > "$work/find/CMakeLists.txt" <<'CMAKE'
+cmake_minimum_required(VERSION 3.20)
+project(find LANGUAGES C)
+find_package(covbeam ${WANTED} REQUIRED)
+foreach(target covbeam::covbeam covbeam::covbeam_static)
+    get_target_property(location ${target} IMPORTED_LOCATION)
+    if(NOT location MATCHES "^${TREE}/lib/")
+        message(FATAL_ERROR "${location} is not in ${TREE}")
+    endif()
+endforeach()
+CMAKE
+find_covbeam() {
+    rm -rf "$work/find/build"
+    cmake -S "$work/find" -B "$work/find/build" -DWANTED="$1" -DTREE="$2" -DCMAKE_PREFIX_PATH="$2" > "$work/log" 2>&1
+}
+for wanted in 0.1 0.1.0; do
+    find_covbeam "$wanted" "$prefix" || { cat "$work/log"; fail "find_package(covbeam $wanted)"; }
+done
+find_covbeam 0.1 "$moved" || { cat "$work/log"; fail "find_package(covbeam 0.1) in a tree that has moved"; }
+for wanted in 0.0 0.1.99 0.2 1.0; do
+    if find_covbeam "$wanted" "$prefix"; then fail "find_package(covbeam $wanted) takes version $version"; fi
+    grep -q 'requested version' "$work/log" || { cat "$work/log"; fail "find_package(covbeam $wanted)"; }
+done
+
+echo "install: $full ($(stat -c %s "$shared") bytes), libcovbeam.a ($(stat -c %s "$prefix/lib/libcovbeam.a") bytes)," \
+    "$(wc -l < "$work/exported") symbols, all declared in covbeam.h"
+echo "install: writable globals: 1 of covbeam (that panics are quiet)," \
+    "$(grep -cE "$standard" "$work/globals") of Rust's standard library and the C runtime; no thread can be started"

@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# The Python module as a user gets it: wheel built, installed into a fresh environment, tested. Prints figures.
+#   tests/clients/python.sh PREFIX [FOLDER]     PREFIX: where install.sh has installed; FOLDER: for what is built, else a temporary one
+set -euo pipefail
+
+prefix=$(realpath "$1")
+repository=$(realpath "$(dirname "$0")/../..")
+if [ $# -ge 2 ]; then
+    work=$(realpath "$2")
+else
+    work=$(mktemp -d)
+    trap 'rm -rf "$work"' EXIT
+fi
+export PYTHONDONTWRITEBYTECODE=1 PIP_DISABLE_PIP_VERSION_CHECK=1
+unset PYTHONPATH
+
+library=$(find "$prefix" -name 'libcovbeam.so' -o -name 'libcovbeam.dylib' | head -n 1)
+test -n "$library" || { echo "python.sh: no shared library under $prefix" >&2; exit 1; }
+
+python3 -m venv "$work/venv"
+python="$work/venv/bin/python"
+"$python" -m pip install --quiet numpy build hatchling
+
+COVBEAM_LIBRARY="$library" "$python" -m build --wheel --no-isolation --outdir "$work/dist" "$repository/ffi/python" > "$work/build.log" ||
+    { cat "$work/build.log"; exit 1; }
+wheel=("$work"/dist/covbeam-*-py3-none-*.whl)
+test "${#wheel[@]}" -eq 1
+echo "$(basename "${wheel[0]}"): $(stat -c %s "${wheel[0]}") bytes"
+"$python" -m pip install --quiet --no-deps "${wheel[0]}"
+# From here on the library in the wheel is used, and nothing else.
+unset COVBEAM_LIBRARY
+
+cd "$work"
+"$python" "$repository/tests/clients/vectors.py" "$repository/tests/vectors.txt"
+COVBEAM_HEADER="$prefix/include/covbeam.h" "$python" "$repository/tests/clients/test_python.py" --verbose
+"$python" "$repository/tests/clients/python_cost.py"
+
+# The oldest numpy that the wheel promises, or that this Python has.
+case $("$python" -c 'import sys; print(*sys.version_info[:2], sep=".")') in
+    3.10 | 3.11) oldest=1.24.4 ;;
+    3.12) oldest=1.26.0 ;;
+    3.13) oldest=2.1.0 ;;
+    *) echo "python.sh: say here which numpy is the oldest for this Python" >&2; exit 1 ;;
+esac
+"$python" -m pip install --quiet "numpy==$oldest"
+echo "numpy $oldest:"
+"$python" "$repository/tests/clients/vectors.py" "$repository/tests/vectors.txt"
+COVBEAM_HEADER="$prefix/include/covbeam.h" "$python" "$repository/tests/clients/test_python.py" Arrays Objects

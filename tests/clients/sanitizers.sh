@@ -1,0 +1,88 @@
+#!/bin/bash
+# Memory errors, undefined behaviour, leaks and data races of the C library, under hosts that do everything wrong.
+#   tests/clients/sanitizers.sh            100,000 random sequences of calls
+#   tests/clients/sanitizers.sh --full     1,000,000 of them
+# Needs clang with its sanitizers, and valgrind. What is missing is a failure.
+set -euo pipefail
+here="$(cd "$(dirname "$0")" && pwd)"
+root="$here/../.."
+target="$(realpath -m "${CARGO_TARGET_DIR:-$root/target}")/sanitizers"
+sequences=50000
+[ "${1:-}" != --full ] || sequences=500000
+
+build="$(mktemp -d)"
+trap 'rm -rf "$build"' EXIT
+host="$(rustc -vV | sed -n 's/^host: //p')"
+runtimes="$(rustc --print sysroot)/lib/rustlib/$host/lib"
+warnings=(-std=c99 -gdwarf-4 -O1 -fno-omit-frame-pointer -Wall -Wextra -Wpedantic -Werror -I"$root/include")
+libraries=(-lpthread -ldl -lm)
+hostile=("$here"/hostile.c "$here"/hostile/*.c)
+
+# library NAME FLAGS...: the static library, built with these flags of rustc, as $target/NAME/$host/release/libcovbeam.a
+library() {
+    local name="$1"
+    shift
+    # Sanitizers are unstable flags of a stable compiler; the standard library is that of the toolchain.
+    (cd "$root" && RUSTC_BOOTSTRAP=1 RUSTFLAGS="$*" cargo build --quiet --locked --release --package covbeam-ffi \
+        --target "$host" --target-dir "$target/$name")
+}
+archive() { echo "$target/$1/$host/release/libcovbeam.a"; }
+
+# refused WHAT PATTERN COMMAND...: a control that must be reported, or the checker checks nothing.
+refused() {
+    local what="$1" pattern="$2"
+    shift 2
+    if "$@" > "$build/control" 2>&1 || ! grep -q "$pattern" "$build/control"; then
+        tail -20 "$build/control" >&2
+        echo "sanitizers: $what was not reported" >&2
+        exit 1
+    fi
+}
+
+library plain
+library address -Zsanitizer=address -Coverflow-checks=on -Cdebug-assertions=on
+library thread -Zsanitizer=thread -Cunsafe-allow-abi-mismatch=sanitizer
+
+echo "-- every function of the header is called"
+clang "${warnings[@]}" -O2 "${hostile[@]}" "$(archive plain)" "${libraries[@]}" -o "$build/hostile"
+"$build/hostile" --list | sort > "$build/called"
+# Declarations begin a line; comments do not.
+grep -E '^[a-z]' "$root/include/covbeam.h" | grep -v '^typedef' | grep -oE 'covbeam_[a-z0-9_]+\(' | tr -d '(' | sort > "$build/declared"
+diff "$build/declared" "$build/called"
+wc -l < "$build/called"
+
+echo "-- AddressSanitizer, UndefinedBehaviorSanitizer, LeakSanitizer, overflow checks: two processes, $sequences sequences each"
+clang "${warnings[@]}" -fsanitize=address,undefined -fno-sanitize-recover=all "${hostile[@]}" "$(archive address)" \
+    "${libraries[@]}" -o "$build/hostile-address"
+refused "an array that is too short" "heap-buffer-overflow" "$build/hostile-address" --lie
+started=$SECONDS
+export ASAN_OPTIONS=detect_leaks=1:malloc_context_size=4:quarantine_size_mb=32
+"$build/hostile-address" "$sequences" 1 > "$build/first" 2>&1 &
+first=$!
+"$build/hostile-address" "$sequences" 2 > "$build/second" 2>&1 || { tail -60 "$build/second"; exit 1; }
+wait "$first" || { tail -60 "$build/first"; exit 1; }
+cat "$build/first" "$build/second"
+echo "no findings in $((SECONDS - started)) s"
+
+echo "-- valgrind memcheck, the library as it is released"
+started=$SECONDS
+# What stays reachable is the hook that keeps panics quiet, once a process.
+check=(valgrind --quiet --error-exitcode=9 --partial-loads-ok=no --leak-check=full --show-leak-kinds=definite,indirect,possible
+    --errors-for-leak-kinds=definite,indirect,possible)
+refused "an array that is too short" "Invalid read" "${check[@]}" "$build/hostile" --lie
+"${check[@]}" "$build/hostile" 500 3
+echo "no findings in $((SECONDS - started)) s"
+
+echo "-- ThreadSanitizer"
+# The compiler's runtime is newer than clang's and has all that its code calls.
+clang "${warnings[@]}" -fsanitize=thread -c "$here/threads.c" -o "$build/threads.o"
+clang -g "$build/threads.o" "$(archive thread)" -Wl,--whole-archive "$runtimes/librustc-stable_rt.tsan.a" -Wl,--no-whole-archive \
+    -Wl,--export-dynamic "${libraries[@]}" -lrt -lresolv -o "$build/threads-thread"
+refused "two threads that add to one map" "data race" "$build/threads-thread" race
+for _ in 1 2 3; do "$build/threads-thread"; done
+
+echo "-- helgrind, which sees the standard library too"
+clang "${warnings[@]}" "$here/threads.c" "$(archive plain)" "${libraries[@]}" -o "$build/threads"
+race=(valgrind --quiet --tool=helgrind --error-exitcode=9)
+refused "two threads that add to one map" "Possible data race" "${race[@]}" "$build/threads" race
+"${race[@]}" "$build/threads"

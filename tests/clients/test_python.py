@@ -1,0 +1,744 @@
+"""The Python module: what it computes, what it refuses, what it never copies, and that its structs are those of the header.
+
+COVBEAM_HEADER names covbeam.h; CC the C compiler (cc).
+"""
+
+import copy
+import ctypes
+import gc
+import math
+import os
+import pickle
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import tracemalloc
+import unittest
+from pathlib import Path
+from unittest import mock
+
+import numpy as np
+
+import covbeam as cb
+from covbeam import _abi, _arrays, _library, light_field, spectrum
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+FOG = cb.Medium(scattering=0.2)
+LAYOUT = cb.GridLayout((-2, -2, -2), (2, 2, 2), (8, 8, 8))
+KERNEL = cb.Kernel(cb.KernelShape.EPANECHNIKOV, progressive=0.02, ceiling=0.1, error=0.01)
+
+
+def directions(count, seed=1):
+    d = np.random.default_rng(seed).normal(size=(count, 3)).astype(np.float32)
+    return d / np.linalg.norm(d, axis=1, keepdims=True)
+
+
+def lamp_beams(count, power=1.0, seed=1):
+    beams = np.zeros(count, cb.BEAM)
+    beams["direction"], beams["length"], beams["power"] = directions(count, seed), 4, power / count
+    return beams
+
+
+def lamp_segments(count, power=1.0, seed=2):
+    segments = np.zeros(count, cb.SEGMENT)
+    segments["field"] = light_field.point(directions(count, seed))
+    segments["length"], segments["power"], segments["unscattered"] = 4, power / count, 1
+    return segments
+
+
+def eye_rays(count, distance=1.0):
+    """Rays that all pass the lamp at one distance, from all sides."""
+    towards = directions(count, 3)
+    across = np.cross(towards, directions(count, 4)).astype(np.float32)
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    rays = np.zeros(count, cb.EYE_RAY)
+    rays["origin"] = across * np.float32(distance) - towards * np.float32(2)
+    rays["direction"], rays["length"] = towards, 4
+    return rays
+
+
+def committed(count=2000, medium=FOG):
+    beams = cb.BeamMap(medium)
+    beams.add(lamp_beams(count))
+    beams.commit(KERNEL.ceiling)
+    return beams
+
+
+def resolved():
+    grid = cb.Grid(LAYOUT)
+    grid.deposit(FOG, lamp_segments(500))
+    grid.resolve()
+    return grid
+
+
+class Picture(unittest.TestCase):
+    def test_a_lamp_in_fog_is_as_bright_as_the_integral_along_the_ray_says(self):
+        power, count = 100.0, 40_000
+        with cb.Grid(LAYOUT) as grid, cb.BeamMap(FOG) as beams, cb.Scratch() as scratch:
+            grid.deposit(FOG, lamp_segments(2000, power))
+            grid.resolve()
+            beams.add(lamp_beams(count, power))
+            beams.commit(KERNEL.ceiling)
+            self.assertEqual(beams.count, count)
+            gathered = beams.gather(KERNEL, grid, eye_rays(256), scratch=scratch)
+        # Single scattering, isotropic, lamp of `power` watts: the ray is 4 m long and passes at 1 m. The beams are 4 m long: all of it
+        # is within their reach.
+        s = (np.arange(4000) + 0.5) * 1e-3
+        d = np.hypot(s - 2, 1.0)
+        expected = np.sum(0.2 / (4 * np.pi) * power / (4 * np.pi * d**2) * np.exp(-0.2 * (d + s))) * 1e-3
+        radiance = gathered["radiance"][:, 1].astype(float)
+        error = radiance.std(ddof=1) / math.sqrt(len(radiance))
+        # Beams are shared by rays, but those from all sides hardly share any; the bias that the kernel accepts is 1 %.
+        self.assertLess(error, 0.01 * expected)
+        self.assertLess(abs(radiance.mean() - expected), 4 * error + KERNEL.error * expected)
+        self.assertTrue((gathered["pairs"] > 0).all())
+        # The grid widens kernels: light at 1 m from a lamp is smooth.
+        self.assertGreater((gathered["radius"] / gathered["weight"]).mean(), 1.5 * KERNEL.progressive)
+
+    def test_shading_by_the_same_formula_gives_the_same_picture(self):
+        beams, rays, seen = committed(), eye_rays(64), []
+
+        def shade(contacts, values):
+            seen.append(len(contacts))
+            self.assertFalse(contacts.flags.writeable)
+            optical_depth = 0.2 * (contacts["ray_distance"] + contacts["beam_distance"])
+            values[:] = (0.2 / (4 * np.pi) * np.exp(-optical_depth))[:, np.newaxis]
+
+        plain = beams.gather(KERNEL, None, rays)
+        shaded = beams.gather_shaded(KERNEL, None, rays, shade)
+        np.testing.assert_array_equal(shaded["pairs"], plain["pairs"])
+        self.assertEqual(sum(seen), plain["pairs"].sum())
+        # A few roundings of single precision each, a hundred pairs a ray.
+        np.testing.assert_allclose(shaded["radiance"], plain["radiance"], rtol=1e-5)
+
+    def test_pairs_one_by_one_give_what_the_map_gives(self):
+        beams, rays = lamp_beams(2000), eye_rays(4)
+        whole = committed().gather(KERNEL, None, rays)
+        for ray, expected in zip(rays.reshape(4, 1), whole):
+            gathered = np.zeros((), cb.GATHERED)
+            accepted = cb.gather_pair(ray, beams, 0.0, 4.0, FOG, KERNEL, None, gathered)
+            self.assertEqual(accepted.sum(), expected["pairs"])
+            self.assertTrue(cb.filter_beams(ray, beams, KERNEL.ceiling)[accepted].all())
+            # The same numbers, added in another order.
+            np.testing.assert_allclose(gathered["radiance"], expected["radiance"], rtol=1e-5)
+
+    def test_tables_of_columns_of_my_own_give_what_the_library_makes_itself(self):
+        values = np.random.default_rng(5).random((8, 8, 8), np.float32)
+        density = cb.Density(LAYOUT, values)
+        smoke = cb.Medium(0.2, density=density)
+        segments = lamp_segments(20)
+        tables = [smoke.tabulate(s["origin"].copy(), s["field"]["direction"].copy(), s["length"]) for s in segments]
+        # The contract wants distances that grow; the library's own tables may have equal neighbours.
+        self.assertTrue(all((np.diff(table["distance"]) > 0).all() for table in tables))
+        table = np.concatenate(tables)
+        mine = segments.copy()
+        starts = np.cumsum([0] + [len(t) for t in tables[:-1]])
+        mine["knots"] = table.ctypes.data + starts * cb.KNOT.itemsize
+        mine["knot_count"] = [len(t) for t in tables]
+        with cb.Grid(LAYOUT) as one, cb.Grid(LAYOUT) as other:
+            one.deposit(smoke, segments)
+            other.deposit(smoke, mine, knots=table)
+            self.assertEqual(one.save(), other.save())
+            with self.assertRaisesRegex(ValueError, "element 0 points at knots outside"):
+                other.deposit(smoke, mine)
+            for field, change in [("knots", -8), ("knots", 4), ("knot_count", len(table))]:
+                wrong = mine.copy()
+                wrong[field][19] += np.array(change).astype(np.uintp)
+                with self.assertRaisesRegex(ValueError, "element (19|0) points at knots outside"):
+                    other.deposit(smoke, wrong, knots=table[1:] if change == -8 else table)
+        column = smoke.column((0, 0, 0), (0, 0, 1), smoke.tabulate((0, 0, 0), (0, 0, 1), 2.0))
+        same = cb.Column.of_knots(smoke.tabulate((0, 0, 0), (0, 0, 1), 2.0))
+        at = np.linspace(0, 2, 50, dtype=np.float32)
+        np.testing.assert_array_equal(column.at(at), same.at(at))
+        self.assertAlmostEqual(float(column.distance_at(column.at(1.5))), 1.5, places=5)
+
+    def test_a_saved_grid_is_read_back(self):
+        grid = resolved()
+        for data in (grid.save(), bytearray(grid.save()), memoryview(grid.save())):
+            with cb.Grid.load(data) as again:
+                self.assertEqual(again.layout, LAYOUT)
+                np.testing.assert_array_equal(again.cells, grid.cells)
+        for data in (b"", b"nonsense", grid.save()[:-1]):
+            with self.assertRaises(cb.Error) as raised:
+                cb.Grid.load(data)
+            self.assertEqual(raised.exception.status, cb.Status.BAD_DATA)
+
+    def test_grids_of_shares_merge_to_what_one_grid_holds(self):
+        segments = lamp_segments(100)
+        with cb.Grid(LAYOUT) as all, cb.Grid(LAYOUT) as first, cb.Grid(LAYOUT) as second:
+            all.deposit(FOG, segments)
+            first.deposit(FOG, segments[:50])
+            second.deposit(FOG, segments[50:])
+            first.merge([second])
+            # Sums in f64, in another order.
+            np.testing.assert_allclose(first.cells["weight"], all.cells["weight"], rtol=1e-13)
+            with self.assertRaises(cb.Error):
+                first.merge([first])
+
+    def test_the_example_of_the_readme_runs(self):
+        blocks = re.findall(r"```python\n(.*?)```", (REPOSITORY / "README.md").read_text(encoding="utf-8"), re.S)
+        self.assertTrue(blocks, "README.md has no ```python block")
+        for block in blocks:
+            names = {}
+            exec(compile(block, "README.md", "exec"), names)
+        picture = names["picture"]
+        self.assertTrue(np.isfinite(picture).all() and (picture > 0).mean() > 0.9)
+        # The lamp is in the middle.
+        centre = picture[24:40, 24:40].mean()
+        self.assertGreater(centre, 3 * np.concatenate([picture[:8], picture[-8:]]).mean())
+
+
+class Arrays(unittest.TestCase):
+    def test_strided_views_give_the_bits_of_contiguous_arrays(self):
+        d, lengths = directions(300), np.linspace(0.1, 3, 300, dtype=np.float32)
+        apart = np.zeros((300, 2), cb.LIGHT_FIELD)
+        light_field.point(d, out=apart[:, 1])
+        together = light_field.point(d)
+        beams = lamp_beams(900)
+        beams["length"][::3] = lengths
+        for fields, lengths in [(apart[:, 1], beams["length"][::3]), (together, lengths)]:
+            light_field.travel(fields, lengths)
+        self.assertEqual(apart[:, 1].tobytes(), together.tobytes())
+        self.assertFalse(apart.view(np.uint8).reshape(300, 2, -1)[:, 0].any(), "the elements between were written")
+
+        columns = np.zeros((300, 4, 3), np.float32)
+        light_field.slice(apart[:, 1], out=columns[:, 2])
+        self.assertEqual(columns[:, 2].tobytes(), light_field.slice(together).tobytes())
+
+        one, other = cb.BeamMap(FOG), cb.BeamMap(FOG)
+        one.add(beams[::3])
+        other.add(beams[::3].copy())
+        rays, out = np.repeat(eye_rays(32), 2), np.zeros((32, 2), cb.GATHERED)
+        for m in (one, other):
+            m.commit(KERNEL.ceiling)
+        grid = resolved()
+        one.gather(KERNEL, grid, rays[::2], out=out[:, 1])
+        expected = other.gather(KERNEL, grid, rays[::2].copy())
+        self.assertEqual(out[:, 1].tobytes(), expected.tobytes())
+        self.assertGreater(expected["pairs"].sum(), 0)
+
+    def test_a_field_of_a_record_of_my_own_is_passed_in_place(self):
+        mine = np.zeros(10, np.dtype([("id", np.int64), ("field", cb.LIGHT_FIELD), ("distance", np.float32)], align=True))
+        light_field.point(directions(10), out=mine["field"])
+        expected = mine["field"].copy()
+        mine["distance"] = np.arange(10)
+        light_field.travel(mine["field"], mine["distance"])
+        light_field.travel(expected, np.arange(10, dtype=np.float32))
+        self.assertEqual(mine["field"].tobytes(), expected.tobytes())
+
+    def test_single_values_serve_all_elements(self):
+        fields = light_field.point(directions(5))
+        each = fields.copy()
+        light_field.occlude(fields, (1, 0, 0), 0.5)
+        light_field.occlude(each, np.tile(np.float32([1, 0, 0]), (5, 1)), np.full(5, 0.5, np.float32))
+        self.assertEqual(fields.tobytes(), each.tobytes())
+        one = light_field.point((0, 0, 1))
+        self.assertEqual(one.shape, ())
+        self.assertIsInstance(light_field.variance_along_ray(one, 0.1), np.float32)
+        self.assertEqual(light_field.slice(one).shape, (3,))
+        # A broadcast view has a stride of 0.
+        light_field.travel(each, np.broadcast_to(np.float32(2), 5))
+        light_field.travel(fields, 2)
+        self.assertEqual(fields.tobytes(), each.tobytes())
+
+    def test_no_elements_are_no_work(self):
+        light_field.travel(np.zeros(0, cb.LIGHT_FIELD), 1.0)
+        self.assertEqual(light_field.point(np.zeros((0, 3), np.float32)).shape, (0,))
+        committed().gather(KERNEL, None, np.zeros(0, cb.EYE_RAY))
+
+    def test_large_arrays_are_not_copied(self):
+        count = 100_000
+        fields, segments, beams, rays = light_field.point(directions(count)), lamp_segments(count), lamp_beams(count), eye_rays(count)
+        segments["length"] = 1e-3
+        rays["origin"] += 100
+        out, map = np.zeros(count, cb.GATHERED), committed(10)
+        calls = {
+            "travel": lambda: light_field.travel(fields, 1.0),
+            "fluence": lambda: light_field.fluence(fields[::2], np.inf, out=spectra),
+            "deposit": lambda: grid.deposit(FOG, segments),
+            "add": lambda: cb.BeamMap(FOG).add(beams),
+            "gather": lambda: map.gather(KERNEL, None, rays, out=out),
+            "cells": lambda: big.cells,
+        }
+        spectra, grid = np.zeros(count // 2, cb.SPECTRUM), cb.Grid(LAYOUT)
+        big = cb.Grid(LAYOUT._replace(cells=(64, 64, 64)))
+        for name, call in calls.items():
+            with self.subTest(name):
+                tracemalloc.start()
+                call()
+                _, peak = tracemalloc.get_traced_memory()
+                tracemalloc.stop()
+                # The smallest of these arrays has 1.2 MB. What deposit checks about knots is a few masks of a byte and of 8 bytes.
+                self.assertLess(peak, 100_000 * 8 * 6 if name == "deposit" else 100_000)
+
+    def test_the_library_gets_the_address_of_the_array(self):
+        array = lamp_beams(10)[2:]
+        words = []
+        _arrays.elementwise(lambda *got: words.extend(got) or 0, _arrays.COUNT, _arrays.given("beams", array[::2], _arrays.Kind(cb.BEAM)))
+        self.assertEqual(words, [4, array.ctypes.data, 128])
+
+    def test_cells_are_views_of_the_grid(self):
+        grid = cb.Grid(LAYOUT._replace(cells=(2, 3, 4)))
+        cells = grid.cells
+        self.assertEqual(cells.shape, (4, 3, 2))
+        self.assertTrue(np.shares_memory(cells, grid.cells))
+        self.assertFalse(cells.flags.writeable)
+        with self.assertRaises(ValueError):
+            cells.flags.writeable = True
+        with self.assertRaisesRegex(cb.Error, "resolve"):
+            grid.means
+        self.assertFalse(cells["weight"].any())
+        inside = np.float32([[1.9, -1.9, -1.9]])
+        grid.deposit_spectra(inside, np.ones(1, cb.SPECTRUM), 5.0)
+        self.assertEqual(cells["weight"][0, 0, 1], 5.0)
+        grid.resolve()
+        self.assertEqual(grid.means["weight"][0, 0, 1], 1.0)
+
+    def test_a_grid_in_my_memory_works_there(self):
+        cells, means = np.zeros((8, 8, 8), cb.GRID_CELL), np.zeros(512, cb.FLUENCE_CELL)
+        mine, theirs = cb.Grid.new_in(LAYOUT, cells, means), resolved()
+        mine.deposit(FOG, lamp_segments(500))
+        mine.resolve()
+        np.testing.assert_array_equal(cells, theirs.cells)
+        np.testing.assert_array_equal(means.reshape(8, 8, 8), theirs.means)
+        self.assertTrue(np.shares_memory(mine.cells, cells) and np.shares_memory(mine.means, means))
+        address = cells.ctypes.data
+        del cells, means
+        gc.collect()
+        # The grid keeps the memory: it still is what it was.
+        self.assertEqual(mine.cells.ctypes.data, address)
+        np.testing.assert_array_equal(mine.cells, theirs.cells)
+
+    def test_what_cannot_be_passed_is_refused_by_name(self):
+        field, d = light_field.point(directions(4)), directions(4)
+        travel, f4, zeros = light_field.travel, np.float32, np.zeros
+        unaligned = zeros(4 * 64 + 1, np.uint8)[1:].view(cb.LIGHT_FIELD)
+        odd = np.ndarray(4, f4, buffer=bytearray(64), strides=(6,))
+        read_only = field.copy()
+        read_only.flags.writeable = False
+        swapped = field.astype(cb.LIGHT_FIELD.newbyteorder("S"))
+        packed = np.dtype([("a", np.uint8), ("field", cb.LIGHT_FIELD)])
+        cells, means = zeros(512, cb.GRID_CELL), zeros(512, cb.FLUENCE_CELL)
+        cases = [
+            (TypeError, "fields: a list; give a numpy array", lambda: travel([1.0], 1.0)),
+            (TypeError, "fields: a void", lambda: travel(field[0], 1.0)),
+            (TypeError, "fields: dtype float32", lambda: travel(zeros(4, f4), 1.0)),
+            (TypeError, "fields: .*other order; use .astype", lambda: travel(swapped, 1.0)),
+            (ValueError, "fields: shape .2, 2. is neither .. nor .n,.", lambda: travel(field.reshape(2, 2), 1.0)),
+            (ValueError, "fields: the array is read-only", lambda: travel(read_only, 1.0)),
+            (ValueError, "fields: runs backwards .stride -64.; use np.ascontiguous", lambda: travel(field[::-1], 1.0)),
+            (ValueError, "fields: elements are not aligned", lambda: travel(unaligned, 1.0)),
+            (ValueError, "fields: elements are not aligned", lambda: travel(zeros(4, packed)["field"], 1.0)),
+            (TypeError, "distances: dtype float64 .*float32", lambda: travel(field, zeros(4))),
+            (TypeError, "distances: dtype int64 .*float32", lambda: travel(field, zeros(4, np.int64))),
+            (TypeError, "distances: dtype >f4 .*other order", lambda: travel(field, zeros(4, ">f4"))),
+            (TypeError, "distances: a str; give a number", lambda: travel(field, "1")),
+            (TypeError, "distances: a NoneType", lambda: travel(field, None)),
+            (TypeError, "distances: a list", lambda: travel(field, [1.0] * 4)),
+            (ValueError, "distances: 3 elements, but fields has 4", lambda: travel(field, zeros(3, f4))),
+            (ValueError, "distances: elements are not aligned", lambda: travel(field, odd)),
+            (ValueError, "fields: one element, but distances has 4", lambda: travel(field[0, ...], zeros(4, f4))),
+            (TypeError, "directions: dtype float64", lambda: light_field.point(zeros((4, 3)))),
+            (ValueError, "directions: shape .4, 2. is neither .3,. nor .n, 3.", lambda: light_field.point(zeros((4, 2), f4))),
+            (ValueError, "directions: the 3 numbers .* 16 bytes apart", lambda: light_field.point(zeros((3, 4), f4).T)),
+            (ValueError, r"directions: \(1, 2\) is not 3 numbers", lambda: light_field.point((1, 2))),
+            (TypeError, "directions: a float; give a tuple", lambda: light_field.point(1.0)),
+            (TypeError, "out: dtype float64", lambda: light_field.slice(field, out=zeros((4, 3)))),
+            (ValueError, "out: shape", lambda: light_field.slice(field, out=zeros((4, 2), f4))),
+            (ValueError, "out: 5 elements, but fields has 4", lambda: light_field.slice(field, out=zeros((5, 3), f4))),
+            (ValueError, "out: the array is read-only", lambda: light_field.slice(field, out=np.broadcast_to(d[0], (4, 3)))),
+            (TypeError, "curvatures: a tuple; give a numpy array of records", lambda: light_field.reflect(field, d, (0,) * 6)),
+            (TypeError, "medium: a float; give a Medium", lambda: light_field.carry(field, 0.2, d, 1.0)),
+            (TypeError, "kernel: a float; give a Kernel", lambda: committed().gather(0.1, None, eye_rays(1))),
+            (TypeError, "a str where an object", lambda: committed().gather(KERNEL, "grid", eye_rays(1))),
+            (TypeError, "rays: dtype", lambda: committed().gather(KERNEL, None, lamp_beams(1))),
+            (ValueError, "ray: 2 elements, but one is wanted", lambda: cb.cross(eye_rays(2), lamp_beams(2))),
+            (TypeError, "out: the call has two results", lambda: cb.cross(eye_rays(1), lamp_beams(2), out=zeros(2))),
+            (TypeError, "beam_columns.1.: a int; give a Column", lambda: cb.gather_pair(
+                eye_rays(1), lamp_beams(2), 0.0, 1.0, FOG, KERNEL, None, zeros(1, cb.GATHERED),
+                beam_columns=[cb.Column.of_knots(zeros(0, cb.KNOT)), 1])),
+            (TypeError, "layout: a tuple; give a GridLayout", lambda: cb.Grid(tuple(LAYOUT))),
+            (ValueError, "layout: cells", lambda: cb.Grid(LAYOUT._replace(cells=(-1, 1, 1)))),
+            (ValueError, r"values: shape \(8, 8, 9\) is not \(nz, ny, nx\)", lambda: cb.Density(LAYOUT, zeros((8, 8, 9), f4))),
+            (ValueError, "values: the voxels are not evenly spaced", lambda: cb.Density(LAYOUT, zeros((8, 8, 8), f4).T)),
+            (ValueError, "cells: 511 elements, but the layout has 512", lambda: cb.Grid.new_in(LAYOUT, cells[1:], means)),
+            (ValueError, "cells: elements are 112 bytes apart, not packed", lambda: cb.Grid.new_in(
+                LAYOUT, zeros(1024, cb.GRID_CELL)[::2], means)),
+            (ValueError, "means: shares memory", lambda: cb.Grid.new_in(
+                LAYOUT, cells, cells.view(np.uint8)[: 512 * 28].view(cb.FLUENCE_CELL))),
+            (TypeError, "scattering: 'x' is neither", lambda: cb.Medium("x")),
+            (TypeError, "density: a float", lambda: cb.Medium(1.0, density=1.0)),
+            (ValueError, "pass_: 4294967297", lambda: cb.kernel.error_bound(0.1, 2**32 + 1)),
+        ]
+        before = field.copy()
+        for kind, message, call in cases:
+            with self.subTest(message), self.assertRaisesRegex(kind, message):
+                call()
+        self.assertEqual(field.tobytes(), before.tobytes())
+
+    def test_what_the_library_refuses_is_an_error_with_its_message(self):
+        field = light_field.point(directions(4))
+        before = field.copy()
+        distances = np.float32([1, 2, np.nan, 3])
+        with self.assertRaisesRegex(cb.Error, r"distances\[2\]: NaN is not finite \(INVALID_VALUE\)") as raised:
+            light_field.travel(field, distances)
+        self.assertEqual(raised.exception.status, cb.Status.INVALID_VALUE)
+        self.assertEqual(raised.exception.message, "distances[2]: NaN is not finite")
+        self.assertEqual(field.tobytes(), before.tobytes())
+        again = pickle.loads(pickle.dumps(raised.exception))
+        self.assertEqual((again.status, str(again)), (raised.exception.status, str(raised.exception)))
+        for status, call in [
+            (cb.Status.WRONG_ORDER, lambda: cb.BeamMap(FOG).gather(KERNEL, None, eye_rays(1))),
+            (cb.Status.WRONG_ORDER, lambda: cb.Grid(LAYOUT).look_up((0, 0, 0))),
+            (cb.Status.MISMATCH, lambda: cb.Grid(LAYOUT).merge([cb.Grid(LAYOUT._replace(cells=(1, 1, 1)))])),
+            (cb.Status.INVALID_HANDLE, lambda: cb.Grid(LAYOUT).merge([cb.Scratch()])),
+            (cb.Status.INVALID_ARRAY, lambda: spectrum.variance_along(
+                np.zeros(4, cb.SPECTRUM), (0, 0, 1), out=np.lib.stride_tricks.as_strided(np.zeros(4, np.float32), strides=(0,)))),
+        ]:
+            with self.assertRaises(cb.Error) as raised:
+                call()
+            self.assertEqual(raised.exception.status, status)
+
+
+class Boom(Exception):
+    pass
+
+
+class Callbacks(unittest.TestCase):
+    def setUp(self):
+        # What a callback raises must never end here.
+        swallowed = []
+        patch = mock.patch("sys.unraisablehook", swallowed.append)
+        patch.start()
+        self.addCleanup(lambda: (patch.stop(), self.assertEqual(swallowed, [])))
+
+    def calls(self):
+        """Long calls with a poll."""
+        beams, rays = committed(50_000), eye_rays(2000)
+        one, other = np.zeros(2000, cb.GATHERED), np.zeros(2000, cb.GATHERED)
+        shade = lambda contacts, values: values.fill(1)
+        adding = cb.BeamMap(FOG)
+        adding.add(lamp_beams(200_000))
+        yield lambda poll: adding.commit(0.1, poll=poll), adding
+        yield lambda poll: beams.gather(KERNEL, None, rays, out=one, poll=poll), one
+        yield lambda poll: beams.gather_shaded(KERNEL, None, rays, shade, out=other, poll=poll), other
+
+    def test_a_poll_that_says_no_cancels(self):
+        for call, changed in self.calls():
+            asked = []
+            with self.assertRaises(cb.Cancelled) as raised:
+                call(lambda: asked.append(1) or len(asked) < 3)
+            self.assertEqual(raised.exception.status, cb.Status.CANCELLED)
+            self.assertEqual(len(asked), 3)
+            if isinstance(changed, np.ndarray):
+                self.assertFalse(changed.view(np.uint8).any(), "a cancelled gather wrote")
+            else:
+                self.assertEqual(changed.count, 200_000)
+            # And nothing is stuck.
+            call(lambda: True)
+
+    def test_what_a_poll_raises_is_raised_by_the_call(self):
+        for call, _ in self.calls():
+            for raised in (Boom("here"), KeyboardInterrupt(), SystemExit(3)):
+                asked = []
+
+                def poll():
+                    asked.append(1)
+                    if len(asked) == 2:
+                        raise raised
+                    return True
+
+                with self.assertRaises(type(raised)) as caught:
+                    call(poll)
+                self.assertIs(caught.exception, raised)
+                self.assertEqual(len(asked), 2)
+            with self.assertRaisesRegex(TypeError, "poll: returned None"):
+                call(lambda: None)
+
+    def test_ctrl_c_ends_a_call_even_if_it_comes_outside_of_python(self):
+        def interrupt(*_):
+            raise KeyboardInterrupt
+
+        before = signal.signal(signal.SIGALRM, interrupt)
+        self.addCleanup(signal.signal, signal.SIGALRM, before)
+        for call, _ in self.calls():
+            for delay in (0.004, 0.007, 0.011, 0.013, 0.017):
+                signal.setitimer(signal.ITIMER_REAL, delay)
+                deadline = time.monotonic() + 10
+                with self.assertRaises(KeyboardInterrupt):
+                    while time.monotonic() < deadline:
+                        try:
+                            call(lambda: True)
+                        except cb.Error as error:
+                            # The map has been committed in time: again, until the signal comes.
+                            self.assertEqual(error.status, cb.Status.WRONG_ORDER)
+
+    def test_ctrl_c_at_the_door_of_shade_is_not_lost(self):
+        beams, rays = committed(50_000), eye_rays(500)
+        before = signal.signal(signal.SIGALRM, mock.Mock(side_effect=Boom))
+        self.addCleanup(signal.signal, signal.SIGALRM, before)
+        for step in range(60):
+            signal.setitimer(signal.ITIMER_REAL, 0.001 + 0.0003 * step)
+            deadline = time.monotonic() + 10
+            with self.assertRaises(Boom):
+                while time.monotonic() < deadline:
+                    beams.gather_shaded(KERNEL, None, rays, lambda contacts, values: None)
+
+    def test_what_shade_raises_is_raised_by_the_call(self):
+        beams, rays, out = committed(), eye_rays(64), np.zeros(64, cb.GATHERED)
+        seen = []
+
+        def shade(contacts, values):
+            seen.append(len(contacts))
+            raise Boom
+
+        with self.assertRaises(Boom):
+            beams.gather_shaded(KERNEL, None, rays, shade, out=out)
+        self.assertEqual(len(seen), 1)
+        self.assertFalse(out.view(np.uint8).any())
+        with self.assertRaisesRegex(TypeError, "shade: returned something"):
+            beams.gather_shaded(KERNEL, None, rays, lambda contacts, values: values)
+        for shade in (None, 3):
+            with self.assertRaisesRegex(TypeError, "shade: "):
+                beams.gather_shaded(KERNEL, None, rays, shade)
+
+    def test_contacts_that_are_kept_stay_readable(self):
+        beams, kept = committed(), []
+        beams.gather_shaded(KERNEL, None, eye_rays(64), lambda contacts, values: kept.append((contacts, values)))
+        beams.close()
+        gc.collect()
+        for contacts, values in kept:
+            self.assertTrue(np.isfinite(contacts["position"]).all() and np.isfinite(values).all())
+
+    def test_a_callback_cannot_change_the_objects_of_its_call(self):
+        beams, grid, scratch = committed(50_000), resolved(), cb.Scratch()
+        for change in (beams.clear, grid.resolve, grid.clear, lambda: beams.gather(KERNEL, grid, eye_rays(1), scratch=scratch)):
+            with self.assertRaisesRegex(cb.Error, "in use by another call") as raised:
+                beams.gather(KERNEL, grid, eye_rays(500), scratch=scratch, poll=lambda: change() or True)
+            self.assertEqual(raised.exception.status, cb.Status.WRONG_ORDER)
+        # To read them, or to close them, is fine.
+        asked = []
+        poll = lambda: asked.append(beams.count) or True
+        beams.gather(KERNEL, grid, eye_rays(500), scratch=scratch, poll=poll)
+        self.assertEqual(set(asked), {50_000})
+        done = beams.gather(KERNEL, grid, eye_rays(500), scratch=scratch, poll=lambda: (beams.close(), grid.close(), True)[2])
+        self.assertGreater(done["pairs"].sum(), 0)
+
+
+class Objects(unittest.TestCase):
+    def test_use_after_close_is_an_error(self):
+        density = cb.Density(LAYOUT, np.ones((8, 8, 8), np.float32))
+        grid, beams, scratch = resolved(), committed(), cb.Scratch()
+        for thing in (density, grid, beams, scratch):
+            thing.close()
+            thing.close()
+        for call in [
+            lambda: grid.resolve(),
+            lambda: grid.cells,
+            lambda: grid.save(),
+            lambda: cb.Grid(LAYOUT).merge([grid]),
+            lambda: beams.count,
+            lambda: beams.add(lamp_beams(1)),
+            lambda: committed().gather(KERNEL, grid, eye_rays(1)),
+            lambda: committed().gather(KERNEL, None, eye_rays(1), scratch=scratch),
+            lambda: cb.Medium(0.1, density=density),
+        ]:
+            with self.assertRaisesRegex(cb.Error, "used after close") as raised:
+                call()
+            self.assertEqual(raised.exception.status, cb.Status.INVALID_HANDLE)
+
+    def test_objects_live_as_long_as_something_needs_them(self):
+        grid = resolved()
+        cells, means = grid.cells, grid.means
+        expected = cells.copy(), means.copy()
+        with cb.Density(LAYOUT, np.full((8, 8, 8), 2, np.float32)) as density:
+            smoke = cb.Medium(0.1, density=density)
+        grid.close()
+        del grid, density
+        gc.collect()
+        # Memory that has been freed would be in use by these.
+        others = [cb.Grid(LAYOUT) for _ in range(20)]
+        np.testing.assert_array_equal(cells, expected[0])
+        np.testing.assert_array_equal(means, expected[1])
+        self.assertEqual(smoke.density_at((0, 0, 0)), 2)
+        del others
+
+    def test_a_handle_is_freed_exactly_once(self):
+        for make in (lambda: cb.Grid(LAYOUT), lambda: cb.BeamMap(FOG), cb.Scratch, lambda: cb.Density(LAYOUT, np.ones(512, np.float32))):
+            thing, freed = make(), []
+            owner = thing._owner
+            free, owner._free = owner._free, freed.append
+            handle = owner.handle
+            del owner
+            twin = copy.copy(thing)
+            thing.close()
+            self.assertEqual(freed, [])
+            twin.close()
+            del thing, twin
+            gc.collect()
+            self.assertEqual(freed, [handle])
+            free(handle)
+        for duplicate in (copy.deepcopy, pickle.dumps):
+            with self.assertRaisesRegex(TypeError, "cannot be copied or pickled"):
+                duplicate(cb.Grid(LAYOUT))
+
+    def test_nothing_leaks(self):
+        layout, values = LAYOUT._replace(cells=(1, 1, 1)), np.ones(1, np.float32)
+        one, field = np.zeros(1, cb.BEAM), light_field.point((0, 0, 1))
+        one["direction"], one["length"] = (0, 0, 1), 1
+        ray = np.zeros(1, cb.EYE_RAY)
+        ray["direction"], ray["length"] = (0, 1, 0), 1
+
+        def round():
+            with cb.Grid(layout) as grid, cb.Density(layout, values) as density, cb.Scratch() as scratch:
+                with cb.BeamMap(cb.Medium(0.1, density=density)) as beams:
+                    grid.resolve()
+                    grid.cells
+                    beams.add(one)
+                    beams.commit(0.1, poll=lambda: True)
+                    beams.gather_shaded(KERNEL, grid, ray, lambda c, v: None, scratch=scratch, poll=lambda: True)
+            light_field.travel(field, 0.0)
+
+        def resident():
+            gc.collect()
+            return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+        # 25,000 rounds make and free 100,000 objects. The first fill the allocators' pools.
+        for _ in range(2000):
+            round()
+        before = resident()
+        for _ in range(25_000):
+            round()
+        # The smallest allocation is 16 bytes; every object of the library has 64 or more: a leak of one kind is 1.6 MB. Pools come and
+        # go by a few pages.
+        self.assertLess(resident() - before, 1 << 20)
+
+    def test_threads_share_what_they_read_and_are_kept_from_what_one_changes(self):
+        beams, grid, rays = committed(50_000), resolved(), eye_rays(800)
+        expected = beams.gather(KERNEL, grid, rays)
+        results = {}
+
+        def work(name):
+            results[name] = beams.gather(KERNEL, grid, rays).tobytes()
+
+        threads = [threading.Thread(target=work, args=(i,)) for i in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(set(results.values()), {expected.tobytes()})
+        beams.clear()
+
+
+class Library(unittest.TestCase):
+    def compiled(self, path, source, *options):
+        path.with_suffix(".c").write_text(source)
+        subprocess.run([os.environ.get("CC", "cc"), *options, str(path.with_suffix(".c")), "-o", str(path)], check=True)
+        return path
+
+    def test_a_library_that_does_not_fit_is_refused_with_the_remedy(self):
+        with tempfile.TemporaryDirectory() as folder:
+            newer = self.compiled(
+                Path(folder, "newer.so"),
+                'unsigned covbeam_abi_version(void) { return 999; } const char *covbeam_version(void) { return "7.8.9"; }',
+                "-shared", "-fPIC",
+            )
+            with self.assertRaisesRegex(ImportError, rf"version 7\.8\.9\) has ABI 999, this module is for ABI {cb.ABI_VERSION}. .*one covbeam wheel"):
+                _library.load(newer)
+            text = Path(folder, "text.so")
+            text.write_text("not a library")
+            with self.assertRaisesRegex(ImportError, "text.so cannot be loaded on .*COVBEAM_LIBRARY"):
+                _library.load(text)
+            another = self.compiled(Path(folder, "another.so"), "int f(void) { return 0; }", "-shared", "-fPIC")
+            with self.assertRaisesRegex(ImportError, "is not libcovbeam"):
+                _library.load(another)
+            with mock.patch.object(_library, "FILE_NAME", "nowhere.so"), mock.patch.dict(os.environ):
+                os.environ["COVBEAM_LIBRARY"] = str(Path(folder, "gone.so"))
+                with self.assertRaisesRegex(ImportError, "gone.so', where there is no file"):
+                    _library.find()
+                os.environ["COVBEAM_LIBRARY"] = str(text)
+                self.assertEqual(_library.find(), text)
+                del os.environ["COVBEAM_LIBRARY"]
+                with self.assertRaisesRegex(ImportError, "no nowhere.so beside the module, and COVBEAM_LIBRARY is not set"):
+                    _library.find()
+
+    def header(self):
+        return re.sub(r"/\*.*?\*/", "", Path(os.environ["COVBEAM_HEADER"]).read_text(), flags=re.S)
+
+    def test_structs_and_constants_are_those_of_the_header_as_the_compiler_sees_it(self):
+        header = self.header()
+        structs = {}
+        for name, body in re.findall(r"typedef struct (\w+) \{(.*?)\}", header, re.S):
+            structs[name] = re.findall(r"(\w+)(?:\[\d+\])?;", body)
+        constants = re.findall(r"\b(COVBEAM_[A-Z_]+) = \d+", header) + ["COVBEAM_ABI_VERSION"]
+        lines = []
+        for name, fields in structs.items():
+            lines.append(f'printf("{name} %zu %zu\\n", sizeof({name}), _Alignof({name}));')
+            for field in fields:
+                place = f"offsetof({name}, {field}), sizeof((({name} *)0)->{field})"
+                lines.append(f'printf("{name}.{field} %zu %zu\\n", {place});')
+        lines += [f'printf("{name} %ld 0\\n", (long){name});' for name in constants]
+        source = '#include "covbeam.h"\n#include <stdio.h>\nint main(void) {\n' + "\n".join(lines) + "\nreturn 0; }"
+        with tempfile.TemporaryDirectory() as folder:
+            program = self.compiled(Path(folder, "layout"), source, "-std=c11", "-I", str(Path(os.environ["COVBEAM_HEADER"]).parent))
+            output = subprocess.run([program], check=True, stdout=subprocess.PIPE, text=True).stdout
+        compiler = {name: (int(a), int(b)) for name, a, b in map(str.split, output.splitlines())}
+
+        python = {}
+        for name in cb.dtypes.__dict__:
+            dtype = getattr(cb.dtypes, name)
+            if isinstance(dtype, np.dtype):
+                struct = "covbeam_" + name.lower()
+                python[struct] = (dtype.itemsize, dtype.alignment)
+                for field, (of, offset, *_) in dtype.fields.items():
+                    python[f"{struct}.{field}"] = (offset, of.itemsize)
+        for struct in (s for s in vars(_abi).values() if isinstance(s, type) and issubclass(s, ctypes.Structure)):
+            name = "covbeam_" + re.sub(r"(?<=[a-z])(?=[A-Z])", "_", struct.__name__).lower()
+            python[name] = (ctypes.sizeof(struct), ctypes.alignment(struct))
+            for field, _ in struct._fields_:
+                descriptor = getattr(struct, field)
+                python[f"{name}.{field}"] = (descriptor.offset, descriptor.size)
+        python |= {f"COVBEAM_{status.name}": (status.value, 0) for status in cb.Status}
+        python |= {f"COVBEAM_KERNEL_{shape.name}": (shape.value, 0) for shape in cb.KernelShape}
+        kinds = ("ISOTROPIC", "HENYEY_GREENSTEIN", "RAYLEIGH")
+        python |= {f"COVBEAM_PHASE_{kind}": (getattr(cb.Phase, kind), 0) for kind in kinds}
+        densities = [cb.Medium(1), cb.Medium(1, density=cb.Exponential((0, 0, 0), (0, 0, 1), 1))]
+        densities.append(cb.Medium(1, density=cb.Density(LAYOUT, np.ones(512, np.float32))))
+        for kind, medium in zip(("UNIFORM", "EXPONENTIAL", "VOXELS"), densities):
+            python[f"COVBEAM_DENSITY_{kind}"] = (medium._struct.density, 0)
+        python["COVBEAM_ABI_VERSION"] = (cb.ABI_VERSION, 0)
+        # Nothing missing on either side: a new struct, field or constant of the header fails here.
+        self.assertEqual(python, compiler)
+        self.assertGreater(len(structs), 15)
+        self.assertEqual(_library.lib.covbeam_abi_version(), cb.ABI_VERSION)
+
+    def test_functions_have_the_parameters_of_the_header(self):
+        found = {}
+        for name, parameters in re.findall(r"\b(covbeam_\w+)\(([^()]*)\);", self.header()):
+            letters = ""
+            for parameter in parameters.split(","):
+                if "*" in parameter or "covbeam_poll " in parameter or "covbeam_shade " in parameter:
+                    letters += "p"
+                elif parameter.strip() != "void":
+                    letters += {"size_t": "z", "float": "f", "uint32_t": "u", "int32_t": "i"}[parameter.split()[0]]
+            found[name] = letters
+        self.assertGreater(len(found), 100)
+        for name, letters in _abi.PROTOTYPES.items():
+            self.assertEqual((name, letters), (name, found.get(name)))
+        # What the module does not call has a form for arrays, which it does call.
+        for name in found.keys() - _abi.PROTOTYPES.keys() - {"covbeam_status_name"}:
+            forms = {
+                name + "_many",
+                name.replace("light_field_", "light_fields_"),
+                name.replace("spectrum_", "spectra_"),
+                name + "s",
+            }
+            self.assertTrue((forms - {name}) & _abi.PROTOTYPES.keys(), f"{name} is not in the Python module")
+
+
+if __name__ == "__main__":
+    unittest.main()

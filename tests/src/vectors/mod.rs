@@ -1,0 +1,53 @@
+//! The calls of `tests/vectors.txt`: what the core answers, for the clients of the C ABI in every language to compare with.
+//!
+//! The file pins that all languages give the same bits. It says nothing about their truth, which the other tests judge.
+//!
+//! One call a line, `name inputs... -> outputs...`, and comments after `#`. The name is that of the C function without
+//! `covbeam_`. A word is the bit pattern of a number in hexadecimal: 8 digits for an f32 or u32 (a u8 is written as u32), 16
+//! for a u64. The inputs are the C parameters in their order, structs by their fields, arrays element by element; left out
+//! are `struct_size`, handles, pointers, counts and strides. What is changed in place is the first input and the last output.
+//!
+//! Lines follow each other like calls: there is one density, one grid and one map at a time. A medium of kind 2 has the
+//! current density. `use_grid` (0 or 1) says whether the grid is passed. Several elements stand one after the other:
+//!
+//! ```text
+//! medium      scattering[3] absorption[3] phase.kind phase.asymmetry density origin[3] up[3] scale_height
+//! kernel      shape progressive ceiling error        schedule  shape radius alpha max_radius error
+//! segment     origin[3] length power unscattered field[16], without knots
+//! density_new layout[9] value... ->                  grid_new layout[9] ->
+//! grid_deposit medium segment... ->                  grid_deposit_spectra position[3] spectrum[6] weight ->
+//! grid_resolve ->                                    grid_look_up position[3]... -> (found spectrum[6])...
+//! grid_save -> size (16 digits) FNV-1a of the bytes (16 digits)
+//! beam_map_new medium ->                             beam_map_add beam[16]... ->
+//! beam_map_commit ceiling ->                         beam_map_clear ->
+//! beam_map_gather use_grid kernel ray[7]... -> gathered[7]...
+//! gather_pair use_grid medium kernel from to ray[7] beam[16] -> accepted gathered[7], from zero, columns NULL
+//! kernel_radius_at use_grid kernel position[3] axis[3] -> radius sigma
+//! cross ray[7] beam[16] -> crosses crossing[7]       filter_beams ray[7] beam[16]... ceiling -> mask...
+//! medium_knots medium origin[3] direction[3] length error most -> knot[2]...
+//! medium_tabulate medium origin[3] direction[3] length -> knot[2]...
+//! light_field_refract field[16] normal[3] curvature[6] eta -> passed field[16]
+//! ```
+
+mod grids;
+mod hard;
+mod kernels;
+mod light;
+mod maps;
+mod media;
+mod words;
+
+use words::Script;
+pub use words::fnv;
+
+/// What `tests/vectors.txt` must contain.
+pub fn text() -> String {
+    let mut script = Script::new();
+    script.comment("Made by `cargo run -p covbeam-tests --bin vectors`; the format is described in tests/src/vectors/mod.rs.");
+    light::write(&mut script);
+    kernels::write(&mut script);
+    media::write(&mut script);
+    grids::write(&mut script);
+    maps::write(&mut script);
+    script.into_text()
+}
