@@ -4,50 +4,67 @@
  *
  * A pass of a picture
  *
- *   covbeam_schedule_kernel(&schedule, pass, &kernel);         radius and accepted error of this pass, counted from 1
- *   covbeam_beam_map_clear(map);                               one map a medium
- *   ... trace photons: every segment in a medium is a covbeam_beam; a tenth of the paths carry a covbeam_light_field, changed at
- *       each event, and leave covbeam_segments ...
- *   covbeam_beam_map_add(map, count, beams, sizeof *beams);
- *   covbeam_grid_deposit(grid, &fog, count, segments, sizeof *segments);
+ *   covbeam_schedule_kernel(&schedule, pass, &kernel);      radius and accepted error of this pass, counted from 1
+ *   covbeam_beam_map_clear(map);                            one map for each medium
+ *
+ *   For each photon path of the host's tracer (a tenth of the paths also carry a light field):
+ *       covbeam_light_field_point(direction, 0.0507f, &field);              at the lamp
+ *       each straight piece through a medium is a covbeam_beam, and with a light field a covbeam_segment too
+ *       covbeam_light_field_travel(&field, distance);                       on to the next event: refract,
+ *       covbeam_light_field_refract(&field, normal, &curvature, eta, &passed);      reflect, scatter, diffuse
+ *
+ *   covbeam_beam_map_add(map, beam_count, beams, sizeof *beams);
+ *   covbeam_grid_deposit(grid, &fog, segment_count, segments, sizeof *segments);
  *   covbeam_grid_resolve(grid);
  *   covbeam_beam_map_commit(map, kernel.ceiling, NULL, NULL);
- *   ... trace eye rays, those of a tile of 8x8 pixels side by side ...
- *   covbeam_beam_map_gather(map, &kernel, grid, count, rays, sizeof *rays, gathered, sizeof *gathered, scratch, NULL, NULL);
- *   ... picture += gathered[i].radiance; the mean over the passes is the result ...
  *
- * examples/c is a whole host in 150 lines.
+ *   For each tile of 8x8 pixels: rays of the host's camera, cut by surfaces into pieces inside one medium:
+ *       covbeam_beam_map_gather(map, &kernel, grid, 64, rays, sizeof *rays, gathered, sizeof *gathered,
+ *                               scratch, NULL, NULL);
+ *       pixel += weight of the piece x gathered.radiance;   the mean over the passes is the picture
+ *
+ * examples/c is a whole host.
  *
  * Conventions
  *
- * Units: any unit of length will do (written m here), power in watts per channel, angles in radians, frequencies in cycles/m and
- * cycles/rad. Axes are right-handed. A direction of propagation is the light's, away from the lamp.
+ * Units: any unit of length will do (written m here), power in watts per channel, angles in radians,
+ * frequencies in cycles/m and cycles/rad. Axes are right-handed. A direction of propagation is the light's,
+ * away from the lamp.
  *
- * Pointers: none may be NULL unless that is said; `const float*` of a vector points to 3 floats (other lengths are said). What a pointer
- * shows must stay readable (or writable) during the call, and outputs must not overlap inputs. Pointers and strides are multiples of
- * the alignment of what they point to.
+ * Pointers: none may be NULL unless that is said. A `const float*` that is a vector points to 3 floats;
+ * other lengths are said. What a pointer shows must stay readable (or writable) during the call, and
+ * outputs must not overlap inputs. Pointers and strides are multiples of the alignment of what they point
+ * to.
  *
- * Arrays: count, first element, stride. Element i lies stride x i bytes after the first. The stride of an input may be 0: all elements
- * are then the first. Elements of an output must not overlap. With a count of 0 the pointer is not looked at.
+ * Arrays: count, first element, stride. Element i lies stride x i bytes after the first. The stride of an
+ * input may be 0: all elements are then the first. Elements of an output must not overlap. With a count of
+ * 0 the pointer is not looked at.
  *
- * Names: covbeam_light_fields_travel is covbeam_light_field_travel for many fields; covbeam_medium_density_at_many asks one medium about many
- * points. Both do what the single function does, to the bit.
+ * Names: covbeam_light_fields_travel is covbeam_light_field_travel for many fields;
+ * covbeam_medium_density_at_many asks one medium about many points. Both do what the single function does,
+ * to the bit, and check all elements before they change the first.
  *
- * Options: structs that begin with struct_size = sizeof of themselves. Fields that a newer header adds are 0 for an older host; an older
- * library refuses new fields that are not 0.
+ * Options: structs that begin with struct_size, which is to be set to sizeof of themselves. Fields that a
+ * newer header adds are 0 for an older host; an older library refuses new fields that are not 0.
  *
- * Failure: every function that can fail returns a covbeam_status; all but COVBEAM_OK leave the outputs unwritten and the objects
- * as they were, and covbeam_last_error() says which parameter it was and what to do. NaN, infinities without a meaning, and vectors that
- * should have a direction but do not are refused. Nothing is ever printed. A defect of the library that ends in a panic returns
- * COVBEAM_PANICKED; the object that the call was changing then answers COVBEAM_POISONED until it is freed.
+ * Failure: every function that can fail returns a covbeam_status. All but COVBEAM_OK leave the outputs
+ * unwritten and the objects as they were, and covbeam_last_error() says which parameter it was and what to
+ * do. NaN, infinities without a meaning, and vectors that should have a direction but do not are refused.
+ * Nothing is ever printed. A defect of the library that ends in a panic returns COVBEAM_PANICKED; the
+ * object that the call was changing then answers COVBEAM_POISONED until it is freed.
  *
- * Handles: made by _new, freed by _free (NULL is ignored). A handle of the wrong kind is refused; one that has been freed often is, but that
- * cannot be relied upon: its memory may be in other use.
+ * Handles: made by _new, freed by _free, for which NULL is fine. A handle of the wrong kind is refused; one
+ * that has been freed often is, but do not rely on that: its memory may be in other use.
  *
- * Threads: objects passed by pointer to const may be used by several threads at once, those passed without const by one at a time.
- * The library starts no thread and keeps no state but each thread's last message. The same calls give the same bits.
+ * Threads: objects passed by pointer to const may be used by several threads at once, those passed without
+ * const by one at a time. The library starts no thread and keeps no state but each thread's last message.
+ * The same calls give the same bits.
  *
- * Versions: COVBEAM_ABI_VERSION changes when a host must be compiled anew, and with it the SONAME, libcovbeam.so.0 for now.
+ * Costs: an operator of a light field takes 0.1 to 0.5 us; whatever costs more says so. Everything is
+ * linear in its counts unless that is said.
+ *
+ * Versions: COVBEAM_ABI_VERSION changes when a host must be compiled anew, and with it the SONAME, which is
+ * libcovbeam.so.0 now.
  */
 
 
@@ -227,24 +244,30 @@ typedef uint32_t covbeam_phase_kind;
 #endif // __cplusplus
 
 /**
- * The beams of one medium and one pass. The cycle of a pass: clear, add (any number of times), commit, gather (any number of
+ * The beams of one medium and one pass. The cycle of a pass: clear, add (any number of times), commit,
+ * gather (any number of
  * times, from any number of threads).
  */
 typedef struct covbeam_beam_map covbeam_beam_map;
 
 /**
- * A relative density given at the centres of voxels, copied from the host. Nothing changes it: any number of threads and beam
+ * A relative density given at the centres of voxels, copied from the host. Nothing changes it: any number of
+ * threads and beam
  * maps may use it at once.
  */
 typedef struct covbeam_density covbeam_density;
 
 /**
- * A grid of fluence spectra. It collects (covbeam_grid_deposit), adds up (covbeam_grid_merge), is resolved once the photons of a
- * pass are in (covbeam_grid_resolve), and is looked up from then on, by covbeam_beam_map_gather too. It keeps what it has
+ * A grid of fluence spectra. It collects (covbeam_grid_deposit), adds up (covbeam_grid_merge), is resolved
+ * once the photons of a
+ * pass are in (covbeam_grid_resolve), and is looked up from then on, by covbeam_beam_map_gather too. It
+ * keeps what it has
  * collected over the passes of a picture.
  *
- * Deposits from several threads: give each *share of the photons*, not each thread, a grid of its own, and merge these in
- * their order. The result is then the same, to the bit, for any number of threads. With one grid for all photons, deposit in order.
+ * Deposits from several threads: give each *share of the photons*, not each thread, a grid of its own, and
+ * merge these in
+ * their order. The result is then the same, to the bit, for any number of threads. With one grid for all
+ * photons, deposit in order.
  */
 typedef struct covbeam_grid covbeam_grid;
 
@@ -254,12 +277,14 @@ typedef struct covbeam_grid covbeam_grid;
 typedef struct covbeam_scratch covbeam_scratch;
 
 /**
- * Square root of the covariance of a local light field's spectrum. Made by covbeam_light_field_point and its kin; the
+ * Square root of the covariance of a local light field's spectrum. Made by covbeam_light_field_point and its
+ * kin; the
  * numbers are the host's to copy, store and send, not to write.
  */
 typedef struct covbeam_light_field {
     /**
-     * Lower-triangular L with covariance L L^T, rows (u, v, x, y), packed row by row [uu, vu, vv, xu, xv, xx, yu, yv, yx, yy]:
+     * Lower-triangular L with covariance L L^T, rows (u, v, x, y), packed row by row [uu, vu, vv, xu, xv,
+     * xx, yu, yv, yx, yy]:
      * u, v in cycles/rad, x, y in cycles/m.
      */
     float root[10];
@@ -302,7 +327,8 @@ typedef struct covbeam_medium {
      */
     float scattering[3];
     /**
-     * Absorption coefficient per channel [1/m], each finite and >= 0; all coefficients add up to a finite number.
+     * Absorption coefficient per channel [1/m], each finite and >= 0; all coefficients add up to a finite
+     * number.
      */
     float absorption[3];
     /**
@@ -332,7 +358,8 @@ typedef struct covbeam_medium {
 } covbeam_medium;
 
 /**
- * Curvature of a surface at a hit [1/m], positive where it is convex on the side of the normal; all 0 is a plane.
+ * Curvature of a surface at a hit [1/m], positive where it is convex on the side of the normal; all 0 is a
+ * plane.
  */
 typedef struct covbeam_curvature {
     /**
@@ -432,7 +459,8 @@ typedef struct covbeam_knot {
 /**
  * The column along one ray as a function of the distance. Made by covbeam_medium_column.
  *
- * A host with media of its own may write one: VOXELS with a table of its own, whatever the density is made of.
+ * A host with media of its own may write one: VOXELS with a table of its own, whatever the density is made
+ * of.
  */
 typedef struct covbeam_column {
     /**
@@ -448,7 +476,8 @@ typedef struct covbeam_column {
      */
     float rate;
     /**
-     * Voxels: the host's table, which stays in place and unchanged while the column is used; NULL if knot_count is 0.
+     * Voxels: the host's table, which stays in place and unchanged while the column is used; NULL if
+     * knot_count is 0.
      */
     const struct covbeam_knot *knots;
     /**
@@ -502,7 +531,8 @@ typedef struct covbeam_segment {
      */
     float power;
     /**
-     * 1 if the light comes from its source without scattering in a medium or on a diffuse surface (mirrors and glass are no
+     * 1 if the light comes from its source without scattering in a medium or on a diffuse surface (mirrors
+     * and glass are no
      * scattering), else 0.
      */
     uint32_t unscattered;
@@ -511,7 +541,8 @@ typedef struct covbeam_segment {
      */
     struct covbeam_light_field field;
     /**
-     * How the light is attenuated: NULL takes it from the medium. A host with media of its own gives a table of (distance from the
+     * How the light is attenuated: NULL takes it from the medium. A host with media of its own gives a table
+     * of (distance from the
      * origin, optical depth up to there / extinction of the medium passed), both finite, neither falling.
      */
     const struct covbeam_knot *knots;
@@ -552,7 +583,8 @@ typedef struct covbeam_schedule {
 } covbeam_schedule;
 
 /**
- * How wide the pairs of one pass are gathered: within max(progressive, min(ceiling, what the spectrum allows)).
+ * How wide the pairs of one pass are gathered: within max(progressive, min(ceiling, what the spectrum
+ * allows)).
  */
 typedef struct covbeam_kernel {
     /**
@@ -578,7 +610,8 @@ typedef struct covbeam_kernel {
 } covbeam_kernel;
 
 /**
- * A photon beam: a straight piece of a photon's path through a medium. It runs on to the next surface, whatever the photon's
+ * A photon beam: a straight piece of a photon's path through a medium. It runs on to the next surface,
+ * whatever the photon's
  * free flight was; the gather multiplies by the transmittance ("long beams").
  */
 typedef struct covbeam_beam {
@@ -591,7 +624,8 @@ typedef struct covbeam_beam {
      */
     float direction[3];
     /**
-     * Length [m], finite and >= 0.
+     * Length [m] to the next surface, finite and >= 0; where there is none, covbeam_medium_reach is far
+     * enough.
      */
     float length;
     /**
@@ -609,7 +643,8 @@ typedef struct covbeam_beam {
 } covbeam_beam;
 
 /**
- * Asked now and then during a long call, in the thread of the call: return 0 to go on, anything else to stop. It must return (no
+ * Asked now and then during a long call, in the thread of the call: return 0 to go on, anything else to
+ * stop. It must return (no
  * exception, no longjmp) and must not use the objects of the call.
  */
 typedef int32_t (*covbeam_poll)(void *user);
@@ -679,7 +714,8 @@ typedef struct covbeam_contact {
      */
     float ray_distance;
     /**
-     * Distance along the beam [m]; at an end on a surface it may be outside the beam by less than radius.
+     * Distance along the beam [m]; at an end on a surface it may be outside the beam by less than radius. At a
+     * negative one, -s, the beam has the optical depth -(the one at s), as if the medium went on behind the surface.
      */
     float beam_distance;
     /**
@@ -687,7 +723,8 @@ typedef struct covbeam_contact {
      */
     float cos_theta;
     /**
-     * The blur kernel over the sine of the angle between beam and ray [1/m], with which the library multiplies.
+     * The blur kernel over the sine of the angle between beam and ray [1/m], with which the library
+     * multiplies.
      */
     float kernel;
     /**
@@ -701,8 +738,10 @@ typedef struct covbeam_contact {
 } covbeam_contact;
 
 /**
- * Fills values with three floats a contact: scattering coefficient x phase function x transmittance along the eye ray up to the
- * contact x transmittance along the beam up to it, per channel [1/(m sr)]. Return 0, or anything else to give up. Called in the thread of
+ * Fills values with three floats a contact: scattering coefficient x phase function x transmittance along
+ * the eye ray up to the
+ * contact x transmittance along the beam up to it, per channel [1/(m sr)]. Return 0, or anything else to
+ * give up. Called in the thread of
  * the call; it must return (no exception, no longjmp) and must not use the objects of the call.
  */
 typedef int32_t (*covbeam_shade)(void *user,
@@ -763,9 +802,11 @@ const char *covbeam_version(void);
 const char *covbeam_status_name(int32_t status);
 
 /**
- * What went wrong in the latest call of this thread that did not return COVBEAM_OK: names the parameter and the remedy.
+ * What went wrong in the latest call of this thread that did not return COVBEAM_OK: names the parameter and
+ * the remedy.
  *
- * @return UTF-8, at most 255 bytes, never NULL, empty before the first failure; valid until the thread's next call that fails.
+ * @return UTF-8, at most 255 bytes, never NULL, empty before the first failure; valid until the thread's
+ *     next call that fails.
  */
 const char *covbeam_last_error(void);
 
@@ -773,7 +814,9 @@ const char *covbeam_last_error(void);
  * Light of an exact point source.
  *
  * @param direction of propagation, normalised by the library: any length but 0.
- * @param angular_variance of the emission [cycles^2/rad^2], >= 0: 0 for a lamp without falloff.
+ * @param angular_variance of the emission [cycles^2/rad^2] >= 0: 2/(4 pi^2) = 0.0507 for a lamp that shines
+ *     evenly, because of the fall-off with the square of the distance; more where its intensity changes with
+ *     the angle.
  * @param out the light field.
  * @note Thesis 5.3.1.
  */
@@ -787,7 +830,7 @@ covbeam_status covbeam_light_field_point(const float *direction,
  * @param direction of propagation, normalised by the library: any length but 0.
  * @param normal of the disk, any length, either sign.
  * @param radius [m] >= 0: 0 is a point, infinity a uniform field.
- * @param angular_variance of the emission [cycles^2/rad^2], >= 0.
+ * @param angular_variance as for covbeam_light_field_point.
  * @param out the light field.
  * @note Thesis 5.3.1.
  */
@@ -810,7 +853,8 @@ covbeam_status covbeam_light_field_collimated(const float *direction,
                                               struct covbeam_light_field *out);
 
 /**
- * A light field without correlations, from its four variances. A Gaussian of standard deviation w has 1/(4 pi^2 w^2).
+ * A light field without correlations, from its four variances. A Gaussian of standard deviation w has 1/(4
+ * pi^2 w^2).
  *
  * @param direction of propagation, normalised by the library: any length but 0.
  * @param x_axis its part across the direction is the x axis of the variances; some axis if it has none.
@@ -835,7 +879,8 @@ covbeam_status covbeam_light_field_gaussian(const float *direction,
 covbeam_status covbeam_light_field_travel(struct covbeam_light_field *field, float distance);
 
 /**
- * Travel through a medium: in a homogeneous one covbeam_light_field_travel, else with the attenuation that varies across the ray.
+ * Travel through a medium: in a homogeneous one covbeam_light_field_travel, else with the attenuation that
+ * varies across the ray.
  *
  * @param field the light field, changed in place; it moves along its direction.
  * @param medium what it travels in; the mean extinction of the channels counts.
@@ -849,14 +894,14 @@ covbeam_status covbeam_light_field_carry(struct covbeam_light_field *field,
                                          float distance);
 
 /**
- * Turns the frame about the ray, to read covbeam_light_field_slice along given axes. The light stays what it is.
+ * Turns the frame about the ray, to read covbeam_light_field_slice along given axes. The light stays what it
+ * is.
  *
  * @param field the light field, changed in place.
  * @param x_axis its part across the ray becomes the x axis; along the ray: nothing changes.
  * @note Thesis 5.3.1.2.
  */
-covbeam_status covbeam_light_field_rotate(struct covbeam_light_field *field,
-                                          const float *x_axis);
+covbeam_status covbeam_light_field_rotate(struct covbeam_light_field *field, const float *x_axis);
 
 /**
  * Reflection by a smooth mirror. A ray that grazes it to below 1e-12 is left as it was.
@@ -877,7 +922,8 @@ covbeam_status covbeam_light_field_reflect(struct covbeam_light_field *field,
  * @param normal at the hit, any length, either side.
  * @param curvature of the surface on the side of the normal; may be NULL: a plane.
  * @param eta refractive index on the incoming side over that on the other, > 0.
- * @param passed 1 if light passes; 0 on total reflection (and exactly grazing light), which leaves the field as it was.
+ * @param passed 1 if light passes; 0 on total reflection (and exactly grazing light), which leaves the field
+ *     as it was.
  * @note Coddington's equations.
  */
 covbeam_status covbeam_light_field_refract(struct covbeam_light_field *field,
@@ -890,7 +936,8 @@ covbeam_status covbeam_light_field_refract(struct covbeam_light_field *field,
  * Occlusion by an edge beside the ray, such as a silhouette that it passes.
  *
  * @param field the light field, changed in place.
- * @param towards_edge from the ray to the nearest point of the edge, any length; along the ray: nothing changes.
+ * @param towards_edge from the ray to the nearest point of the edge, any length; along the ray: nothing
+ *     changes.
  * @param distance between ray and edge [m] >= 0; infinity is no edge.
  * @note Thesis 5.3.1.
  */
@@ -899,7 +946,8 @@ covbeam_status covbeam_light_field_occlude(struct covbeam_light_field *field,
                                            float distance);
 
 /**
- * Attenuation by a stretch of medium whose optical depth varies across the ray. covbeam_light_field_carry does this for the built-in media.
+ * Attenuation by a stretch of medium whose optical depth varies across the ray. covbeam_light_field_carry
+ * does this for the built-in media.
  *
  * @param field the light field, changed in place.
  * @param gradient of the optical depth of the stretch, in world axes [1/m].
@@ -911,7 +959,8 @@ covbeam_status covbeam_light_field_attenuate(struct covbeam_light_field *field,
                                              const float *hessian);
 
 /**
- * Narrowing of the directions across one axis, such as by the soft rim of a spot light (a Gaussian rim of standard deviation s has 1/(4 pi^2 s^2)).
+ * Narrowing of the directions across one axis, such as by the soft rim of a spot light (a Gaussian rim of
+ * standard deviation s has 1/(4 pi^2 s^2)).
  *
  * @param field the light field, changed in place.
  * @param across in which the light falls off, any length; along the ray: nothing changes.
@@ -927,7 +976,8 @@ covbeam_status covbeam_light_field_narrow(struct covbeam_light_field *field,
  *
  * @param field the light field, changed in place.
  * @param direction of propagation after the event, any length but 0.
- * @param angular_variance of the lobe [cycles^2/rad^2] >= 0, see covbeam_phase_angular_variance: 0 is isotropic, infinity does not blur.
+ * @param angular_variance of the lobe [cycles^2/rad^2] >= 0, see covbeam_phase_angular_variance: 0 is
+ *     isotropic, infinity does not blur.
  * @note Thesis 5.3.1.
  */
 covbeam_status covbeam_light_field_scatter(struct covbeam_light_field *field,
@@ -935,7 +985,8 @@ covbeam_status covbeam_light_field_scatter(struct covbeam_light_field *field,
                                            float angular_variance);
 
 /**
- * Diffuse reflection or transmission into a new direction. A cosine below 1e-12 on either side leaves the field as it was.
+ * Diffuse reflection or transmission into a new direction. A cosine below 1e-12 on either side leaves the
+ * field as it was.
  *
  * @param field the light field, changed in place.
  * @param normal of the surface, any length, either sign.
@@ -959,7 +1010,8 @@ covbeam_status covbeam_light_field_slice(const struct covbeam_light_field *field
  * The spectrum of the fluence around the ray, in world axes.
  *
  * @param field the light field.
- * @param limit largest deviation kept [cycles/m] > 0, such as the Nyquist frequency 1/(2h) of voxels of side h; infinity keeps all.
+ * @param limit largest deviation kept [cycles/m] > 0, such as the Nyquist frequency 1/(2h) of voxels of side
+ *     h; infinity keeps all.
  * @param spectrum covariance [cycles^2/m^2].
  * @note Thesis Eq 5.14.
  */
@@ -968,7 +1020,8 @@ covbeam_status covbeam_light_field_fluence(const struct covbeam_light_field *fie
                                            struct covbeam_spectrum *spectrum);
 
 /**
- * Variance of the fluence's spectrum along the ray, from how the rays spread and from extinction; for light that has not been scattered.
+ * Variance of the fluence's spectrum along the ray, from how the rays spread and from extinction; for light
+ * that has not been scattered.
  *
  * @param field the light field.
  * @param extinction around the ray [1/m] >= 0.
@@ -984,7 +1037,8 @@ covbeam_status covbeam_light_field_variance_along_ray(const struct covbeam_light
  *
  * @param count number of fields; with 0 nothing is done.
  * @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
- * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields the same.
+ * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all
+ *     fields the same.
  * @param out, out_stride the light fields.
  */
 covbeam_status covbeam_light_fields_point(size_t count,
@@ -1002,7 +1056,8 @@ covbeam_status covbeam_light_fields_point(size_t count,
  * @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
  * @param normals, normal_stride as normal there; a stride of 0 gives all fields the same.
  * @param radii, radius_stride as radius there; a stride of 0 gives all fields the same.
- * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields the same.
+ * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all
+ *     fields the same.
  * @param out, out_stride the light fields.
  */
 covbeam_status covbeam_light_fields_disk(size_t count,
@@ -1039,8 +1094,10 @@ covbeam_status covbeam_light_fields_collimated(size_t count,
  * @param count number of fields; with 0 nothing is done.
  * @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
  * @param x_axes, x_axis_stride as x_axis there; a stride of 0 gives all fields the same.
- * @param spatial_variances, spatial_variance_stride as spatial_variance there; a stride of 0 gives all fields the same.
- * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields the same.
+ * @param spatial_variances, spatial_variance_stride as spatial_variance there; a stride of 0 gives all
+ *     fields the same.
+ * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all
+ *     fields the same.
  * @param out, out_stride the light fields.
  */
 covbeam_status covbeam_light_fields_gaussian(size_t count,
@@ -1175,7 +1232,8 @@ covbeam_status covbeam_light_fields_attenuate(size_t count,
  * @param count number of fields; with 0 nothing is done.
  * @param fields, field_stride array of light fields, changed in place.
  * @param acrosses, across_stride as across there; a stride of 0 gives all fields the same.
- * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields the same.
+ * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all
+ *     fields the same.
  */
 covbeam_status covbeam_light_fields_narrow(size_t count,
                                            struct covbeam_light_field *fields,
@@ -1191,7 +1249,8 @@ covbeam_status covbeam_light_fields_narrow(size_t count,
  * @param count number of fields; with 0 nothing is done.
  * @param fields, field_stride array of light fields, changed in place.
  * @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
- * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields the same.
+ * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all
+ *     fields the same.
  */
 covbeam_status covbeam_light_fields_scatter(size_t count,
                                             struct covbeam_light_field *fields,
@@ -1266,12 +1325,11 @@ covbeam_status covbeam_light_fields_variance_along_ray(size_t count,
  * The value of a phase function [1/sr]: 1 in all over the sphere.
  *
  * @param phase the phase function.
- * @param cos_theta dot(propagation before, propagation after), forward 1; in [-1, 1], rounding past the ends is harmless.
+ * @param cos_theta dot(propagation before, propagation after), forward 1; in [-1, 1], rounding past the ends
+ *     is harmless.
  * @param value [1/sr] >= 0.
  */
-covbeam_status covbeam_phase_evaluate(const struct covbeam_phase *phase,
-                                      float cos_theta,
-                                      float *value);
+covbeam_status covbeam_phase_evaluate(const struct covbeam_phase *phase, float cos_theta, float *value);
 
 /**
  * covbeam_phase_evaluate for `count` cosines.
@@ -1289,7 +1347,8 @@ covbeam_status covbeam_phase_evaluate_many(const struct covbeam_phase *phase,
                                            size_t value_stride);
 
 /**
- * Samples a direction after scattering in proportion to the phase function: the weight (value / density) is 1.
+ * Samples a direction after scattering in proportion to the phase function: the weight (value / density) is
+ * 1.
  *
  * @param phase the phase function.
  * @param direction of propagation before the event, unit.
@@ -1307,7 +1366,8 @@ covbeam_status covbeam_phase_sample(const struct covbeam_phase *phase,
  *
  * @param phase as phase there.
  * @param count number of directions; with 0 nothing is done.
- * @param directions, direction_stride as direction there; a stride of 0 scatters one direction `count` times.
+ * @param directions, direction_stride as direction there; a stride of 0 scatters one direction `count`
+ *     times.
  * @param xis, xi_stride as xi there.
  * @param scattered, scattered_stride as scattered there.
  */
@@ -1348,14 +1408,15 @@ covbeam_status covbeam_phase_sample_cosine_many(const struct covbeam_phase *phas
  * What covbeam_light_field_scatter takes: variance, per axis, of the angular spectrum of the lobe.
  *
  * @param phase the phase function.
- * @param variance [cycles^2/rad^2]: 3|g| / (4 pi^2 (1 - |g|)^2) for Henyey-Greenstein, 1/(4 pi^2) for Rayleigh, 0 for isotropic.
+ * @param variance [cycles^2/rad^2]: 3|g| / (4 pi^2 (1 - |g|)^2) for Henyey-Greenstein, 1/(4 pi^2) for
+ *     Rayleigh, 0 for isotropic.
  * @note Derived from the lobe's curvature at its peak.
  */
-covbeam_status covbeam_phase_angular_variance(const struct covbeam_phase *phase,
-                                              float *variance);
+covbeam_status covbeam_phase_angular_variance(const struct covbeam_phase *phase, float *variance);
 
 /**
- * Makes a density from voxels: trilinear between their centres, held over the half voxel at the border of the box, 0 outside.
+ * Makes a density from voxels: trilinear between their centres, held over the half voxel at the border of
+ * the box, 0 outside.
  *
  * @param layout box and resolution.
  * @param values, value_stride, value_count one a voxel, each finite and >= 0, x first, then y, then z.
@@ -1380,7 +1441,8 @@ void covbeam_density_free(struct covbeam_density *density);
  *
  * @param medium the medium.
  * @param position [m].
- * @param density >= 0: 1 where the medium's coefficients hold. An exponential one is held beyond e^80 and e^-80.
+ * @param density >= 0: 1 where the medium's coefficients hold. An exponential one is held beyond e^80 and
+ *     e^-80.
  * @note Costs nothing, an exponential, or a trilinear look-up.
  */
 covbeam_status covbeam_medium_density_at(const struct covbeam_medium *medium,
@@ -1403,12 +1465,14 @@ covbeam_status covbeam_medium_density_at_many(const struct covbeam_medium *mediu
                                               size_t density_stride);
 
 /**
- * Derivatives of the relative density at a point. Their integrals along a way, times the extinction, are what
+ * Derivatives of the relative density at a point. Their integrals along a way, times the extinction, are
+ * what
  * covbeam_light_field_attenuate takes.
  *
  * @param medium the medium.
  * @param position [m].
- * @param derivatives exact for an exponential density; differences between neighbouring voxels, 0 outside the box.
+ * @param derivatives exact for an exponential density; differences between neighbouring voxels, 0 outside
+ *     the box.
  */
 covbeam_status covbeam_medium_derivatives_at(const struct covbeam_medium *medium,
                                              const float *position,
@@ -1430,13 +1494,14 @@ covbeam_status covbeam_medium_derivatives_at_many(const struct covbeam_medium *m
                                                   size_t derivative_stride);
 
 /**
- * Largest step [m] over which the second derivatives may be taken as constant, for a host that sums them itself.
+ * Largest step [m] over which the second derivatives may be taken as constant, for a host that sums them
+ * itself.
  *
  * @param medium the medium.
- * @param step [m] > 0: infinity where the medium is homogeneous, half the scale height, or a voxel's smallest side.
+ * @param step [m] > 0: infinity where the medium is homogeneous, half the scale height, or a voxel's
+ *     smallest side.
  */
-covbeam_status covbeam_medium_step(const struct covbeam_medium *medium,
-                                   float *step);
+covbeam_status covbeam_medium_step(const struct covbeam_medium *medium, float *step);
 
 /**
  * Column along a ray: the integral of the relative density. Extinction x column is the optical depth.
@@ -1478,7 +1543,8 @@ covbeam_status covbeam_medium_column_at_many(const struct covbeam_medium *medium
 /**
  * Distance along a ray at which a column is reached: the inverse of covbeam_medium_column_at.
  *
- * Free flight is sampled with it: column = -log(1 - u) / extinction for a uniform u in [0, 1) and the extinction of one channel;
+ * Free flight is sampled with it: column = -log(1 - u) / extinction for a uniform u in [0, 1) and the
+ * extinction of one channel;
  * light that gets infinity reaches the end of the ray.
  *
  * @param medium the medium.
@@ -1487,7 +1553,8 @@ covbeam_status covbeam_medium_column_at_many(const struct covbeam_medium *medium
  * @param length of the ray [m] >= 0; infinity allowed.
  * @param column [m] >= 0; infinity allowed.
  * @param distance [m]; infinity if the ray ends before.
- * @note Voxels: the column there is within 5e-4 of the one asked for, relatively; about 20 ns a voxel passed.
+ * @note Voxels: the column there is within 5e-4 of the one asked for, relatively; about 20 ns a voxel
+ *     passed.
  */
 covbeam_status covbeam_medium_distance_at(const struct covbeam_medium *medium,
                                           const float *origin,
@@ -1584,7 +1651,9 @@ covbeam_status covbeam_medium_column_transmittance_many(const struct covbeam_med
                                                         size_t transmittance_stride);
 
 /**
- * The column after which light of every channel is down to e^-17 = 4e-8.
+ * The column after which light of every channel is down to e^-17 = 4e-8. In a homogeneous medium it is a
+ * distance: no beam need be
+ * longer. For other media see covbeam_medium_reach.
  *
  * @param medium the medium.
  * @param column [m]; infinite if a channel has no extinction.
@@ -1592,13 +1661,15 @@ covbeam_status covbeam_medium_column_transmittance_many(const struct covbeam_med
 covbeam_status covbeam_medium_opaque_column(const struct covbeam_medium *medium, float *column);
 
 /**
- * Distance beyond which light that starts on a ray leaves nothing to see: where a host may end an eye ray or a beam that no
+ * Distance beyond which light that starts on a ray leaves nothing to see: where a host may end an eye ray or
+ * a beam that no
  * surface ends.
  *
  * @param medium the medium.
  * @param origin of the ray [m].
  * @param direction of the ray, unit.
- * @param distance [m]: where the medium becomes opaque, hardly goes on, or its voxels end; infinite if there is no such place.
+ * @param distance [m]: where the medium becomes opaque, hardly goes on, or its voxels end; infinite if there
+ *     is no such place.
  * @note Voxels: about 20 ns a voxel passed.
  */
 covbeam_status covbeam_medium_reach(const struct covbeam_medium *medium,
@@ -1625,19 +1696,22 @@ covbeam_status covbeam_medium_reach_many(const struct covbeam_medium *medium,
                                          size_t distance_stride);
 
 /**
- * The table of columns along a ray through voxels: points between which a straight line is within `error` of the column. None
+ * The table of columns along a ray through voxels: points between which a straight line is within `error` of
+ * the column. None
  * for other densities, whose columns are closed forms.
  *
  * @param medium the medium.
  * @param origin of the ray [m].
  * @param direction of the ray, unit.
  * @param length of the ray [m] >= 0; infinity ends where it leaves the voxels.
- * @param error of a column [m] > 0; infinity keeps the ends alone. Times the extinction it is the error of the optical depth.
+ * @param error of a column [m] > 0; infinity keeps the ends alone. Times the extinction it is the error of
+ *     the optical depth.
  * @param most the table ends at the first point with a larger column [m] >= 0; infinity for the whole ray.
  * @param knots packed, room for `capacity` of them; NULL with a capacity of 0 only counts.
  * @param capacity of knots; 64 x (voxels along x + y + z + 2) is always enough.
  * @param count number of knots.
- * @note If the capacity is too small: COVBEAM_SHORT_BUFFER, and the message says what is needed. About 40 ns a voxel passed.
+ * @note If the capacity is too small: COVBEAM_SHORT_BUFFER, and the message says what is needed. About 40 ns
+ *     a voxel passed.
  */
 covbeam_status covbeam_medium_knots(const struct covbeam_medium *medium,
                                     const float *origin,
@@ -1650,7 +1724,8 @@ covbeam_status covbeam_medium_knots(const struct covbeam_medium *medium,
                                     size_t *count);
 
 /**
- * covbeam_medium_knots as a gather wants them: within 5e-4 of the optical depth of the channel that is attenuated most, up to where every
+ * covbeam_medium_knots as a gather wants them: within 5e-4 of the optical depth of the channel that is
+ * attenuated most, up to where every
  * channel is opaque.
  *
  * @param medium the medium.
@@ -1676,10 +1751,12 @@ covbeam_status covbeam_medium_tabulate(const struct covbeam_medium *medium,
  * @param medium the medium.
  * @param origin of the ray [m].
  * @param direction of the ray, unit.
- * @param knots packed, not copied: they stay in place while the column is used; ignored, and may be NULL, unless the density is voxels.
+ * @param knots packed, not copied: they stay in place while the column is used; ignored, and may be NULL,
+ *     unless the density is voxels.
  * @param knot_count number of knots.
  * @param column the column.
- * @note Checks the table: finite, distances and columns not falling. Nothing that is given a column checks that again.
+ * @note Checks the table: finite, distances and columns not falling. Nothing that is given a column checks
+ *     that again.
  */
 covbeam_status covbeam_medium_column(const struct covbeam_medium *medium,
                                      const float *origin,
@@ -1694,11 +1771,10 @@ covbeam_status covbeam_medium_column(const struct covbeam_medium *medium,
  * @param column the column along the ray.
  * @param distance along the ray [m] >= 0; infinity allowed.
  * @param value [m] >= 0, never falling with distance.
- * @note Costs nothing, an exponential, or a binary search. The order of the knots is not checked; without it, value means nothing.
+ * @note Costs nothing, an exponential, or a binary search. The order of the knots is not checked; without
+ *     it, value means nothing.
  */
-covbeam_status covbeam_column_at(const struct covbeam_column *column,
-                                 float distance,
-                                 float *value);
+covbeam_status covbeam_column_at(const struct covbeam_column *column, float distance, float *value);
 
 /**
  * covbeam_column_at for `count` distances along one ray.
@@ -1716,16 +1792,16 @@ covbeam_status covbeam_column_at_many(const struct covbeam_column *column,
                                       size_t value_stride);
 
 /**
- * The distance at which the column reaches a value: the inverse of covbeam_column_at. See covbeam_medium_distance_at.
+ * The distance at which the column reaches a value: the inverse of covbeam_column_at. See
+ * covbeam_medium_distance_at.
  *
  * @param column the column along the ray.
  * @param value [m] >= 0; infinity allowed.
  * @param distance [m]; infinity if it never does.
- * @note Costs nothing, a logarithm, or a binary search. The order of the knots is not checked; without it, distance means nothing.
+ * @note Costs nothing, a logarithm, or a binary search. The order of the knots is not checked; without it,
+ *     distance means nothing.
  */
-covbeam_status covbeam_column_distance_at(const struct covbeam_column *column,
-                                          float value,
-                                          float *distance);
+covbeam_status covbeam_column_distance_at(const struct covbeam_column *column, float value, float *distance);
 
 /**
  * covbeam_column_distance_at for `count` values along one ray.
@@ -1798,16 +1874,17 @@ covbeam_status covbeam_spectra_add_along(size_t count,
                                          size_t variance_stride);
 
 /**
- * Makes an empty grid in the library's memory: 56 bytes a voxel, and 28 more from the first covbeam_grid_resolve on.
+ * Makes an empty grid in the library's memory: 56 bytes a voxel, and 28 more from the first
+ * covbeam_grid_resolve on.
  *
  * @param layout box and resolution.
  * @param out the handle.
  */
-covbeam_status covbeam_grid_new(const struct covbeam_grid_layout *layout,
-                                struct covbeam_grid **out);
+covbeam_status covbeam_grid_new(const struct covbeam_grid_layout *layout, struct covbeam_grid **out);
 
 /**
- * Makes a grid in the host's memory, which is the grid's until it is freed: between calls on the grid the host may read it, and
+ * Makes a grid in the host's memory, which is the grid's until it is freed: between calls on the grid the
+ * host may read it, and
  * write it too (numbers that deposits cannot make are voxels without data).
  *
  * @param layout box and resolution.
@@ -1851,7 +1928,8 @@ covbeam_status covbeam_grid_clear(struct covbeam_grid *grid);
  * @param medium what the segments run through; the mean extinction of the channels counts.
  * @param count number of segments; with 0 nothing is done.
  * @param segments, segment_stride the segments.
- * @note Thesis 5.3.1, Eq 5.14 and 5.15. 0.2 us a voxel on the way, 0.7 us where the density varies; 2 to 40 us a segment. A tenth of a
+ * @note Thesis 5.3.1, Eq 5.14 and 5.15. 0.2 us a voxel on the way, 0.7 us where the density varies; 2 to 40
+ *     us a segment. A tenth of a
  * pass' photons is enough.
  */
 covbeam_status covbeam_grid_deposit(struct covbeam_grid *grid,
@@ -1861,7 +1939,8 @@ covbeam_status covbeam_grid_deposit(struct covbeam_grid *grid,
                                     size_t segment_stride);
 
 /**
- * Adds spectra to the voxels around points, in their order: for hosts that estimate bandwidth in a way of their own.
+ * Adds spectra to the voxels around points, in their order: for hosts that estimate bandwidth in a way of
+ * their own.
  *
  * @param grid the grid.
  * @param count number of points; with 0 nothing is done.
@@ -1891,7 +1970,8 @@ covbeam_status covbeam_grid_merge(struct covbeam_grid *grid,
                                   size_t other_count);
 
 /**
- * Computes the mean spectrum of every voxel, for look-ups; they see the state of this call until the next one.
+ * Computes the mean spectrum of every voxel, for look-ups; they see the state of this call until the next
+ * one.
  *
  * @param grid the grid.
  * @note About 10 ns a voxel.
@@ -1899,13 +1979,15 @@ covbeam_status covbeam_grid_merge(struct covbeam_grid *grid,
 covbeam_status covbeam_grid_resolve(struct covbeam_grid *grid);
 
 /**
- * The spectrum of the fluence around points: the flux-weighted mean of the eight voxels around each, with trilinear weights.
+ * The spectrum of the fluence around points: the flux-weighted mean of the eight voxels around each, with
+ * trilinear weights.
  *
  * @param grid a grid that has been resolved.
  * @param count number of points; with 0 nothing is done.
  * @param positions, position_stride points [m].
  * @param spectra, spectrum_stride receive the spectra [cycles^2/m^2]; 0 where the grid knows nothing.
- * @param found, found_stride receive 1, or 0 where the grid knows nothing: outside, and where no light has passed. May be NULL.
+ * @param found, found_stride receive 1, or 0 where the grid knows nothing: outside, and where no light has
+ *     passed. May be NULL.
  * @note Thesis Eq 5.15. 20 ns a point.
  */
 covbeam_status covbeam_grid_look_up(const struct covbeam_grid *grid,
@@ -1970,7 +2052,9 @@ covbeam_status covbeam_grid_load(const void *bytes, size_t size, struct covbeam_
  *
  * @param schedule how the kernel shrinks.
  * @param pass counted from 1. Passes may run in any order.
- * @param kernel set its struct_size before; the rest is written: progressive = covbeam_progressive_radius(radius, alpha, pass), ceiling = the larger of max_radius and progressive, error = covbeam_error_bound(error, pass).
+ * @param kernel set its struct_size before; the rest is written: progressive =
+ *     covbeam_progressive_radius(radius, alpha, pass), ceiling = the larger of max_radius and progressive,
+ *     error = covbeam_error_bound(error, pass).
  * @note COVBEAM_INVALID_VALUE too if the radius or the error of the pass falls below the smallest float.
  */
 covbeam_status covbeam_schedule_kernel(const struct covbeam_schedule *schedule,
@@ -1989,15 +2073,14 @@ covbeam_status covbeam_schedule_kernel(const struct covbeam_schedule *schedule,
 covbeam_status covbeam_progressive_radius(float radius, float alpha, uint32_t pass, float *result);
 
 /**
- * The bound on the relative bias in a pass: error x pass^(-2/5), so that the bias of the mean over passes goes to 0.
+ * The bound on the relative bias in a pass: error x pass^(-2/5), so that the bias of the mean over passes
+ * goes to 0.
  *
  * @param error in pass 1, > 0.
  * @param pass counted from 1.
  * @param result the bound in that pass.
  */
-covbeam_status covbeam_error_bound(float error,
-                                   uint32_t pass,
-                                   float *result);
+covbeam_status covbeam_error_bound(float error, uint32_t pass, float *result);
 
 /**
  * A kernel's value K_r(d).
@@ -2072,11 +2155,11 @@ covbeam_status covbeam_kernel_radius_at_many(const struct covbeam_kernel *kernel
 /**
  * Makes a map without beams.
  *
- * @param medium what its beams run through; copied, and voxels are kept alive. For covbeam_beam_map_gather_shaded: any homogeneous one.
+ * @param medium what its beams run through; copied, and voxels are kept alive. For
+ *     covbeam_beam_map_gather_shaded: any homogeneous one.
  * @param out the handle.
  */
-covbeam_status covbeam_beam_map_new(const struct covbeam_medium *medium,
-                                    struct covbeam_beam_map **out);
+covbeam_status covbeam_beam_map_new(const struct covbeam_medium *medium, struct covbeam_beam_map **out);
 
 /**
  * Frees a map.
@@ -2109,7 +2192,8 @@ covbeam_status covbeam_beam_map_add(struct covbeam_beam_map *map,
  *
  * @param map a map that is not committed.
  * @param ceiling largest kernel radius that it will be gathered with [m] > 0: covbeam_kernel's ceiling.
- * @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with COVBEAM_CANCELLED.
+ * @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with
+ *     COVBEAM_CANCELLED.
  * @param user given to poll.
  * @note n log n in the number of beams: about 1 us a beam; 450 bytes a beam afterwards.
  */
@@ -2153,15 +2237,20 @@ void covbeam_scratch_free(struct covbeam_scratch *scratch);
  *
  * @param map a map that has been committed.
  * @param kernel the kernel and how wide it may be; its ceiling at most the map's.
- * @param grid a grid that has been resolved, for kernels as wide as the light's bandwidth allows. NULL: all of them have kernel->progressive.
- * @param count number of rays; with 0 nothing is done. Each 64 that follow each other share one walk through the hierarchy: give
+ * @param grid a grid that has been resolved, for kernels as wide as the light's bandwidth allows. NULL: all
+ *     kernels have the radius
+ *     kernel->progressive, and the ceiling may be that too.
+ * @param count number of rays; with 0 nothing is done. Each 64 that follow each other share one walk through
+ *     the hierarchy: give
  * those of a tile of 8x8 pixels together.
  * @param rays, ray_stride the eye rays, all in the map's medium.
  * @param gathered, gathered_stride receive what each ray gathers.
  * @param scratch the thread's memory; NULL allocates for this call.
- * @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with COVBEAM_CANCELLED.
+ * @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with
+ *     COVBEAM_CANCELLED.
  * @param user given to poll.
- * @note Thesis 5.3.4. An accepted pair costs 42 ns in a homogeneous medium, 73 ns in an exponential one, 65 ns in voxels.
+ * @note Thesis 5.3.4. An accepted pair costs 42 ns in a homogeneous medium, 73 ns in an exponential one, 65
+ *     ns in voxels.
  */
 covbeam_status covbeam_beam_map_gather(const struct covbeam_beam_map *map,
                                        const struct covbeam_kernel *kernel,
@@ -2176,9 +2265,11 @@ covbeam_status covbeam_beam_map_gather(const struct covbeam_beam_map *map,
                                        void *user);
 
 /**
- * covbeam_beam_map_gather in a medium that only the host knows: shade says how much light each contact lets through.
+ * covbeam_beam_map_gather in a medium that only the host knows: shade says how much light each contact lets
+ * through.
  *
- * @param map, kernel, grid, count, rays, ray_stride, gathered, gathered_stride, scratch as there. The map's own medium does not matter.
+ * @param map, kernel, grid, count, rays, ray_stride, gathered, gathered_stride, scratch as there. The map's
+ *     own medium does not matter.
  * @param shade called with up to 256 contacts at a time.
  * @param poll may be NULL, as there.
  * @param user given to shade and to poll.
@@ -2229,12 +2320,15 @@ covbeam_status covbeam_cross_many(const struct covbeam_eye_ray *ray,
                                   size_t cross_stride);
 
 /**
- * Gathers one beam, and adds it to what the eye ray has gathered: scattering x phase function x transmittance along both x flux of
- * the beam x kernel(gap) / sin(angle), if the gap is less than the kernel's radius, looked up on the eye ray.
+ * Gathers one beam, and adds it to what the eye ray has gathered: scattering x phase function x
+ * transmittance along both x flux of
+ * the beam x kernel(gap) / sin(angle), if the gap is less than the kernel's radius, looked up on the eye
+ * ray.
  *
  * @param ray the eye ray.
  * @param beam the beam, in the same medium.
- * @param from, to part of the beam that counts [m] >= 0, [from, to): 0 and the beam's length, or more, for all of it. Cutting a beam into adjoining parts changes nothing.
+ * @param from, to part of the beam that counts [m] >= 0, [from, to): 0 and the beam's length, or more, for
+ *     all of it. Cutting a beam into adjoining parts changes nothing.
  * @param medium that both lie in.
  * @param ray_column along the ray; NULL takes the closed form (voxels have none: COVBEAM_NULL_POINTER).
  * @param beam_column along the beam; NULL likewise.
@@ -2242,7 +2336,8 @@ covbeam_status covbeam_cross_many(const struct covbeam_eye_ray *ray,
  * @param grid as in covbeam_kernel_radius_at.
  * @param gathered in and out: finite numbers, all 0 to begin with.
  * @param accepted 1 if the pair counts, else 0.
- * @note Thesis 5.3.4. A beam that starts or ends on a surface is cut by its tangent plane. The order of the columns' knots is not checked.
+ * @note Thesis 5.3.4. A beam that starts or ends on a surface is cut by its tangent plane. The order of the
+ *     columns' knots is not checked.
  */
 covbeam_status covbeam_gather_pair(const struct covbeam_eye_ray *ray,
                                    const struct covbeam_beam *beam,
@@ -2291,7 +2386,8 @@ covbeam_status covbeam_gather_pairs(const struct covbeam_eye_ray *ray,
                                     size_t accepted_stride);
 
 /**
- * Which of many beams an eye ray may be paired with: eight at a time, without looking at grid or surfaces. Errs towards accepting (a
+ * Which of many beams an eye ray may be paired with: eight at a time, without looking at grid or surfaces.
+ * Errs towards accepting (a
  * parallel beam always passes): covbeam_gather_pair refuses every beam that it refuses.
  *
  * @param ray the eye ray.

@@ -359,7 +359,7 @@ public:
     Strided<const covbeam_fluence_cell> means() const {
         const covbeam_fluence_cell* c; size_t n; check(covbeam_grid_get_means(get(), &c, &n)); return {c, n};
     }
-    std::vector<unsigned char> save() {
+    std::vector<unsigned char> save() const {
         size_t size; check(covbeam_grid_get_saved_size(get(), &size));
         std::vector<unsigned char> bytes(size);
         check(covbeam_grid_save(get(), bytes.data(), size));

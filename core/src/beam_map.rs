@@ -4,17 +4,19 @@ mod columns;
 mod meter;
 mod packet;
 mod pieces;
+mod rays;
 mod tree;
 
 pub use meter::Stop;
 
 use crate::beam::{BLOCK, Beam, BeamBlock, EyeRay, Gathered, Meeting, Passage, cos_theta, gather_pair, meet};
-use crate::{Column, Density, KernelRadius, Knot, Medium};
+use crate::{Column, Density, KernelRadius, Medium};
 use columns::BeamColumns;
 use glam::Vec3;
 use meter::Meter;
 use packet::Packet;
 use pieces::{PIECES_PER_BEAM, Piece, tickets};
+use rays::RayTables;
 use std::vec::Vec;
 use tree::{Node, Tree};
 
@@ -86,13 +88,12 @@ pub struct Contact {
 
 /// Buffers of a gather that a thread keeps between calls so that they are not allocated again.
 ///
-/// About 1.5 MB at most, and 8 bytes a knot of one eye ray's column, however many beams there are.
+/// About 1.5 MB at most, and 8 bytes a knot of 64 eye rays' columns, however many beams there are.
 #[derive(Clone, Debug, Default)]
 pub struct GatherScratch {
     stack: Vec<u32>,
     candidates: Candidates,
-    /// Of one eye ray's column.
-    knots: Vec<Knot>,
+    tables: RayTables,
     contacts: Vec<Contact>,
     products: Vec<Vec3>,
 }
@@ -229,11 +230,11 @@ impl BeamMap {
     ) -> bool {
         assert_eq!(rays.len(), gathered.len());
         let radius = KernelRadius { ceiling: radius.ceiling.min(self.ceiling), ..*radius };
-        let GatherScratch { stack, candidates, knots, .. } = scratch;
+        let GatherScratch { stack, candidates, tables, .. } = scratch;
+        tables.clear();
         let mut gather = |index: usize, candidates: &Candidates, meter: &mut Meter| {
             let (ray, gathered) = (&rays[index], &mut gathered[index]);
-            knots.clear();
-            density.tabulate(medium, ray.origin, ray.direction, ray.length, &mut |knot| knots.push(knot));
+            let knots = tables.of(index, ray, medium, density);
             let column = density.column(ray.origin, ray.direction, knots);
             let tested = self.gather_candidates(ray, candidates, medium, density, column, &radius, gathered);
             meter.spend(knots.len() + tested, 100)

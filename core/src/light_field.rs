@@ -65,8 +65,8 @@ impl LightField {
     /// Spectrum: infinitely wide in space (root 2⁵⁰ cycles/m), `angular_variance` along u and v.
     ///
     /// - `direction`: of propagation, any length; +z is taken if it has none.
-    /// - `angular_variance` \[cycles²/rad²\] >= 0: of the lamp's emission; 0 for a lamp without any falloff,
-    ///   infinity for a single direction; negative or NaN count as 0.
+    /// - `angular_variance` \[cycles²/rad²\] >= 0: of the lamp's emission: 2/(4π²) for one that shines evenly, whose light
+    ///   falls off as 1/d² (a relative curvature of 2/d² across its rays); infinity for a single direction; negative or NaN count as 0.
     ///
     /// Source: thesis 5.3.1.
     ///

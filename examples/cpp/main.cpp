@@ -161,8 +161,10 @@ private:
                 for (size_t i = 0; i < n; ++i) {
                     const covbeam_contact& c = contacts[i];
                     const covbeam_beam& beam = beams_[c.beam];
+                    // It may be a little before a beam that starts on a surface: less fog by as much as lies ahead.
+                    const float stretch = own.column(vec(beam.origin), vec(beam.direction), std::abs(c.beam_distance));
                     const float column = own.column(vec(rays[c.ray].origin), vec(rays[c.ray].direction), c.ray_distance) +
-                                         own.column(vec(beam.origin), vec(beam.direction), c.beam_distance);
+                                         std::copysign(stretch, c.beam_distance);
                     const float value = own.scattering * std::exp(-c.position[1] / own.scale) * own.phase(c.cos_theta) *
                                         std::exp(-own.extinction * column);
                     std::fill_n(values + 3 * i, 3, value);

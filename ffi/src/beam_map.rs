@@ -13,7 +13,8 @@ use core::mem::take;
 use covbeam_core::{Beam, BeamMap, Contact, EyeRay, GatherScratch, Gathered, KernelRadius, MAX_BEAMS, Stop};
 use glam::Vec3;
 
-/// The beams of one medium and one pass. The cycle of a pass: clear, add (any number of times), commit, gather (any number of
+/// The beams of one medium and one pass. The cycle of a pass: clear, add (any number of times), commit,
+/// gather (any number of
 /// times, from any number of threads).
 pub struct covbeam_beam_map(());
 
@@ -32,12 +33,15 @@ impl Opaque for covbeam_scratch {
     const NAME: &'static str = "covbeam_scratch";
 }
 
-/// Asked now and then during a long call, in the thread of the call: return 0 to go on, anything else to stop. It must return (no
+/// Asked now and then during a long call, in the thread of the call: return 0 to go on, anything else to
+/// stop. It must return (no
 /// exception, no longjmp) and must not use the objects of the call.
 pub type covbeam_poll = Option<unsafe extern "C" fn(user: *mut c_void) -> i32>;
 
-/// Fills values with three floats a contact: scattering coefficient x phase function x transmittance along the eye ray up to the
-/// contact x transmittance along the beam up to it, per channel [1/(m sr)]. Return 0, or anything else to give up. Called in the thread of
+/// Fills values with three floats a contact: scattering coefficient x phase function x transmittance along
+/// the eye ray up to the
+/// contact x transmittance along the beam up to it, per channel [1/(m sr)]. Return 0, or anything else to
+/// give up. Called in the thread of
 /// the call; it must return (no exception, no longjmp) and must not use the objects of the call.
 pub type covbeam_shade = Option<
     unsafe extern "C" fn(
@@ -101,7 +105,8 @@ fn go_on(poll: covbeam_poll, user: *mut c_void) -> impl FnMut() -> bool {
 
 /// Makes a map without beams.
 ///
-/// @param medium what its beams run through; copied, and voxels are kept alive. For covbeam_beam_map_gather_shaded: any homogeneous one.
+/// @param medium what its beams run through; copied, and voxels are kept alive. For
+///     covbeam_beam_map_gather_shaded: any homogeneous one.
 /// @param out the handle.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_new(
@@ -193,7 +198,8 @@ pub unsafe extern "C" fn covbeam_beam_map_add(
 ///
 /// @param map a map that is not committed.
 /// @param ceiling largest kernel radius that it will be gathered with [m] > 0: covbeam_kernel's ceiling.
-/// @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with COVBEAM_CANCELLED.
+/// @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with
+///     COVBEAM_CANCELLED.
 /// @param user given to poll.
 /// @note n log n in the number of beams: about 1 us a beam; 450 bytes a beam afterwards.
 #[unsafe(no_mangle)]
@@ -291,7 +297,8 @@ pub unsafe extern "C" fn covbeam_scratch_free(scratch: *mut covbeam_scratch) {
     unsafe { free(scratch) }
 }
 
-/// What both gathers have in common: checks, copies the rays, and writes the results once all of them are there.
+/// What both gathers have in common: checks, copies the rays, and writes the results once all of them are
+/// there.
 unsafe fn gather(
     map: *const covbeam_beam_map,
     kernel: *const covbeam_kernel,
@@ -347,15 +354,20 @@ unsafe fn gather(
 ///
 /// @param map a map that has been committed.
 /// @param kernel the kernel and how wide it may be; its ceiling at most the map's.
-/// @param grid a grid that has been resolved, for kernels as wide as the light's bandwidth allows. NULL: all of them have kernel->progressive.
-/// @param count number of rays; with 0 nothing is done. Each 64 that follow each other share one walk through the hierarchy: give
+/// @param grid a grid that has been resolved, for kernels as wide as the light's bandwidth allows. NULL: all
+///     kernels have the radius
+///     kernel->progressive, and the ceiling may be that too.
+/// @param count number of rays; with 0 nothing is done. Each 64 that follow each other share one walk through
+///     the hierarchy: give
 /// those of a tile of 8x8 pixels together.
 /// @param rays, ray_stride the eye rays, all in the map's medium.
 /// @param gathered, gathered_stride receive what each ray gathers.
 /// @param scratch the thread's memory; NULL allocates for this call.
-/// @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with COVBEAM_CANCELLED.
+/// @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with
+///     COVBEAM_CANCELLED.
 /// @param user given to poll.
-/// @note Thesis 5.3.4. An accepted pair costs 42 ns in a homogeneous medium, 73 ns in an exponential one, 65 ns in voxels.
+/// @note Thesis 5.3.4. An accepted pair costs 42 ns in a homogeneous medium, 73 ns in an exponential one, 65
+///     ns in voxels.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_gather(
     map: *const covbeam_beam_map,
@@ -385,9 +397,11 @@ pub unsafe extern "C" fn covbeam_beam_map_gather(
     unsafe { gather(map, kernel, grid, count, rays, ray_stride, gathered, gathered_stride, scratch, body) }
 }
 
-/// covbeam_beam_map_gather in a medium that only the host knows: shade says how much light each contact lets through.
+/// covbeam_beam_map_gather in a medium that only the host knows: shade says how much light each contact lets
+/// through.
 ///
-/// @param map, kernel, grid, count, rays, ray_stride, gathered, gathered_stride, scratch as there. The map's own medium does not matter.
+/// @param map, kernel, grid, count, rays, ray_stride, gathered, gathered_stride, scratch as there. The map's
+///     own medium does not matter.
 /// @param shade called with up to 256 contacts at a time.
 /// @param poll may be NULL, as there.
 /// @param user given to shade and to poll.

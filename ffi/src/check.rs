@@ -4,7 +4,8 @@ use crate::memory::Element;
 use crate::status::Failure;
 use glam::Vec3;
 
-/// How far the squared length of a unit vector may be from 1: a thousand roundings, a fifth of a pixel in ten thousand.
+/// How far the squared length of a unit vector may be from 1: a thousand roundings, a fifth of a pixel in ten
+/// thousand.
 const UNIT: f32 = 1e-4;
 
 pub(crate) fn finite(e: Element<f32>) -> Result<f32, Failure> {

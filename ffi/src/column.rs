@@ -12,7 +12,8 @@ use glam::Vec3;
 
 /// The column along one ray as a function of the distance. Made by covbeam_medium_column.
 ///
-/// A host with media of its own may write one: VOXELS with a table of its own, whatever the density is made of.
+/// A host with media of its own may write one: VOXELS with a table of its own, whatever the density is made
+/// of.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct covbeam_column {
@@ -22,7 +23,8 @@ pub struct covbeam_column {
     pub density: f32,
     /// Exponential: the density falls as exp(-rate x distance) [1/m], of either sign.
     pub rate: f32,
-    /// Voxels: the host's table, which stays in place and unchanged while the column is used; NULL if knot_count is 0.
+    /// Voxels: the host's table, which stays in place and unchanged while the column is used; NULL if
+    /// knot_count is 0.
     pub knots: *const covbeam_knot,
     /// Voxels: number of knots; 0 is empty space.
     pub knot_count: usize,
@@ -144,19 +146,22 @@ unsafe fn fill(
     Ok(())
 }
 
-/// The table of columns along a ray through voxels: points between which a straight line is within `error` of the column. None
+/// The table of columns along a ray through voxels: points between which a straight line is within `error` of
+/// the column. None
 /// for other densities, whose columns are closed forms.
 ///
 /// @param medium the medium.
 /// @param origin of the ray [m].
 /// @param direction of the ray, unit.
 /// @param length of the ray [m] >= 0; infinity ends where it leaves the voxels.
-/// @param error of a column [m] > 0; infinity keeps the ends alone. Times the extinction it is the error of the optical depth.
+/// @param error of a column [m] > 0; infinity keeps the ends alone. Times the extinction it is the error of
+///     the optical depth.
 /// @param most the table ends at the first point with a larger column [m] >= 0; infinity for the whole ray.
 /// @param knots packed, room for `capacity` of them; NULL with a capacity of 0 only counts.
 /// @param capacity of knots; 64 x (voxels along x + y + z + 2) is always enough.
 /// @param count number of knots.
-/// @note If the capacity is too small: COVBEAM_SHORT_BUFFER, and the message says what is needed. About 40 ns a voxel passed.
+/// @note If the capacity is too small: COVBEAM_SHORT_BUFFER, and the message says what is needed. About 40 ns
+///     a voxel passed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_knots(
     medium: *const covbeam_medium,
@@ -186,7 +191,8 @@ pub unsafe extern "C" fn covbeam_medium_knots(
     })
 }
 
-/// covbeam_medium_knots as a gather wants them: within 5e-4 of the optical depth of the channel that is attenuated most, up to where every
+/// covbeam_medium_knots as a gather wants them: within 5e-4 of the optical depth of the channel that is
+/// attenuated most, up to where every
 /// channel is opaque.
 ///
 /// @param medium the medium.
@@ -227,10 +233,12 @@ pub unsafe extern "C" fn covbeam_medium_tabulate(
 /// @param medium the medium.
 /// @param origin of the ray [m].
 /// @param direction of the ray, unit.
-/// @param knots packed, not copied: they stay in place while the column is used; ignored, and may be NULL, unless the density is voxels.
+/// @param knots packed, not copied: they stay in place while the column is used; ignored, and may be NULL,
+///     unless the density is voxels.
 /// @param knot_count number of knots.
 /// @param column the column.
-/// @note Checks the table: finite, distances and columns not falling. Nothing that is given a column checks that again.
+/// @note Checks the table: finite, distances and columns not falling. Nothing that is given a column checks
+///     that again.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_column(
     medium: *const covbeam_medium,
@@ -267,7 +275,8 @@ unsafe fn read_column<'a>(pointer: *const covbeam_column) -> Result<Column<'a>, 
 /// @param column the column along the ray.
 /// @param distance along the ray [m] >= 0; infinity allowed.
 /// @param value [m] >= 0, never falling with distance.
-/// @note Costs nothing, an exponential, or a binary search. The order of the knots is not checked; without it, value means nothing.
+/// @note Costs nothing, an exponential, or a binary search. The order of the knots is not checked; without
+///     it, value means nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_column_at(
     column: *const covbeam_column,
@@ -304,12 +313,14 @@ pub unsafe extern "C" fn covbeam_column_at_many(
     })
 }
 
-/// The distance at which the column reaches a value: the inverse of covbeam_column_at. See covbeam_medium_distance_at.
+/// The distance at which the column reaches a value: the inverse of covbeam_column_at. See
+/// covbeam_medium_distance_at.
 ///
 /// @param column the column along the ray.
 /// @param value [m] >= 0; infinity allowed.
 /// @param distance [m]; infinity if it never does.
-/// @note Costs nothing, a logarithm, or a binary search. The order of the knots is not checked; without it, distance means nothing.
+/// @note Costs nothing, a logarithm, or a binary search. The order of the knots is not checked; without it,
+///     distance means nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_column_distance_at(
     column: *const covbeam_column,

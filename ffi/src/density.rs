@@ -8,7 +8,8 @@ use crate::types::covbeam_grid_layout;
 use covbeam_core::{Density, DensityGrid, GridLayout};
 use std::sync::Arc;
 
-/// A relative density given at the centres of voxels, copied from the host. Nothing changes it: any number of threads and beam
+/// A relative density given at the centres of voxels, copied from the host. Nothing changes it: any number of
+/// threads and beam
 /// maps may use it at once.
 pub struct covbeam_density(());
 
@@ -39,7 +40,8 @@ impl Volume {
     }
 }
 
-/// Makes a density from voxels: trilinear between their centres, held over the half voxel at the border of the box, 0 outside.
+/// Makes a density from voxels: trilinear between their centres, held over the half voxel at the border of
+/// the box, 0 outside.
 ///
 /// @param layout box and resolution.
 /// @param values, value_stride, value_count one a voxel, each finite and >= 0, x first, then y, then z.

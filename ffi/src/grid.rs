@@ -15,12 +15,16 @@ use covbeam_core::{
     GridLayout, Knot, LightField,
 };
 
-/// A grid of fluence spectra. It collects (covbeam_grid_deposit), adds up (covbeam_grid_merge), is resolved once the photons of a
-/// pass are in (covbeam_grid_resolve), and is looked up from then on, by covbeam_beam_map_gather too. It keeps what it has
+/// A grid of fluence spectra. It collects (covbeam_grid_deposit), adds up (covbeam_grid_merge), is resolved
+/// once the photons of a
+/// pass are in (covbeam_grid_resolve), and is looked up from then on, by covbeam_beam_map_gather too. It
+/// keeps what it has
 /// collected over the passes of a picture.
 ///
-/// Deposits from several threads: give each *share of the photons*, not each thread, a grid of its own, and merge these in
-/// their order. The result is then the same, to the bit, for any number of threads. With one grid for all photons, deposit in order.
+/// Deposits from several threads: give each *share of the photons*, not each thread, a grid of its own, and
+/// merge these in
+/// their order. The result is then the same, to the bit, for any number of threads. With one grid for all
+/// photons, deposit in order.
 pub struct covbeam_grid(());
 
 impl Opaque for covbeam_grid {
@@ -125,7 +129,8 @@ fn sound(layout: GridLayout) -> Result<usize, Failure> {
     }
 }
 
-/// Makes an empty grid in the library's memory: 56 bytes a voxel, and 28 more from the first covbeam_grid_resolve on.
+/// Makes an empty grid in the library's memory: 56 bytes a voxel, and 28 more from the first
+/// covbeam_grid_resolve on.
 ///
 /// @param layout box and resolution.
 /// @param out the handle.
@@ -143,7 +148,8 @@ pub unsafe extern "C" fn covbeam_grid_new(
     })
 }
 
-/// Makes a grid in the host's memory, which is the grid's until it is freed: between calls on the grid the host may read it, and
+/// Makes a grid in the host's memory, which is the grid's until it is freed: between calls on the grid the
+/// host may read it, and
 /// write it too (numbers that deposits cannot make are voxels without data).
 ///
 /// @param layout box and resolution.
@@ -255,7 +261,8 @@ fn segment<'a>(e: Element<covbeam_segment>) -> Result<(LightField, Option<&'a [K
 /// @param medium what the segments run through; the mean extinction of the channels counts.
 /// @param count number of segments; with 0 nothing is done.
 /// @param segments, segment_stride the segments.
-/// @note Thesis 5.3.1, Eq 5.14 and 5.15. 0.2 us a voxel on the way, 0.7 us where the density varies; 2 to 40 us a segment. A tenth of a
+/// @note Thesis 5.3.1, Eq 5.14 and 5.15. 0.2 us a voxel on the way, 0.7 us where the density varies; 2 to 40
+///     us a segment. A tenth of a
 /// pass' photons is enough.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_deposit(
@@ -291,7 +298,8 @@ pub unsafe extern "C" fn covbeam_grid_deposit(
     unsafe { run_on(grid, "grid", deposit) }
 }
 
-/// Adds spectra to the voxels around points, in their order: for hosts that estimate bandwidth in a way of their own.
+/// Adds spectra to the voxels around points, in their order: for hosts that estimate bandwidth in a way of
+/// their own.
 ///
 /// @param grid the grid.
 /// @param count number of points; with 0 nothing is done.
@@ -376,7 +384,8 @@ pub unsafe extern "C" fn covbeam_grid_merge(
     unsafe { run_on(grid, "grid", merge) }
 }
 
-/// Computes the mean spectrum of every voxel, for look-ups; they see the state of this call until the next one.
+/// Computes the mean spectrum of every voxel, for look-ups; they see the state of this call until the next
+/// one.
 ///
 /// @param grid the grid.
 /// @note About 10 ns a voxel.
@@ -386,13 +395,15 @@ pub unsafe extern "C" fn covbeam_grid_resolve(grid: *mut covbeam_grid) -> covbea
     unsafe { run_on(grid, "grid", Grid::resolve) }
 }
 
-/// The spectrum of the fluence around points: the flux-weighted mean of the eight voxels around each, with trilinear weights.
+/// The spectrum of the fluence around points: the flux-weighted mean of the eight voxels around each, with
+/// trilinear weights.
 ///
 /// @param grid a grid that has been resolved.
 /// @param count number of points; with 0 nothing is done.
 /// @param positions, position_stride points [m].
 /// @param spectra, spectrum_stride receive the spectra [cycles^2/m^2]; 0 where the grid knows nothing.
-/// @param found, found_stride receive 1, or 0 where the grid knows nothing: outside, and where no light has passed. May be NULL.
+/// @param found, found_stride receive 1, or 0 where the grid knows nothing: outside, and where no light has
+///     passed. May be NULL.
 /// @note Thesis Eq 5.15. 20 ns a point.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_look_up(

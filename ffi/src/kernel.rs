@@ -19,7 +19,8 @@ pub enum covbeam_kernel_shape {
     COVBEAM_KERNEL_BIWEIGHT = 2,
 }
 
-/// How wide the pairs of one pass are gathered: within max(progressive, min(ceiling, what the spectrum allows)).
+/// How wide the pairs of one pass are gathered: within max(progressive, min(ceiling, what the spectrum
+/// allows)).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct covbeam_kernel {
@@ -104,7 +105,9 @@ fn pass(value: u32) -> Result<u32, Failure> {
 ///
 /// @param schedule how the kernel shrinks.
 /// @param pass counted from 1. Passes may run in any order.
-/// @param kernel set its struct_size before; the rest is written: progressive = covbeam_progressive_radius(radius, alpha, pass), ceiling = the larger of max_radius and progressive, error = covbeam_error_bound(error, pass).
+/// @param kernel set its struct_size before; the rest is written: progressive =
+///     covbeam_progressive_radius(radius, alpha, pass), ceiling = the larger of max_radius and progressive,
+///     error = covbeam_error_bound(error, pass).
 /// @note COVBEAM_INVALID_VALUE too if the radius or the error of the pass falls below the smallest float.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_schedule_kernel(
@@ -161,7 +164,8 @@ pub unsafe extern "C" fn covbeam_progressive_radius(
     })
 }
 
-/// The bound on the relative bias in a pass: error x pass^(-2/5), so that the bias of the mean over passes goes to 0.
+/// The bound on the relative bias in a pass: error x pass^(-2/5), so that the bias of the mean over passes
+/// goes to 0.
 ///
 /// @param error in pass 1, > 0.
 /// @param pass counted from 1.

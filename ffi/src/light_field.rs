@@ -8,7 +8,9 @@ use crate::types::{covbeam_curvature, covbeam_light_field, covbeam_spectrum};
 /// Light of an exact point source.
 ///
 /// @param direction of propagation, normalised by the library: any length but 0.
-/// @param angular_variance of the emission [cycles^2/rad^2], >= 0: 0 for a lamp without falloff.
+/// @param angular_variance of the emission [cycles^2/rad^2] >= 0: 2/(4 pi^2) = 0.0507 for a lamp that shines
+///     evenly, because of the fall-off with the square of the distance; more where its intensity changes with
+///     the angle.
 /// @param out the light field.
 /// @note Thesis 5.3.1.
 #[unsafe(no_mangle)]
@@ -26,7 +28,7 @@ pub unsafe extern "C" fn covbeam_light_field_point(
 /// @param direction of propagation, normalised by the library: any length but 0.
 /// @param normal of the disk, any length, either sign.
 /// @param radius [m] >= 0: 0 is a point, infinity a uniform field.
-/// @param angular_variance of the emission [cycles^2/rad^2], >= 0.
+/// @param angular_variance as for covbeam_light_field_point.
 /// @param out the light field.
 /// @note Thesis 5.3.1.
 #[unsafe(no_mangle)]
@@ -57,7 +59,8 @@ pub unsafe extern "C" fn covbeam_light_field_collimated(
     unsafe { covbeam_light_fields_collimated(1, direction, 0, &radius, 0, out, 0) }
 }
 
-/// A light field without correlations, from its four variances. A Gaussian of standard deviation w has 1/(4 pi^2 w^2).
+/// A light field without correlations, from its four variances. A Gaussian of standard deviation w has 1/(4
+/// pi^2 w^2).
 ///
 /// @param direction of propagation, normalised by the library: any length but 0.
 /// @param x_axis its part across the direction is the x axis of the variances; some axis if it has none.
@@ -105,7 +108,8 @@ pub unsafe extern "C" fn covbeam_light_field_travel(
     unsafe { covbeam_light_fields_travel(1, field, 0, &distance, 0) }
 }
 
-/// Travel through a medium: in a homogeneous one covbeam_light_field_travel, else with the attenuation that varies across the ray.
+/// Travel through a medium: in a homogeneous one covbeam_light_field_travel, else with the attenuation that
+/// varies across the ray.
 ///
 /// @param field the light field, changed in place; it moves along its direction.
 /// @param medium what it travels in; the mean extinction of the channels counts.
@@ -123,7 +127,8 @@ pub unsafe extern "C" fn covbeam_light_field_carry(
     unsafe { covbeam_light_fields_carry(1, field, 0, medium, origin, 0, &distance, 0) }
 }
 
-/// Turns the frame about the ray, to read covbeam_light_field_slice along given axes. The light stays what it is.
+/// Turns the frame about the ray, to read covbeam_light_field_slice along given axes. The light stays what it
+/// is.
 ///
 /// @param field the light field, changed in place.
 /// @param x_axis its part across the ray becomes the x axis; along the ray: nothing changes.
@@ -159,7 +164,8 @@ pub unsafe extern "C" fn covbeam_light_field_reflect(
 /// @param normal at the hit, any length, either side.
 /// @param curvature of the surface on the side of the normal; may be NULL: a plane.
 /// @param eta refractive index on the incoming side over that on the other, > 0.
-/// @param passed 1 if light passes; 0 on total reflection (and exactly grazing light), which leaves the field as it was.
+/// @param passed 1 if light passes; 0 on total reflection (and exactly grazing light), which leaves the field
+///     as it was.
 /// @note Coddington's equations.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_field_refract(
@@ -176,7 +182,8 @@ pub unsafe extern "C" fn covbeam_light_field_refract(
 /// Occlusion by an edge beside the ray, such as a silhouette that it passes.
 ///
 /// @param field the light field, changed in place.
-/// @param towards_edge from the ray to the nearest point of the edge, any length; along the ray: nothing changes.
+/// @param towards_edge from the ray to the nearest point of the edge, any length; along the ray: nothing
+///     changes.
 /// @param distance between ray and edge [m] >= 0; infinity is no edge.
 /// @note Thesis 5.3.1.
 #[unsafe(no_mangle)]
@@ -189,7 +196,8 @@ pub unsafe extern "C" fn covbeam_light_field_occlude(
     unsafe { covbeam_light_fields_occlude(1, field, 0, towards_edge, 0, &distance, 0) }
 }
 
-/// Attenuation by a stretch of medium whose optical depth varies across the ray. covbeam_light_field_carry does this for the built-in media.
+/// Attenuation by a stretch of medium whose optical depth varies across the ray. covbeam_light_field_carry
+/// does this for the built-in media.
 ///
 /// @param field the light field, changed in place.
 /// @param gradient of the optical depth of the stretch, in world axes [1/m].
@@ -205,7 +213,8 @@ pub unsafe extern "C" fn covbeam_light_field_attenuate(
     unsafe { covbeam_light_fields_attenuate(1, field, 0, gradient, 0, hessian, 0) }
 }
 
-/// Narrowing of the directions across one axis, such as by the soft rim of a spot light (a Gaussian rim of standard deviation s has 1/(4 pi^2 s^2)).
+/// Narrowing of the directions across one axis, such as by the soft rim of a spot light (a Gaussian rim of
+/// standard deviation s has 1/(4 pi^2 s^2)).
 ///
 /// @param field the light field, changed in place.
 /// @param across in which the light falls off, any length; along the ray: nothing changes.
@@ -225,7 +234,8 @@ pub unsafe extern "C" fn covbeam_light_field_narrow(
 ///
 /// @param field the light field, changed in place.
 /// @param direction of propagation after the event, any length but 0.
-/// @param angular_variance of the lobe [cycles^2/rad^2] >= 0, see covbeam_phase_angular_variance: 0 is isotropic, infinity does not blur.
+/// @param angular_variance of the lobe [cycles^2/rad^2] >= 0, see covbeam_phase_angular_variance: 0 is
+///     isotropic, infinity does not blur.
 /// @note Thesis 5.3.1.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_field_scatter(
@@ -237,7 +247,8 @@ pub unsafe extern "C" fn covbeam_light_field_scatter(
     unsafe { covbeam_light_fields_scatter(1, field, 0, direction, 0, &angular_variance, 0) }
 }
 
-/// Diffuse reflection or transmission into a new direction. A cosine below 1e-12 on either side leaves the field as it was.
+/// Diffuse reflection or transmission into a new direction. A cosine below 1e-12 on either side leaves the
+/// field as it was.
 ///
 /// @param field the light field, changed in place.
 /// @param normal of the surface, any length, either sign.
@@ -270,7 +281,8 @@ pub unsafe extern "C" fn covbeam_light_field_slice(
 /// The spectrum of the fluence around the ray, in world axes.
 ///
 /// @param field the light field.
-/// @param limit largest deviation kept [cycles/m] > 0, such as the Nyquist frequency 1/(2h) of voxels of side h; infinity keeps all.
+/// @param limit largest deviation kept [cycles/m] > 0, such as the Nyquist frequency 1/(2h) of voxels of side
+///     h; infinity keeps all.
 /// @param spectrum covariance [cycles^2/m^2].
 /// @note Thesis Eq 5.14.
 #[unsafe(no_mangle)]
@@ -283,7 +295,8 @@ pub unsafe extern "C" fn covbeam_light_field_fluence(
     unsafe { covbeam_light_fields_fluence(1, field, 0, &limit, 0, spectrum, 0) }
 }
 
-/// Variance of the fluence's spectrum along the ray, from how the rays spread and from extinction; for light that has not been scattered.
+/// Variance of the fluence's spectrum along the ray, from how the rays spread and from extinction; for light
+/// that has not been scattered.
 ///
 /// @param field the light field.
 /// @param extinction around the ray [1/m] >= 0.

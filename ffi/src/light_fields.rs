@@ -17,7 +17,8 @@ use covbeam_core::LightField;
 ///
 /// @param count number of fields; with 0 nothing is done.
 /// @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
-/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields the same.
+/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all
+///     fields the same.
 /// @param out, out_stride the light fields.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_point(
@@ -53,7 +54,8 @@ pub unsafe extern "C" fn covbeam_light_fields_point(
 /// @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
 /// @param normals, normal_stride as normal there; a stride of 0 gives all fields the same.
 /// @param radii, radius_stride as radius there; a stride of 0 gives all fields the same.
-/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields the same.
+/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all
+///     fields the same.
 /// @param out, out_stride the light fields.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_disk(
@@ -137,8 +139,10 @@ pub unsafe extern "C" fn covbeam_light_fields_collimated(
 /// @param count number of fields; with 0 nothing is done.
 /// @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
 /// @param x_axes, x_axis_stride as x_axis there; a stride of 0 gives all fields the same.
-/// @param spatial_variances, spatial_variance_stride as spatial_variance there; a stride of 0 gives all fields the same.
-/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields the same.
+/// @param spatial_variances, spatial_variance_stride as spatial_variance there; a stride of 0 gives all
+///     fields the same.
+/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all
+///     fields the same.
 /// @param out, out_stride the light fields.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_gaussian(
@@ -430,7 +434,8 @@ pub unsafe extern "C" fn covbeam_light_fields_attenuate(
 /// @param count number of fields; with 0 nothing is done.
 /// @param fields, field_stride array of light fields, changed in place.
 /// @param acrosses, across_stride as across there; a stride of 0 gives all fields the same.
-/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields the same.
+/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all
+///     fields the same.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_narrow(
     count: usize,
@@ -463,7 +468,8 @@ pub unsafe extern "C" fn covbeam_light_fields_narrow(
 /// @param count number of fields; with 0 nothing is done.
 /// @param fields, field_stride array of light fields, changed in place.
 /// @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
-/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields the same.
+/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all
+///     fields the same.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_scatter(
     count: usize,

@@ -11,7 +11,8 @@ use crate::types::covbeam_derivatives;
 ///
 /// @param medium the medium.
 /// @param position [m].
-/// @param density >= 0: 1 where the medium's coefficients hold. An exponential one is held beyond e^80 and e^-80.
+/// @param density >= 0: 1 where the medium's coefficients hold. An exponential one is held beyond e^80 and
+///     e^-80.
 /// @note Costs nothing, an exponential, or a trilinear look-up.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_density_at(
@@ -50,12 +51,14 @@ pub unsafe extern "C" fn covbeam_medium_density_at_many(
     })
 }
 
-/// Derivatives of the relative density at a point. Their integrals along a way, times the extinction, are what
+/// Derivatives of the relative density at a point. Their integrals along a way, times the extinction, are
+/// what
 /// covbeam_light_field_attenuate takes.
 ///
 /// @param medium the medium.
 /// @param position [m].
-/// @param derivatives exact for an exponential density; differences between neighbouring voxels, 0 outside the box.
+/// @param derivatives exact for an exponential density; differences between neighbouring voxels, 0 outside
+///     the box.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_derivatives_at(
     medium: *const covbeam_medium,
@@ -97,10 +100,12 @@ pub unsafe extern "C" fn covbeam_medium_derivatives_at_many(
     })
 }
 
-/// Largest step [m] over which the second derivatives may be taken as constant, for a host that sums them itself.
+/// Largest step [m] over which the second derivatives may be taken as constant, for a host that sums them
+/// itself.
 ///
 /// @param medium the medium.
-/// @param step [m] > 0: infinity where the medium is homogeneous, half the scale height, or a voxel's smallest side.
+/// @param step [m] > 0: infinity where the medium is homogeneous, half the scale height, or a voxel's
+///     smallest side.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_step(
     medium: *const covbeam_medium,

@@ -40,7 +40,8 @@ impl Rays<'_> {
     }
 }
 
-/// The column of a stretch of ray. One of voxels is the last knot of a table that ends there; knots are exact however
+/// The column of a stretch of ray. One of voxels is the last knot of a table that ends there; knots are exact
+/// however
 /// coarse the table is.
 fn column_at(density: &Density, origin: Vec3, direction: Vec3, distance: f32) -> f32 {
     if let Density::Grid(_) = density {
@@ -53,7 +54,8 @@ fn column_at(density: &Density, origin: Vec3, direction: Vec3, distance: f32) ->
     }
 }
 
-/// The distance at which a column is reached; infinity beyond `length`. Of a table of voxels only the two knots around it
+/// The distance at which a column is reached; infinity beyond `length`. Of a table of voxels only the two
+/// knots around it
 /// are kept.
 fn distance_at(density: &Density, origin: Vec3, direction: Vec3, length: f32, column: f32) -> f32 {
     let mut around = [Knot::default(); 2];
@@ -135,7 +137,8 @@ pub unsafe extern "C" fn covbeam_medium_column_at_many(
 
 /// Distance along a ray at which a column is reached: the inverse of covbeam_medium_column_at.
 ///
-/// Free flight is sampled with it: column = -log(1 - u) / extinction for a uniform u in [0, 1) and the extinction of one channel;
+/// Free flight is sampled with it: column = -log(1 - u) / extinction for a uniform u in [0, 1) and the
+/// extinction of one channel;
 /// light that gets infinity reaches the end of the ray.
 ///
 /// @param medium the medium.
@@ -144,7 +147,8 @@ pub unsafe extern "C" fn covbeam_medium_column_at_many(
 /// @param length of the ray [m] >= 0; infinity allowed.
 /// @param column [m] >= 0; infinity allowed.
 /// @param distance [m]; infinity if the ray ends before.
-/// @note Voxels: the column there is within 5e-4 of the one asked for, relatively; about 20 ns a voxel passed.
+/// @note Voxels: the column there is within 5e-4 of the one asked for, relatively; about 20 ns a voxel
+///     passed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_distance_at(
     medium: *const covbeam_medium,
@@ -319,7 +323,9 @@ pub unsafe extern "C" fn covbeam_medium_column_transmittance_many(
     })
 }
 
-/// The column after which light of every channel is down to e^-17 = 4e-8.
+/// The column after which light of every channel is down to e^-17 = 4e-8. In a homogeneous medium it is a
+/// distance: no beam need be
+/// longer. For other media see covbeam_medium_reach.
 ///
 /// @param medium the medium.
 /// @param column [m]; infinite if a channel has no extinction.
@@ -337,13 +343,15 @@ pub unsafe extern "C" fn covbeam_medium_opaque_column(
     })
 }
 
-/// Distance beyond which light that starts on a ray leaves nothing to see: where a host may end an eye ray or a beam that no
+/// Distance beyond which light that starts on a ray leaves nothing to see: where a host may end an eye ray or
+/// a beam that no
 /// surface ends.
 ///
 /// @param medium the medium.
 /// @param origin of the ray [m].
 /// @param direction of the ray, unit.
-/// @param distance [m]: where the medium becomes opaque, hardly goes on, or its voxels end; infinite if there is no such place.
+/// @param distance [m]: where the medium becomes opaque, hardly goes on, or its voxels end; infinite if there
+///     is no such place.
 /// @note Voxels: about 20 ns a voxel passed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_reach(

@@ -23,7 +23,8 @@ pub(crate) unsafe fn read<T: Copy>(pointer: *const T, name: &str) -> Result<T, F
     Ok(unsafe { pointer.read() })
 }
 
-/// Reads an options struct, which begins with its size as the host was compiled with it. A smaller one leaves the later fields 0;
+/// Reads an options struct, which begins with its size as the host was compiled with it. A smaller one leaves
+/// the later fields 0;
 /// a larger one is accepted if what this library does not know is 0.
 ///
 /// - `least`: bytes that every version had.
@@ -74,7 +75,8 @@ impl<T: Copy> Slot<T> {
     }
 }
 
-/// Whether an array of `count` elements, `stride` bytes apart, can lie at `pointer`. One without elements lies anywhere.
+/// Whether an array of `count` elements, `stride` bytes apart, can lie at `pointer`. One without elements
+/// lies anywhere.
 fn fits<T>(pointer: *const T, stride: usize, count: usize, name: &str) -> Result<(), Failure> {
     if count == 0 {
         return Ok(());

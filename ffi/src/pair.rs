@@ -92,12 +92,15 @@ fn closed_form(
     Ok(density.column(origin, direction, &[]))
 }
 
-/// Gathers one beam, and adds it to what the eye ray has gathered: scattering x phase function x transmittance along both x flux of
-/// the beam x kernel(gap) / sin(angle), if the gap is less than the kernel's radius, looked up on the eye ray.
+/// Gathers one beam, and adds it to what the eye ray has gathered: scattering x phase function x
+/// transmittance along both x flux of
+/// the beam x kernel(gap) / sin(angle), if the gap is less than the kernel's radius, looked up on the eye
+/// ray.
 ///
 /// @param ray the eye ray.
 /// @param beam the beam, in the same medium.
-/// @param from, to part of the beam that counts [m] >= 0, [from, to): 0 and the beam's length, or more, for all of it. Cutting a beam into adjoining parts changes nothing.
+/// @param from, to part of the beam that counts [m] >= 0, [from, to): 0 and the beam's length, or more, for
+///     all of it. Cutting a beam into adjoining parts changes nothing.
 /// @param medium that both lie in.
 /// @param ray_column along the ray; NULL takes the closed form (voxels have none: COVBEAM_NULL_POINTER).
 /// @param beam_column along the beam; NULL likewise.
@@ -105,7 +108,8 @@ fn closed_form(
 /// @param grid as in covbeam_kernel_radius_at.
 /// @param gathered in and out: finite numbers, all 0 to begin with.
 /// @param accepted 1 if the pair counts, else 0.
-/// @note Thesis 5.3.4. A beam that starts or ends on a surface is cut by its tangent plane. The order of the columns' knots is not checked.
+/// @note Thesis 5.3.4. A beam that starts or ends on a surface is cut by its tangent plane. The order of the
+///     columns' knots is not checked.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_gather_pair(
     ray: *const covbeam_eye_ray,
@@ -237,7 +241,8 @@ pub unsafe extern "C" fn covbeam_gather_pairs(
     })
 }
 
-/// Which of many beams an eye ray may be paired with: eight at a time, without looking at grid or surfaces. Errs towards accepting (a
+/// Which of many beams an eye ray may be paired with: eight at a time, without looking at grid or surfaces.
+/// Errs towards accepting (a
 /// parallel beam always passes): covbeam_gather_pair refuses every beam that it refuses.
 ///
 /// @param ray the eye ray.

@@ -35,7 +35,8 @@ unsafe fn read_phase(pointer: *const covbeam_phase) -> Result<PhaseFunction, Fai
 /// The value of a phase function [1/sr]: 1 in all over the sphere.
 ///
 /// @param phase the phase function.
-/// @param cos_theta dot(propagation before, propagation after), forward 1; in [-1, 1], rounding past the ends is harmless.
+/// @param cos_theta dot(propagation before, propagation after), forward 1; in [-1, 1], rounding past the ends
+///     is harmless.
 /// @param value [1/sr] >= 0.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_phase_evaluate(
@@ -73,7 +74,8 @@ pub unsafe extern "C" fn covbeam_phase_evaluate_many(
     })
 }
 
-/// Samples a direction after scattering in proportion to the phase function: the weight (value / density) is 1.
+/// Samples a direction after scattering in proportion to the phase function: the weight (value / density) is
+/// 1.
 ///
 /// @param phase the phase function.
 /// @param direction of propagation before the event, unit.
@@ -95,7 +97,8 @@ pub unsafe extern "C" fn covbeam_phase_sample(
 ///
 /// @param phase as phase there.
 /// @param count number of directions; with 0 nothing is done.
-/// @param directions, direction_stride as direction there; a stride of 0 scatters one direction `count` times.
+/// @param directions, direction_stride as direction there; a stride of 0 scatters one direction `count`
+///     times.
 /// @param xis, xi_stride as xi there.
 /// @param scattered, scattered_stride as scattered there.
 #[unsafe(no_mangle)]
@@ -172,7 +175,8 @@ pub unsafe extern "C" fn covbeam_phase_sample_cosine_many(
 /// What covbeam_light_field_scatter takes: variance, per axis, of the angular spectrum of the lobe.
 ///
 /// @param phase the phase function.
-/// @param variance [cycles^2/rad^2]: 3|g| / (4 pi^2 (1 - |g|)^2) for Henyey-Greenstein, 1/(4 pi^2) for Rayleigh, 0 for isotropic.
+/// @param variance [cycles^2/rad^2]: 3|g| / (4 pi^2 (1 - |g|)^2) for Henyey-Greenstein, 1/(4 pi^2) for
+///     Rayleigh, 0 for isotropic.
 /// @note Derived from the lobe's curvature at its peak.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_phase_angular_variance(

@@ -107,7 +107,8 @@ pub(crate) fn run(body: impl FnOnce() -> Result<(), Failure>) -> covbeam_status 
     }
 }
 
-/// A panic inside a call is written to the thread's message instead of the standard error. Outside calls (Rust hosts that
+/// A panic inside a call is written to the thread's message instead of the standard error. Outside calls
+/// (Rust hosts that
 /// share this copy of the standard library) nothing changes.
 fn keep_panics_quiet() {
     static ONCE: Once = Once::new();
@@ -149,9 +150,11 @@ pub extern "C" fn covbeam_status_name(status: i32) -> *const c_char {
     usize::try_from(status).ok().and_then(|i| NAMES.get(i)).unwrap_or(&c"unknown status").as_ptr()
 }
 
-/// What went wrong in the latest call of this thread that did not return COVBEAM_OK: names the parameter and the remedy.
+/// What went wrong in the latest call of this thread that did not return COVBEAM_OK: names the parameter and
+/// the remedy.
 ///
-/// @return UTF-8, at most 255 bytes, never NULL, empty before the first failure; valid until the thread's next call that fails.
+/// @return UTF-8, at most 255 bytes, never NULL, empty before the first failure; valid until the thread's
+///     next call that fails.
 #[unsafe(no_mangle)]
 pub extern "C" fn covbeam_last_error() -> *const c_char {
     LAST.with_borrow(|last| last.text.as_ptr().cast())

@@ -6,12 +6,14 @@ use crate::status::Failure;
 use covbeam_core as core_types;
 use glam::Vec3;
 
-/// Square root of the covariance of a local light field's spectrum. Made by covbeam_light_field_point and its kin; the
+/// Square root of the covariance of a local light field's spectrum. Made by covbeam_light_field_point and its
+/// kin; the
 /// numbers are the host's to copy, store and send, not to write.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct covbeam_light_field {
-    /// Lower-triangular L with covariance L L^T, rows (u, v, x, y), packed row by row [uu, vu, vv, xu, xv, xx, yu, yv, yx, yy]:
+    /// Lower-triangular L with covariance L L^T, rows (u, v, x, y), packed row by row [uu, vu, vv, xu, xv,
+    /// xx, yu, yv, yx, yy]:
     /// u, v in cycles/rad, x, y in cycles/m.
     pub root: [f32; 10],
     /// The frame's x axis: unit, across direction; y = direction x x_axis.
@@ -20,7 +22,8 @@ pub struct covbeam_light_field {
     pub direction: [f32; 3],
 }
 
-/// Curvature of a surface at a hit [1/m], positive where it is convex on the side of the normal; all 0 is a plane.
+/// Curvature of a surface at a hit [1/m], positive where it is convex on the side of the normal; all 0 is a
+/// plane.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct covbeam_curvature {
@@ -94,12 +97,14 @@ pub struct covbeam_segment {
     pub length: f32,
     /// Flux at the origin [W] > 0, mean of the channels.
     pub power: f32,
-    /// 1 if the light comes from its source without scattering in a medium or on a diffuse surface (mirrors and glass are no
+    /// 1 if the light comes from its source without scattering in a medium or on a diffuse surface (mirrors
+    /// and glass are no
     /// scattering), else 0.
     pub unscattered: u32,
     /// The light field at the origin.
     pub field: covbeam_light_field,
-    /// How the light is attenuated: NULL takes it from the medium. A host with media of its own gives a table of (distance from the
+    /// How the light is attenuated: NULL takes it from the medium. A host with media of its own gives a table
+    /// of (distance from the
     /// origin, optical depth up to there / extinction of the medium passed), both finite, neither falling.
     pub knots: *const covbeam_knot,
     /// Number of knots; 0 if knots is NULL.
@@ -148,7 +153,8 @@ pub struct covbeam_derivatives {
     pub hessian: [f32; 6],
 }
 
-/// A photon beam: a straight piece of a photon's path through a medium. It runs on to the next surface, whatever the photon's
+/// A photon beam: a straight piece of a photon's path through a medium. It runs on to the next surface,
+/// whatever the photon's
 /// free flight was; the gather multiplies by the transmittance ("long beams").
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -157,7 +163,8 @@ pub struct covbeam_beam {
     pub origin: [f32; 3],
     /// Direction of propagation, unit.
     pub direction: [f32; 3],
-    /// Length [m], finite and >= 0.
+    /// Length [m] to the next surface, finite and >= 0; where there is none, covbeam_medium_reach is far
+    /// enough.
     pub length: f32,
     /// Flux at the origin per channel [W], already divided by the number of light paths of the pass.
     pub power: [f32; 3],
@@ -223,11 +230,13 @@ pub struct covbeam_contact {
     pub beam: u32,
     /// Distance along the eye ray [m].
     pub ray_distance: f32,
-    /// Distance along the beam [m]; at an end on a surface it may be outside the beam by less than radius.
+    /// Distance along the beam [m]; at an end on a surface it may be outside the beam by less than radius. At a
+    /// negative one, -s, the beam has the optical depth -(the one at s), as if the medium went on behind the surface.
     pub beam_distance: f32,
     /// Cosine between the light's propagation before and after scattering towards the eye: forward +1.
     pub cos_theta: f32,
-    /// The blur kernel over the sine of the angle between beam and ray [1/m], with which the library multiplies.
+    /// The blur kernel over the sine of the angle between beam and ray [1/m], with which the library
+    /// multiplies.
     pub kernel: f32,
     /// Kernel radius [m].
     pub radius: f32,

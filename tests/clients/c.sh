@@ -35,6 +35,14 @@ for compiler in gcc clang g++ clang++; do
 done
 echo "c: covbeam.h alone, without a warning: ${known[*]}"
 
+# The example of the README at the root.
+awk '/^```c$/ { inside = 1; next } /^```$/ { inside = 0 } inside' "$root/README.md" > "$work/readme.c"
+# shellcheck disable=SC2046
+gcc -std=c99 $strict "$work/readme.c" -o "$work/readme" $(pkg-config --cflags --libs covbeam)
+LD_LIBRARY_PATH="$prefix/lib" "$work/readme" > "$work/log" || { cat "$work/log"; fail "the example of README.md"; }
+grep -qE '^[0-9.e-]*[1-9][0-9.e-]* W' "$work/log" || fail "the example of README.md prints: $(cat "$work/log")"
+echo "c: the example of README.md: $(cat "$work/log")"
+
 # A picture has light in it, and every number of it is one.
 check_picture() {
     local values

@@ -73,8 +73,8 @@ done
 grep -q 'pass 2 of 2, 0 s left' "$work/log" || fail "no progress"
 echo "cpp: examples/cpp: the same bits with 1, 2 and 8 threads ($(cksum < "$work/1.pfm" | cut -d ' ' -f 1))"
 
-# The host's own fog is the built-in one but for roundings: a float sum of n pairs may be off by n x 6e-8, and some 2000 pairs meet
-# in a pixel.
+# The host's own fog is the built-in one but for roundings: a few of 6e-8 in each column and exponential, and those of float sums of
+# up to 500 pairs in the same order. A contact before a beam's start whose column is not mirrored shows as 3e-5.
 # shellcheck disable=SC2086
 "$shaft" $small --own-medium --out "$work/own.pfm" 2> "$work/log"
 python3 - "$work/1.pfm" "$work/own.pfm" <<'PYTHON'
@@ -84,7 +84,7 @@ assert len(a) == len(b) == 3 * 256 * 256 and all(map(math.isfinite, a)), "not a 
 mean = sum(a) / len(a)
 assert 0.02 < mean < 0.5, f"the mean of the picture is {mean}"
 worst = max(abs(x - y) / max(x, 1e-3 * mean) for x, y in zip(a, b))
-assert 0 < worst < 1e-4, f"the own medium differs by {worst}"
+assert 0 < worst < 5e-6, f"the own medium differs by {worst}"
 print(f"cpp: examples/cpp: --own-medium within {worst:.1e} of the built-in one in every pixel")
 PYTHON
 

@@ -40,6 +40,7 @@ refused() {
 }
 
 library plain
+CARGO_PROFILE_RELEASE_OPT_LEVEL=0 CARGO_PROFILE_RELEASE_LTO=off library not-optimised
 library address -Zsanitizer=address -Coverflow-checks=on -Cdebug-assertions=on
 library thread -Zsanitizer=thread -Cunsafe-allow-abi-mismatch=sanitizer
 
@@ -64,13 +65,17 @@ wait "$first" || { tail -60 "$build/first"; exit 1; }
 cat "$build/first" "$build/second"
 echo "no findings in $((SECONDS - started)) s"
 
-echo "-- valgrind memcheck, the library as it is released"
+echo "-- valgrind memcheck: the library as it is released, then one that is not optimised"
 started=$SECONDS
+clang "${warnings[@]}" "${hostile[@]}" "$(archive not-optimised)" "${libraries[@]}" -o "$build/hostile-slow"
 # What stays reachable is the hook that keeps panics quiet, once a process.
 check=(valgrind --quiet --error-exitcode=9 --partial-loads-ok=no --leak-check=full --show-leak-kinds=definite,indirect,possible
     --errors-for-leak-kinds=definite,indirect,possible)
 refused "an array that is too short" "Invalid read" "${check[@]}" "$build/hostile" --lie
-"${check[@]}" "$build/hostile" 500 3
+# The optimiser computes with the fields of an enum before it asks which variant it is (and drops the result): of values that have
+# never been written, memcheck can judge only code that is not optimised.
+"${check[@]}" --undef-value-errors=no "$build/hostile" 500 3
+"${check[@]}" "$build/hostile-slow" 20 4
 echo "no findings in $((SECONDS - started)) s"
 
 echo "-- ThreadSanitizer"

@@ -10,6 +10,8 @@ place; the others return a new array, or fill `out`, which may not share memory 
     light_field.travel(many[10:20], distances)   # a view: only these travel
 """
 
+from math import pi
+
 from ._arrays import COUNT, FLAG, FLOAT, HESSIAN, PAIR, VECTOR, Kind, changed, elementwise, given, made, optional, struct
 from ._library import lib
 from .dtypes import CURVATURE, LIGHT_FIELD, SPECTRUM
@@ -17,12 +19,16 @@ from .media import Medium
 
 _FIELD = Kind(LIGHT_FIELD)
 
+#: Angular variance of a point that shines evenly: 1/d^2 has a relative curvature of 2/d^2 across its rays.
+EVEN = 2 / (4 * pi**2)
 
-def point(directions, angular_variances=0.0, *, out=None):
+
+def point(directions, angular_variances=EVEN, *, out=None):
     """Light of an exact point source.
 
     - directions: of propagation, any length but 0.
-    - angular_variances: of the emission [cycles^2/rad^2] >= 0; 0 for a lamp without falloff.
+    - angular_variances: of the emission [cycles^2/rad^2] >= 0; EVEN for a lamp that shines evenly,
+      because of the fall-off with the square of the distance; more where its intensity changes with the angle.
     """
     return elementwise(
         lib.covbeam_light_fields_point,
