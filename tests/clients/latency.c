@@ -3,8 +3,9 @@
  *
  * A million beams through the unit cube are committed and gathered, in a homogeneous medium and in voxels. Measured: the longest time
  * without a question to poll (from the call's start and to its end too), and the time from a cancel request, made by another
- * thread at some moment, to the call's return. The requirement is 50 ms. What the library answers for is the processor time between questions:
- * that must keep to it; the time on the clock, which other programs prolong, gets ten times as long before this fails.
+ * thread at some moment, to the call's return. The requirement is 50 ms. What the library answers for is the processor time
+ * between questions: that must keep to it; the time on the clock, which other programs prolong, gets ten times as long before
+ * this fails.
  * After the cancelled calls the map is committed and gathers the same bits as one that was never disturbed.
  */
 #define _POSIX_C_SOURCE 200809L

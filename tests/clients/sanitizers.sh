@@ -1,14 +1,16 @@
 #!/bin/bash
 # Memory errors, undefined behaviour, leaks and data races of the C library, under hosts that do everything wrong.
-#   tests/clients/sanitizers.sh            100,000 random sequences of calls
-#   tests/clients/sanitizers.sh --full     1,000,000 of them
+#   tests/clients/sanitizers.sh PREFIX            100,000 random sequences of calls
+#   tests/clients/sanitizers.sh PREFIX --full     1,000,000 of them
 # Needs clang with its sanitizers, and valgrind. What is missing is a failure.
 set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"
 root="$here/../.."
 target="$(realpath -m "${CARGO_TARGET_DIR:-$root/target}")/sanitizers"
+[ $# -ge 1 ] || { echo "usage: $0 PREFIX [--full]" >&2; exit 1; }
+released="$(cd "$1" && pwd)/lib/libcovbeam.a"
 sequences=50000
-[ "${1:-}" != --full ] || sequences=500000
+[ "${2:-}" != --full ] || sequences=500000
 
 build="$(mktemp -d)"
 trap 'rm -rf "$build"' EXIT
@@ -23,7 +25,8 @@ library() {
     local name="$1"
     shift
     # Sanitizers are unstable flags of a stable compiler; the standard library is that of the toolchain.
-    (cd "$root" && RUSTC_BOOTSTRAP=1 RUSTFLAGS="$*" cargo build --quiet --locked --release --package covbeam-ffi \
+    # Optimised less than a release: these builds are made to be checked, not to be fast.
+    (cd "$root" && RUSTC_BOOTSTRAP=1 RUSTFLAGS="$*" CARGO_PROFILE_RELEASE_LTO=off CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16 cargo build --quiet --locked --release --package covbeam-ffi \
         --target "$host" --target-dir "$target/$name")
 }
 archive() { echo "$target/$1/$host/release/libcovbeam.a"; }
@@ -39,13 +42,12 @@ refused() {
     fi
 }
 
-library plain
-CARGO_PROFILE_RELEASE_OPT_LEVEL=0 CARGO_PROFILE_RELEASE_LTO=off library not-optimised
+CARGO_PROFILE_RELEASE_OPT_LEVEL=0 library not-optimised
 library address -Zsanitizer=address -Coverflow-checks=on -Cdebug-assertions=on
 library thread -Zsanitizer=thread -Cunsafe-allow-abi-mismatch=sanitizer
 
 echo "-- every function of the header is called"
-clang "${warnings[@]}" -O2 "${hostile[@]}" "$(archive plain)" "${libraries[@]}" -o "$build/hostile"
+clang "${warnings[@]}" -O2 "${hostile[@]}" "$released" "${libraries[@]}" -o "$build/hostile"
 "$build/hostile" --list | sort > "$build/called"
 # Declarations begin a line; comments do not.
 grep -E '^[a-z]' "$root/include/covbeam.h" | grep -v '^typedef' | grep -oE 'covbeam_[a-z0-9_]+\(' | tr -d '(' | sort > "$build/declared"
@@ -87,7 +89,11 @@ refused "two threads that add to one map" "data race" "$build/threads-thread" ra
 for _ in 1 2 3; do "$build/threads-thread"; done
 
 echo "-- helgrind, which sees the standard library too"
-clang "${warnings[@]}" "$here/threads.c" "$(archive plain)" "${libraries[@]}" -o "$build/threads"
+clang "${warnings[@]}" "$here/threads.c" "$released" "${libraries[@]}" -o "$build/threads"
 race=(valgrind --quiet --tool=helgrind --error-exitcode=9)
 refused "two threads that add to one map" "Possible data race" "${race[@]}" "$build/threads" race
 "${race[@]}" "$build/threads"
+
+echo "-- latency"
+clang "${warnings[@]}" -O2 "$here/latency.c" "$released" "${libraries[@]}" -o "$build/latency"
+"$build/latency"

@@ -115,9 +115,9 @@ fn the_bytes_are_those_of_the_documented_format() {
     assert_eq!(fnv(*b""), 0xCBF2_9CE4_8422_2325);
     assert_eq!(fnv(*b"a"), 0xAF63_DC4C_8601_EC8C);
     assert_eq!(fnv(*b"foobar"), 0x8594_4171_F739_67E8);
-    let mut cells = filled(&mut Stream::new(1), SKEW, 200);
+    let cells = filled(&mut Stream::new(1), SKEW, 200);
     assert!(cells.iter().any(|cell| cell.weight > 0.0 && cell.sum[3] != 0.0));
-    let bytes = saved(SKEW, &mut cells);
+    let bytes = saved(SKEW, &cells);
     assert_eq!(bytes.len(), 56 + 56 * 105);
     assert_eq!(bytes, by_hand(&SKEW, &cells));
     assert_eq!(GridLayout::of_saved(&bytes), Ok(SKEW));
@@ -129,7 +129,7 @@ fn the_bytes_are_those_of_the_documented_format() {
 fn a_grid_saved_in_the_middle_goes_on_with_the_same_bits() {
     let mut stream = Stream::new(2);
     let mut straight = filled(&mut stream, SKEW, 300);
-    let bytes = saved(SKEW, &mut straight);
+    let bytes = saved(SKEW, &straight);
     // What the cells held before is gone.
     let mut loaded = filled(&mut Stream::new(77), SKEW, 50);
     load(SKEW, &mut loaded, &bytes).unwrap();
@@ -142,7 +142,7 @@ fn a_grid_saved_in_the_middle_goes_on_with_the_same_bits() {
         }
     }
     assert_eq!(bits(&loaded), bits(&straight));
-    assert_ne!(saved(SKEW, &mut loaded), bytes);
+    assert_ne!(saved(SKEW, &loaded), bytes);
 }
 
 proptest! {
@@ -219,7 +219,7 @@ fn a_thousand_million_equal_deposits_save() {
         let copy = cells.clone();
         CovarianceGrid::new(UNIT, &mut cells).unwrap().merge(&copy).unwrap();
     }
-    let bytes = saved(UNIT, &mut cells);
+    let bytes = saved(UNIT, &cells);
     let mut loaded = empty(UNIT);
     load(UNIT, &mut loaded, &bytes).unwrap();
     assert_eq!(bits(&loaded), bits(&cells));
@@ -228,9 +228,9 @@ fn a_thousand_million_equal_deposits_save() {
 #[test]
 fn every_byte_counts() {
     let layout = GridLayout { cells: [2, 1, 1], ..SKEW };
-    let mut cells = filled(&mut Stream::new(3), layout, 20);
+    let cells = filled(&mut Stream::new(3), layout, 20);
     assert!(cells.iter().all(|cell| cell.weight > 0.0));
-    let bytes = saved(layout, &mut cells);
+    let bytes = saved(layout, &cells);
     for at in 0..bytes.len() {
         for bit in 0..8 {
             let mut damaged = bytes.clone();
@@ -253,7 +253,7 @@ fn every_byte_counts() {
 #[test]
 fn bytes_of_another_length_are_refused_on_both_ways() {
     let mut cells = filled(&mut Stream::new(4), UNIT, 20);
-    let bytes = saved(UNIT, &mut cells);
+    let bytes = saved(UNIT, &cells);
     for short in 0..bytes.len() {
         let expected = if short < 56 { GridError::Format } else { GridError::Length };
         assert_eq!(GridLayout::of_saved(&bytes[..short]), Err(expected), "{short} bytes");
@@ -269,7 +269,7 @@ fn bytes_of_another_length_are_refused_on_both_ways() {
         assert_eq!(UNIT.save(&cells[1..], &mut vec![0; UNIT.saved_size()]), Err(GridError::Length));
         assert!(out.iter().all(|&byte| byte == 0xAA));
     }
-    assert_eq!(saved(UNIT, &mut cells), bytes);
+    assert_eq!(saved(UNIT, &cells), bytes);
 }
 
 #[test]
