@@ -190,6 +190,30 @@ pub(crate) fn cos_theta(ray: &EyeRay, beam: &Beam) -> f32 {
     -beam.direction.dot(ray.direction)
 }
 
+/// The column along a beam up to `distance` \[m\]. Within the slack of a cut end that may be negative: as far before the surface as the
+/// column says beyond it.
+#[inline(always)]
+pub(crate) fn along_beam(column: &Column, distance: f32) -> f32 {
+    if distance < 0.0 { -column.at(-distance) } else { column.at(distance) }
+}
+
+/// σ_s p(θ) T_eye T_beam per channel \[1/(m sr)\]: what a pair scatters of the beam's power, but for the kernel.
+///
+/// - `position`: on the eye ray.
+/// - `cos_theta`: as [`crate::PhaseFunction::evaluate`] takes it.
+/// - `column` \[m\]: along the beam and the eye ray together.
+#[inline(always)]
+pub(crate) fn product(
+    medium: &Medium,
+    density: &Density,
+    position: Vec3,
+    cos_theta: f32,
+    column: f32,
+) -> Vec3 {
+    let scale = density.at(position) * medium.phase.evaluate(cos_theta);
+    medium.scattering * medium.transmittance(column) * scale
+}
+
 /// Gathers one beam whose crossing's `beam_distance` lies in `[from, to)`, and adds it to `gathered`. Returns whether it was accepted.
 ///
 /// Beam x ray estimator with a 1D kernel across the common perpendicular (thesis 5.3.4, Jarosz et al. 2011):
@@ -216,14 +240,10 @@ pub fn gather_pair(
 ) -> bool {
     let Some(meeting) = meet(ray, beam, from, to, radius) else { return false };
     let Crossing { ray_distance: t, beam_distance: s, gap, sin_theta, .. } = meeting.crossing;
-    let medium = passage.medium;
-    let phase = medium.phase.evaluate(cos_theta(ray, beam));
-    let kernel = radius.kernel.evaluate(gap, meeting.radius);
-    let scale = passage.density.at(meeting.point) * phase * kernel / sin_theta;
-    // Within the slack of a cut end s may be negative: as far before the surface as the column says beyond it.
-    let column = if s < 0.0 { -passage.beam.at(-s) } else { passage.beam.at(s) } + passage.ray.at(t);
-    let radiance = medium.scattering * beam.power * medium.transmittance(column) * scale;
-    gathered.add(radiance, meeting.radius, meeting.sigma)
+    let column = along_beam(&passage.beam, s) + passage.ray.at(t);
+    let product = product(passage.medium, &passage.density, meeting.point, cos_theta(ray, beam), column);
+    let kernel = radius.kernel.evaluate(gap, meeting.radius) / sin_theta;
+    gathered.add(product * beam.power * kernel, meeting.radius, meeting.sigma)
 }
 
 /// Number of beams that [`BeamBlock`] tests together.

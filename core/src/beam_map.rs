@@ -5,18 +5,19 @@ mod meter;
 mod packet;
 mod pieces;
 mod rays;
+mod search;
 mod tree;
 
 pub use meter::Stop;
 
-use crate::beam::{BLOCK, Beam, BeamBlock, EyeRay, Gathered, Meeting, Passage, cos_theta, gather_pair, meet};
+use crate::beam::{Beam, EyeRay, Gathered, product};
 use crate::{Column, Density, KernelRadius, Medium};
 use columns::BeamColumns;
 use glam::Vec3;
 use meter::Meter;
-use packet::Packet;
 use pieces::{PIECES_PER_BEAM, Piece, tickets};
 use rays::RayTables;
+use search::Search;
 use std::vec::Vec;
 use tree::{Node, Tree};
 
@@ -28,15 +29,6 @@ const _: () = assert!(2 * (PIECES_PER_BEAM + 1) * MAX_BEAMS <= 1 << 31);
 
 /// Eye rays that share a walk through the hierarchy.
 const PACKET: usize = 64;
-
-/// Pieces that are gathered at a time: with the blocks made of them, what a processor's own cache holds.
-const BATCH: usize = 1 << 14;
-
-/// Nodes visited between two questions to the host, where few are found on the way.
-const VISITS: usize = 1 << 14;
-
-/// Contacts that the host is given at a time.
-const CONTACTS: usize = 256;
 
 /// The beams of one medium and one pass.
 ///
@@ -91,31 +83,9 @@ pub struct Contact {
 /// About 1.5 MB at most, and 8 bytes a knot of 64 eye rays' columns, however many beams there are.
 #[derive(Clone, Debug, Default)]
 pub struct GatherScratch {
-    stack: Vec<u32>,
-    candidates: Candidates,
+    search: Search,
     tables: RayTables,
-    contacts: Vec<Contact>,
     products: Vec<Vec3>,
-}
-
-/// Pieces that some ray of a packet may touch, and the same in blocks.
-#[derive(Clone, Debug, Default)]
-struct Candidates {
-    pieces: Vec<Piece>,
-    blocks: Vec<BeamBlock>,
-}
-
-impl Candidates {
-    fn fill_blocks(&mut self, beams: &[Beam]) {
-        self.blocks.clear();
-        for pieces in self.pieces.chunks(BLOCK) {
-            let mut block = BeamBlock::EMPTY;
-            for (slot, piece) in pieces.iter().enumerate() {
-                block.set(slot, &beams[piece.beam as usize], piece.from, piece.to);
-            }
-            self.blocks.push(block);
-        }
-    }
 }
 
 impl BeamMap {
@@ -229,52 +199,40 @@ impl BeamMap {
         go_on: &mut dyn FnMut() -> bool,
     ) -> bool {
         assert_eq!(rays.len(), gathered.len());
-        let radius = KernelRadius { ceiling: radius.ceiling.min(self.ceiling), ..*radius };
-        let GatherScratch { stack, candidates, tables, .. } = scratch;
+        let GatherScratch { search, tables, .. } = scratch;
         tables.clear();
-        let mut gather = |index: usize, candidates: &Candidates, meter: &mut Meter| {
-            let (ray, gathered) = (&rays[index], &mut gathered[index]);
-            let knots = tables.of(index, ray, medium, density);
-            let column = density.column(ray.origin, ray.direction, knots);
-            let tested = self.gather_candidates(ray, candidates, medium, density, column, &radius, gathered);
-            meter.spend(knots.len() + tested, 100)
+        let mut settle = |contacts: &[Contact], meter: &mut Meter| {
+            for contacts in contacts.chunk_by(|a, b| a.ray == b.ray) {
+                let index = contacts[0].ray as usize;
+                let (ray, gathered) = (&rays[index], &mut gathered[index]);
+                let knots = tables.of(index, ray, medium, density);
+                let along_ray = density.column(ray.origin, ray.direction, knots);
+                meter.spend(knots.len() + contacts.len(), 100)?;
+                self.shade(contacts, medium, density, &along_ray, gathered);
+            }
+            Ok(())
         };
-        let Ok(mut meter) = Meter::new(go_on) else { return false };
-        self.walk(rays, radius.ceiling, stack, candidates, &mut meter, &mut gather).is_ok()
+        self.search(rays, radius, search, go_on, &mut settle)
     }
 
-    /// Adds what one ray gathers from the candidates, and returns how many came near it.
-    #[inline(never)] // The hot loop compiles to 3 % fewer instructions on its own than inside of the walk.
-    #[allow(clippy::too_many_arguments)]
-    fn gather_candidates(
+    /// Adds the pairs of one ray in a medium of the core's.
+    #[inline(never)] // The two hot loops, this and the search, compile to fewer instructions each on its own.
+    fn shade(
         &self,
-        ray: &EyeRay,
-        candidates: &Candidates,
+        contacts: &[Contact],
         medium: &Medium,
         density: &Density,
-        ray_column: Column,
-        radius: &KernelRadius,
+        along_ray: &Column,
         gathered: &mut Gathered,
-    ) -> usize {
-        let mut tested = 0;
-        for (block, pieces) in candidates.blocks.iter().zip(candidates.pieces.chunks(BLOCK)) {
-            let mut mask = block.test(ray, radius.ceiling);
-            while mask != 0 {
-                let piece = &pieces[mask.trailing_zeros() as usize];
-                mask &= mask - 1;
-                tested += 1;
-                let index = piece.beam as usize;
-                let beam = &self.beams[index];
-                let passage = Passage {
-                    medium,
-                    density: *density,
-                    ray: ray_column,
-                    beam: self.columns.of(index, beam, density),
-                };
-                gather_pair(ray, beam, piece.from, piece.to, &passage, radius, gathered);
-            }
+    ) {
+        for contact in contacts {
+            let index = contact.beam as usize;
+            let beam = &self.beams[index];
+            let along_beam = self.columns.up_to(contact.beam_distance, index, beam, density);
+            let column = along_beam + along_ray.at(contact.ray_distance);
+            let product = product(medium, density, contact.position, contact.cos_theta, column);
+            gathered.add(product * beam.power * contact.kernel, contact.radius, contact.sigma);
         }
-        tested
     }
 
     /// Adds to `gathered[i]` what ray `rays[i]` gathers from all beams in a medium that only the host knows. Returns
@@ -284,7 +242,7 @@ impl BeamMap {
     /// `go_on`; the medium given to [`BeamMap::build`] plays no part. Each pair adds
     /// `product * beam.power * contact.kernel`; one whose contribution is not finite is skipped.
     ///
-    /// - `shade`: is given up to 256 contacts and as many products, which are zero. It fills in
+    /// - `shade`: is given up to 256 contacts, of rays of one packet, and as many products, which are zero. It fills in
     ///   σ_s(x) p(θ) T_eye T_beam per channel \[1/(m sr)\]: scattering coefficient and phase function at the contact's
     ///   position, transmittance from there to the start of the eye ray and from the start of the beam to its point. False
     ///   stops.
@@ -304,10 +262,8 @@ impl BeamMap {
         go_on: &mut dyn FnMut() -> bool,
     ) -> bool {
         assert_eq!(rays.len(), gathered.len());
-        let radius = KernelRadius { ceiling: radius.ceiling.min(self.ceiling), ..*radius };
-        let GatherScratch { stack, candidates, contacts, products, .. } = scratch;
-        contacts.clear();
-        let mut settle = |contacts: &mut Vec<Contact>, meter: &mut Meter| {
+        let GatherScratch { search, products, .. } = scratch;
+        let mut settle = |contacts: &[Contact], meter: &mut Meter| {
             products.clear();
             products.resize(contacts.len(), Vec3::ZERO);
             if !shade(contacts, products) {
@@ -318,120 +274,23 @@ impl BeamMap {
                 gathered[contact.ray as usize].add(radiance, contact.radius, contact.sigma);
             }
             // What the host does for a pair is taken to cost about a microsecond.
-            let result = meter.spend(contacts.len(), 1000);
-            contacts.clear();
-            result
+            meter.spend(contacts.len(), 1000)
         };
-        let mut collect = |index: usize, candidates: &Candidates, meter: &mut Meter| {
-            let ray = &rays[index];
-            let mut tested = 0;
-            for (block, pieces) in candidates.blocks.iter().zip(candidates.pieces.chunks(BLOCK)) {
-                let mut mask = block.test(ray, radius.ceiling);
-                while mask != 0 {
-                    let piece = &pieces[mask.trailing_zeros() as usize];
-                    mask &= mask - 1;
-                    tested += 1;
-                    let beam = &self.beams[piece.beam as usize];
-                    let Some(meeting) = meet(ray, beam, piece.from, piece.to, &radius) else { continue };
-                    let Meeting { point, crossing, radius: r, sigma } = meeting;
-                    contacts.push(Contact {
-                        position: point,
-                        ray: index as u32,
-                        beam: piece.beam,
-                        ray_distance: crossing.ray_distance,
-                        beam_distance: crossing.beam_distance,
-                        cos_theta: cos_theta(ray, beam),
-                        kernel: radius.kernel.evaluate(crossing.gap, r) / crossing.sin_theta,
-                        radius: r,
-                        sigma,
-                    });
-                    if contacts.len() == CONTACTS {
-                        settle(contacts, meter)?;
-                    }
-                }
-            }
-            meter.spend(tested, 100)
-        };
-        let Ok(mut meter) = Meter::new(go_on) else { return false };
-        self.walk(rays, radius.ceiling, stack, candidates, &mut meter, &mut collect).is_ok()
-            && (contacts.is_empty() || settle(contacts, &mut meter).is_ok())
+        self.search(rays, radius, search, go_on, &mut settle)
     }
 
-    /// Gives `gather` the index of each ray, with each batch of pieces that the rays of its packet may touch.
-    fn walk(
+    /// Finds all pairs and has them settled, ray after ray within a packet. Returns whether it came to the end.
+    fn search(
         &self,
         rays: &[EyeRay],
-        radius: f32,
-        stack: &mut Vec<u32>,
-        candidates: &mut Candidates,
-        meter: &mut Meter,
-        gather: &mut impl FnMut(usize, &Candidates, &mut Meter) -> Result<(), Stop>,
-    ) -> Result<(), Stop> {
-        let mut walk_packet = |packet: &Packet, first: usize, count: usize| {
-            stack.clear();
-            if !self.tree.nodes.is_empty() {
-                stack.push(0);
-            }
-            while !stack.is_empty() {
-                self.collect(packet, radius, stack, candidates, meter)?;
-                if candidates.pieces.is_empty() {
-                    continue;
-                }
-                candidates.fill_blocks(&self.beams);
-                for index in first..first + count {
-                    // Each ray tests each block.
-                    meter.spend(candidates.blocks.len(), 20)?;
-                    gather(index, candidates, meter)?;
-                }
-            }
-            Ok(())
-        };
-        for (i, rays) in rays.chunks(PACKET).enumerate() {
-            if let Some(packet) = Packet::new(rays) {
-                walk_packet(&packet, i * PACKET, rays.len())?;
-                continue;
-            }
-            for (j, ray) in rays.iter().enumerate() {
-                if let Some(packet) = Packet::new(core::slice::from_ref(ray)) {
-                    walk_packet(&packet, i * PACKET + j, 1)?;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Goes on with the walk that `stack` is in the middle of, until `candidates` holds a batch or the walk is at its end.
-    fn collect(
-        &self,
-        packet: &Packet,
-        radius: f32,
-        stack: &mut Vec<u32>,
-        candidates: &mut Candidates,
-        meter: &mut Meter,
-    ) -> Result<(), Stop> {
-        let pieces = &mut candidates.pieces;
-        pieces.clear();
-        let mut visits = 0;
-        while pieces.len() < BATCH
-            && let Some(index) = stack.pop()
-        {
-            visits += 1;
-            if visits == VISITS {
-                meter.spend(VISITS, 30)?;
-                visits = 0;
-            }
-            let node = &self.tree.nodes[index as usize];
-            if !packet.touches_box(node) {
-                continue;
-            }
-            if node.count == 0 {
-                stack.extend([node.first + 1, node.first]);
-            } else {
-                let first = node.first as usize;
-                let leaf = &self.tree.pieces[first..first + node.count as usize];
-                pieces.extend(leaf.iter().filter(|piece| packet.touches_piece(piece, radius)));
-            }
-        }
-        meter.spend(visits + pieces.len(), 30)
+        radius: &KernelRadius,
+        search: &mut Search,
+        go_on: &mut dyn FnMut() -> bool,
+        settle: &mut impl FnMut(&[Contact], &mut Meter) -> Result<(), Stop>,
+    ) -> bool {
+        let radius = KernelRadius { ceiling: radius.ceiling.min(self.ceiling), ..*radius };
+        let found = Meter::new(go_on)
+            .and_then(|mut meter| search.all(&self.beams, &self.tree, rays, &radius, &mut meter, settle));
+        found.is_ok()
     }
 }

@@ -402,7 +402,7 @@ impl<'a> FluenceGrid<'a> {
     /// assert_eq!(grid.look_up(Vec3::new(0.9, 0.5, 0.5)), None);
     /// # Ok::<(), covbeam::GridError>(())
     /// ```
-    #[inline]
+    #[inline(always)] // As `KernelRadius::at`.
     pub fn look_up(&self, position: Vec3) -> Option<FluenceSpectrum> {
         let (base, high) = self.centres.around(position)?;
         let low = Vec3::ONE - high;

@@ -153,7 +153,7 @@ impl KernelRadius<'_> {
     /// Guarantee: never below `progressive`; never above `ceiling`, unless `progressive` is.
     ///
     /// Source: thesis 5.3.4, d < max(r_i, r_σ). Differs from it in the ceiling.
-    #[inline]
+    #[inline(always)] // A call here costs the gather a quarter of its time.
     pub fn at(&self, position: Vec3, axis: Vec3) -> (f32, f32) {
         let Some(spectrum) = self.grid.and_then(|grid| grid.look_up(position)) else {
             return (self.progressive, 0.0);
