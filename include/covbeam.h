@@ -244,30 +244,25 @@ typedef uint32_t covbeam_phase_kind;
 #endif // __cplusplus
 
 /**
- * The beams of one medium and one pass. The cycle of a pass: clear, add (any number of times), commit,
- * gather (any number of
- * times, from any number of threads).
+ * The beams of one medium and one pass. The cycle of a pass: clear, add (any number of times), commit, gather
+ * (any number of times, from any number of threads).
  */
 typedef struct covbeam_beam_map covbeam_beam_map;
 
 /**
  * A relative density given at the centres of voxels, copied from the host. Nothing changes it: any number of
- * threads and beam
- * maps may use it at once.
+ * threads and beam maps may use it at once.
  */
 typedef struct covbeam_density covbeam_density;
 
 /**
  * A grid of fluence spectra. It collects (covbeam_grid_deposit), adds up (covbeam_grid_merge), is resolved
- * once the photons of a
- * pass are in (covbeam_grid_resolve), and is looked up from then on, by covbeam_beam_map_gather too. It
- * keeps what it has
- * collected over the passes of a picture.
+ * once the photons of a pass are in (covbeam_grid_resolve), and is looked up from then on, by
+ * covbeam_beam_map_gather too. It keeps what it has collected over the passes of a picture.
  *
  * Deposits from several threads: give each *share of the photons*, not each thread, a grid of its own, and
- * merge these in
- * their order. The result is then the same, to the bit, for any number of threads. With one grid for all
- * photons, deposit in order.
+ * merge these in their order. The result is then the same, to the bit, for any number of threads. With one
+ * grid for all photons, deposit in order.
  */
 typedef struct covbeam_grid covbeam_grid;
 
@@ -278,14 +273,12 @@ typedef struct covbeam_scratch covbeam_scratch;
 
 /**
  * Square root of the covariance of a local light field's spectrum. Made by covbeam_light_field_point and its
- * kin; the
- * numbers are the host's to copy, store and send, not to write.
+ * kin; the numbers are the host's to copy, store and send, not to write.
  */
 typedef struct covbeam_light_field {
     /**
-     * Lower-triangular L with covariance L L^T, rows (u, v, x, y), packed row by row [uu, vu, vv, xu, xv,
-     * xx, yu, yv, yx, yy]:
-     * u, v in cycles/rad, x, y in cycles/m.
+     * Lower-triangular L with covariance L L^T, rows (u, v, x, y), packed row by row [uu, vu, vv, xu, xv, xx,
+     * yu, yv, yx, yy]: u, v in cycles/rad, x, y in cycles/m.
      */
     float root[10];
     /**
@@ -459,8 +452,7 @@ typedef struct covbeam_knot {
 /**
  * The column along one ray as a function of the distance. Made by covbeam_medium_column.
  *
- * A host with media of its own may write one: VOXELS with a table of its own, whatever the density is made
- * of.
+ * A host with media of its own may write one: VOXELS with a table of its own, whatever the density is made of.
  */
 typedef struct covbeam_column {
     /**
@@ -531,9 +523,8 @@ typedef struct covbeam_segment {
      */
     float power;
     /**
-     * 1 if the light comes from its source without scattering in a medium or on a diffuse surface (mirrors
-     * and glass are no
-     * scattering), else 0.
+     * 1 if the light comes from its source without scattering in a medium or on a diffuse surface (mirrors and
+     * glass are no scattering), else 0.
      */
     uint32_t unscattered;
     /**
@@ -542,8 +533,8 @@ typedef struct covbeam_segment {
     struct covbeam_light_field field;
     /**
      * How the light is attenuated: NULL takes it from the medium. A host with media of its own gives a table
-     * of (distance from the
-     * origin, optical depth up to there / extinction of the medium passed), both finite, neither falling.
+     * of (distance from the origin, optical depth up to there / extinction of the medium passed), both finite,
+     * neither falling.
      */
     const struct covbeam_knot *knots;
     /**
@@ -611,8 +602,7 @@ typedef struct covbeam_kernel {
 
 /**
  * A photon beam: a straight piece of a photon's path through a medium. It runs on to the next surface,
- * whatever the photon's
- * free flight was; the gather multiplies by the transmittance ("long beams").
+ * whatever the photon's free flight was; the gather multiplies by the transmittance ("long beams").
  */
 typedef struct covbeam_beam {
     /**
@@ -643,9 +633,8 @@ typedef struct covbeam_beam {
 } covbeam_beam;
 
 /**
- * Asked now and then during a long call, in the thread of the call: return 0 to go on, anything else to
- * stop. It must return (no
- * exception, no longjmp) and must not use the objects of the call.
+ * Asked now and then during a long call, in the thread of the call: return 0 to go on, anything else to stop.
+ * It must return (no exception, no longjmp) and must not use the objects of the call.
  */
 typedef int32_t (*covbeam_poll)(void *user);
 
@@ -715,7 +704,8 @@ typedef struct covbeam_contact {
     float ray_distance;
     /**
      * Distance along the beam [m]; at an end on a surface it may be outside the beam by less than radius. At a
-     * negative one, -s, the beam has the optical depth -(the one at s), as if the medium went on behind the surface.
+     * negative one, -s, the beam has the optical depth -(the one at s), as if the medium went on behind the
+     * surface.
      */
     float beam_distance;
     /**
@@ -738,11 +728,10 @@ typedef struct covbeam_contact {
 } covbeam_contact;
 
 /**
- * Fills values with three floats a contact: scattering coefficient x phase function x transmittance along
- * the eye ray up to the
- * contact x transmittance along the beam up to it, per channel [1/(m sr)]. Return 0, or anything else to
- * give up. Called in the thread of
- * the call; it must return (no exception, no longjmp) and must not use the objects of the call.
+ * Fills values with three floats a contact: scattering coefficient x phase function x transmittance along the
+ * eye ray up to the contact x transmittance along the beam up to it, per channel [1/(m sr)]. Return 0, or
+ * anything else to give up. Called in the thread of the call; it must return (no exception, no longjmp) and
+ * must not use the objects of the call.
  */
 typedef int32_t (*covbeam_shade)(void *user,
                                  const struct covbeam_contact *contacts,
@@ -805,8 +794,8 @@ const char *covbeam_status_name(int32_t status);
  * What went wrong in the latest call of this thread that did not return COVBEAM_OK: names the parameter and
  * the remedy.
  *
- * @return UTF-8, at most 255 bytes, never NULL, empty before the first failure; valid until the thread's
- *     next call that fails.
+ * @return UTF-8, at most 255 bytes, never NULL, empty before the first failure; valid until the thread's next
+ *     call that fails.
  */
 const char *covbeam_last_error(void);
 
@@ -898,7 +887,7 @@ covbeam_status covbeam_light_field_carry(struct covbeam_light_field *field,
  * is.
  *
  * @param field the light field, changed in place.
- * @param x_axis its part across the ray becomes the x axis; along the ray: nothing changes.
+ * @param x_axis any length but 0; its part across the ray becomes the x axis; along the ray: nothing changes.
  * @note Thesis 5.3.1.2.
  */
 covbeam_status covbeam_light_field_rotate(struct covbeam_light_field *field, const float *x_axis);
@@ -946,8 +935,8 @@ covbeam_status covbeam_light_field_occlude(struct covbeam_light_field *field,
                                            float distance);
 
 /**
- * Attenuation by a stretch of medium whose optical depth varies across the ray. covbeam_light_field_carry
- * does this for the built-in media.
+ * Attenuation by a stretch of medium whose optical depth varies across the ray. covbeam_light_field_carry does
+ * this for the built-in media.
  *
  * @param field the light field, changed in place.
  * @param gradient of the optical depth of the stretch, in world axes [1/m].
@@ -1037,8 +1026,8 @@ covbeam_status covbeam_light_field_variance_along_ray(const struct covbeam_light
  *
  * @param count number of fields; with 0 nothing is done.
  * @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
- * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all
- *     fields the same.
+ * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields
+ *     the same.
  * @param out, out_stride the light fields.
  */
 covbeam_status covbeam_light_fields_point(size_t count,
@@ -1056,8 +1045,8 @@ covbeam_status covbeam_light_fields_point(size_t count,
  * @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
  * @param normals, normal_stride as normal there; a stride of 0 gives all fields the same.
  * @param radii, radius_stride as radius there; a stride of 0 gives all fields the same.
- * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all
- *     fields the same.
+ * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields
+ *     the same.
  * @param out, out_stride the light fields.
  */
 covbeam_status covbeam_light_fields_disk(size_t count,
@@ -1094,10 +1083,10 @@ covbeam_status covbeam_light_fields_collimated(size_t count,
  * @param count number of fields; with 0 nothing is done.
  * @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
  * @param x_axes, x_axis_stride as x_axis there; a stride of 0 gives all fields the same.
- * @param spatial_variances, spatial_variance_stride as spatial_variance there; a stride of 0 gives all
- *     fields the same.
- * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all
- *     fields the same.
+ * @param spatial_variances, spatial_variance_stride as spatial_variance there; a stride of 0 gives all fields
+ *     the same.
+ * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields
+ *     the same.
  * @param out, out_stride the light fields.
  */
 covbeam_status covbeam_light_fields_gaussian(size_t count,
@@ -1232,8 +1221,8 @@ covbeam_status covbeam_light_fields_attenuate(size_t count,
  * @param count number of fields; with 0 nothing is done.
  * @param fields, field_stride array of light fields, changed in place.
  * @param acrosses, across_stride as across there; a stride of 0 gives all fields the same.
- * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all
- *     fields the same.
+ * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields
+ *     the same.
  */
 covbeam_status covbeam_light_fields_narrow(size_t count,
                                            struct covbeam_light_field *fields,
@@ -1249,8 +1238,8 @@ covbeam_status covbeam_light_fields_narrow(size_t count,
  * @param count number of fields; with 0 nothing is done.
  * @param fields, field_stride array of light fields, changed in place.
  * @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
- * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all
- *     fields the same.
+ * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields
+ *     the same.
  */
 covbeam_status covbeam_light_fields_scatter(size_t count,
                                             struct covbeam_light_field *fields,
@@ -1347,8 +1336,7 @@ covbeam_status covbeam_phase_evaluate_many(const struct covbeam_phase *phase,
                                            size_t value_stride);
 
 /**
- * Samples a direction after scattering in proportion to the phase function: the weight (value / density) is
- * 1.
+ * Samples a direction after scattering in proportion to the phase function: the weight (value / density) is 1.
  *
  * @param phase the phase function.
  * @param direction of propagation before the event, unit.
@@ -1366,8 +1354,7 @@ covbeam_status covbeam_phase_sample(const struct covbeam_phase *phase,
  *
  * @param phase as phase there.
  * @param count number of directions; with 0 nothing is done.
- * @param directions, direction_stride as direction there; a stride of 0 scatters one direction `count`
- *     times.
+ * @param directions, direction_stride as direction there; a stride of 0 scatters one direction `count` times.
  * @param xis, xi_stride as xi there.
  * @param scattered, scattered_stride as scattered there.
  */
@@ -1415,8 +1402,8 @@ covbeam_status covbeam_phase_sample_cosine_many(const struct covbeam_phase *phas
 covbeam_status covbeam_phase_angular_variance(const struct covbeam_phase *phase, float *variance);
 
 /**
- * Makes a density from voxels: trilinear between their centres, held over the half voxel at the border of
- * the box, 0 outside.
+ * Makes a density from voxels: trilinear between their centres, held over the half voxel at the border of the
+ * box, 0 outside.
  *
  * @param layout box and resolution.
  * @param values, value_stride, value_count one a voxel, each finite and >= 0, x first, then y, then z.
@@ -1465,14 +1452,13 @@ covbeam_status covbeam_medium_density_at_many(const struct covbeam_medium *mediu
                                               size_t density_stride);
 
 /**
- * Derivatives of the relative density at a point. Their integrals along a way, times the extinction, are
- * what
+ * Derivatives of the relative density at a point. Their integrals along a way, times the extinction, are what
  * covbeam_light_field_attenuate takes.
  *
  * @param medium the medium.
  * @param position [m].
- * @param derivatives exact for an exponential density; differences between neighbouring voxels, 0 outside
- *     the box.
+ * @param derivatives exact for an exponential density; differences between neighbouring voxels, 0 outside the
+ *     box.
  */
 covbeam_status covbeam_medium_derivatives_at(const struct covbeam_medium *medium,
                                              const float *position,
@@ -1498,8 +1484,8 @@ covbeam_status covbeam_medium_derivatives_at_many(const struct covbeam_medium *m
  * itself.
  *
  * @param medium the medium.
- * @param step [m] > 0: infinity where the medium is homogeneous, half the scale height, or a voxel's
- *     smallest side.
+ * @param step [m] > 0: infinity where the medium is homogeneous, half the scale height, or a voxel's smallest
+ *     side.
  */
 covbeam_status covbeam_medium_step(const struct covbeam_medium *medium, float *step);
 
@@ -1544,8 +1530,7 @@ covbeam_status covbeam_medium_column_at_many(const struct covbeam_medium *medium
  * Distance along a ray at which a column is reached: the inverse of covbeam_medium_column_at.
  *
  * Free flight is sampled with it: column = -log(1 - u) / extinction for a uniform u in [0, 1) and the
- * extinction of one channel;
- * light that gets infinity reaches the end of the ray.
+ * extinction of one channel; light that gets infinity reaches the end of the ray.
  *
  * @param medium the medium.
  * @param origin of the ray [m].
@@ -1553,8 +1538,7 @@ covbeam_status covbeam_medium_column_at_many(const struct covbeam_medium *medium
  * @param length of the ray [m] >= 0; infinity allowed.
  * @param column [m] >= 0; infinity allowed.
  * @param distance [m]; infinity if the ray ends before.
- * @note Voxels: the column there is within 5e-4 of the one asked for, relatively; about 20 ns a voxel
- *     passed.
+ * @note Voxels: the column there is within 5e-4 of the one asked for, relatively; about 20 ns a voxel passed.
  */
 covbeam_status covbeam_medium_distance_at(const struct covbeam_medium *medium,
                                           const float *origin,
@@ -1652,8 +1636,7 @@ covbeam_status covbeam_medium_column_transmittance_many(const struct covbeam_med
 
 /**
  * The column after which light of every channel is down to e^-17 = 4e-8. In a homogeneous medium it is a
- * distance: no beam need be
- * longer. For other media see covbeam_medium_reach.
+ * distance: no beam need be longer. For other media see covbeam_medium_reach.
  *
  * @param medium the medium.
  * @param column [m]; infinite if a channel has no extinction.
@@ -1661,9 +1644,8 @@ covbeam_status covbeam_medium_column_transmittance_many(const struct covbeam_med
 covbeam_status covbeam_medium_opaque_column(const struct covbeam_medium *medium, float *column);
 
 /**
- * Distance beyond which light that starts on a ray leaves nothing to see: where a host may end an eye ray or
- * a beam that no
- * surface ends.
+ * Distance beyond which light that starts on a ray leaves nothing to see: where a host may end an eye ray or a
+ * beam that no surface ends.
  *
  * @param medium the medium.
  * @param origin of the ray [m].
@@ -1697,21 +1679,20 @@ covbeam_status covbeam_medium_reach_many(const struct covbeam_medium *medium,
 
 /**
  * The table of columns along a ray through voxels: points between which a straight line is within `error` of
- * the column. None
- * for other densities, whose columns are closed forms.
+ * the column. None for other densities, whose columns are closed forms.
  *
  * @param medium the medium.
  * @param origin of the ray [m].
  * @param direction of the ray, unit.
  * @param length of the ray [m] >= 0; infinity ends where it leaves the voxels.
- * @param error of a column [m] > 0; infinity keeps the ends alone. Times the extinction it is the error of
- *     the optical depth.
+ * @param error of a column [m] > 0; infinity keeps the ends alone. Times the extinction it is the error of the
+ *     optical depth.
  * @param most the table ends at the first point with a larger column [m] >= 0; infinity for the whole ray.
  * @param knots packed, room for `capacity` of them; NULL with a capacity of 0 only counts.
  * @param capacity of knots; 64 x (voxels along x + y + z + 2) is always enough.
  * @param count number of knots.
- * @note If the capacity is too small: COVBEAM_SHORT_BUFFER, and the message says what is needed. About 40 ns
- *     a voxel passed.
+ * @note If the capacity is too small: COVBEAM_SHORT_BUFFER, and the message says what is needed. About 40 ns a
+ *     voxel passed.
  */
 covbeam_status covbeam_medium_knots(const struct covbeam_medium *medium,
                                     const float *origin,
@@ -1725,8 +1706,7 @@ covbeam_status covbeam_medium_knots(const struct covbeam_medium *medium,
 
 /**
  * covbeam_medium_knots as a gather wants them: within 5e-4 of the optical depth of the channel that is
- * attenuated most, up to where every
- * channel is opaque.
+ * attenuated most, up to where every channel is opaque.
  *
  * @param medium the medium.
  * @param origin of the ray [m].
@@ -1771,8 +1751,8 @@ covbeam_status covbeam_medium_column(const struct covbeam_medium *medium,
  * @param column the column along the ray.
  * @param distance along the ray [m] >= 0; infinity allowed.
  * @param value [m] >= 0, never falling with distance.
- * @note Costs nothing, an exponential, or a binary search. The order of the knots is not checked; without
- *     it, value means nothing.
+ * @note Costs nothing, an exponential, or a binary search. The order of the knots is not checked; without it,
+ *     value means nothing.
  */
 covbeam_status covbeam_column_at(const struct covbeam_column *column, float distance, float *value);
 
@@ -1883,9 +1863,8 @@ covbeam_status covbeam_spectra_add_along(size_t count,
 covbeam_status covbeam_grid_new(const struct covbeam_grid_layout *layout, struct covbeam_grid **out);
 
 /**
- * Makes a grid in the host's memory, which is the grid's until it is freed: between calls on the grid the
- * host may read it, and
- * write it too (numbers that deposits cannot make are voxels without data).
+ * Makes a grid in the host's memory, which is the grid's until it is freed: between calls on the grid the host
+ * may read it, and write it too (numbers that deposits cannot make are voxels without data).
  *
  * @param layout box and resolution.
  * @param cells, cell_count as many as the layout has; their content stays: zero them for an empty grid.
@@ -1928,9 +1907,8 @@ covbeam_status covbeam_grid_clear(struct covbeam_grid *grid);
  * @param medium what the segments run through; the mean extinction of the channels counts.
  * @param count number of segments; with 0 nothing is done.
  * @param segments, segment_stride the segments.
- * @note Thesis 5.3.1, Eq 5.14 and 5.15. 0.2 us a voxel on the way, 0.7 us where the density varies; 2 to 40
- *     us a segment. A tenth of a
- * pass' photons is enough.
+ * @note Thesis 5.3.1, Eq 5.14 and 5.15. 0.2 us a voxel on the way, 0.7 us where the density varies; 2 to 40 us
+ *     a segment. A tenth of a pass' photons is enough.
  */
 covbeam_status covbeam_grid_deposit(struct covbeam_grid *grid,
                                     const struct covbeam_medium *medium,
@@ -1945,7 +1923,7 @@ covbeam_status covbeam_grid_deposit(struct covbeam_grid *grid,
  * @param grid the grid.
  * @param count number of points; with 0 nothing is done.
  * @param positions, position_stride points [m]; one outside the grid adds nothing.
- * @param spectra, spectrum_stride spectra [cycles^2/m^2], finite.
+ * @param spectra, spectrum_stride spectra [cycles^2/m^2], finite; covariances, or the grid cannot be saved.
  * @param weights, weight_stride contributions to the fluence [W m], finite and >= 0.
  */
 covbeam_status covbeam_grid_deposit_spectra(struct covbeam_grid *grid,
@@ -1970,8 +1948,7 @@ covbeam_status covbeam_grid_merge(struct covbeam_grid *grid,
                                   size_t other_count);
 
 /**
- * Computes the mean spectrum of every voxel, for look-ups; they see the state of this call until the next
- * one.
+ * Computes the mean spectrum of every voxel, for look-ups; they see the state of this call until the next one.
  *
  * @param grid the grid.
  * @note About 10 ns a voxel.
@@ -2034,9 +2011,12 @@ covbeam_status covbeam_grid_get_saved_size(const struct covbeam_grid *grid, size
  *
  * @param grid the grid.
  * @param bytes, size memory of covbeam_grid_get_saved_size bytes.
- * @note 0.1 us a voxel. Cells that deposits cannot make (written by the host) are refused.
+ * @note 0.1 us a voxel. Cells that covariances cannot add up to are refused: written by the host, or deposited
+ *     as spectra that are none.
  */
-covbeam_status covbeam_grid_save(const struct covbeam_grid *grid, void *bytes, size_t size);
+covbeam_status covbeam_grid_save(const struct covbeam_grid *grid,
+                                 void *bytes,
+                                 size_t size);
 
 /**
  * Makes a grid from the bytes of covbeam_grid_save. Bytes that it has not written are refused.
@@ -2073,14 +2053,16 @@ covbeam_status covbeam_schedule_kernel(const struct covbeam_schedule *schedule,
 covbeam_status covbeam_progressive_radius(float radius, float alpha, uint32_t pass, float *result);
 
 /**
- * The bound on the relative bias in a pass: error x pass^(-2/5), so that the bias of the mean over passes
- * goes to 0.
+ * The bound on the relative bias in a pass: error x pass^(-2/5), so that the bias of the mean over passes goes
+ * to 0.
  *
  * @param error in pass 1, > 0.
  * @param pass counted from 1.
  * @param result the bound in that pass.
  */
-covbeam_status covbeam_error_bound(float error, uint32_t pass, float *result);
+covbeam_status covbeam_error_bound(float error,
+                                   uint32_t pass,
+                                   float *result);
 
 /**
  * A kernel's value K_r(d).
@@ -2192,8 +2174,7 @@ covbeam_status covbeam_beam_map_add(struct covbeam_beam_map *map,
  *
  * @param map a map that is not committed.
  * @param ceiling largest kernel radius that it will be gathered with [m] > 0: covbeam_kernel's ceiling.
- * @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with
- *     COVBEAM_CANCELLED.
+ * @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with COVBEAM_CANCELLED.
  * @param user given to poll.
  * @note n log n in the number of beams: about 1 us a beam; 450 bytes a beam afterwards.
  */
@@ -2238,19 +2219,16 @@ void covbeam_scratch_free(struct covbeam_scratch *scratch);
  * @param map a map that has been committed.
  * @param kernel the kernel and how wide it may be; its ceiling at most the map's.
  * @param grid a grid that has been resolved, for kernels as wide as the light's bandwidth allows. NULL: all
- *     kernels have the radius
- *     kernel->progressive, and the ceiling may be that too.
+ *     kernels have the radius kernel->progressive, and the ceiling may be that too.
  * @param count number of rays; with 0 nothing is done. Each 64 that follow each other share one walk through
- *     the hierarchy: give
- * those of a tile of 8x8 pixels together.
+ *     the hierarchy: give those of a tile of 8x8 pixels together.
  * @param rays, ray_stride the eye rays, all in the map's medium.
  * @param gathered, gathered_stride receive what each ray gathers.
  * @param scratch the thread's memory; NULL allocates for this call.
- * @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with
- *     COVBEAM_CANCELLED.
+ * @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with COVBEAM_CANCELLED.
  * @param user given to poll.
- * @note Thesis 5.3.4. An accepted pair costs 42 ns in a homogeneous medium, 73 ns in an exponential one, 65
- *     ns in voxels.
+ * @note Thesis 5.3.4. An accepted pair costs 42 ns in a homogeneous medium, 73 ns in an exponential one, 65 ns
+ *     in voxels.
  */
 covbeam_status covbeam_beam_map_gather(const struct covbeam_beam_map *map,
                                        const struct covbeam_kernel *kernel,
@@ -2320,15 +2298,14 @@ covbeam_status covbeam_cross_many(const struct covbeam_eye_ray *ray,
                                   size_t cross_stride);
 
 /**
- * Gathers one beam, and adds it to what the eye ray has gathered: scattering x phase function x
- * transmittance along both x flux of
- * the beam x kernel(gap) / sin(angle), if the gap is less than the kernel's radius, looked up on the eye
- * ray.
+ * Gathers one beam, and adds it to what the eye ray has gathered: scattering x phase function x transmittance
+ * along both x flux of the beam x kernel(gap) / sin(angle), if the gap is less than the kernel's radius,
+ * looked up on the eye ray.
  *
  * @param ray the eye ray.
  * @param beam the beam, in the same medium.
- * @param from, to part of the beam that counts [m] >= 0, [from, to): 0 and the beam's length, or more, for
- *     all of it. Cutting a beam into adjoining parts changes nothing.
+ * @param from, to part of the beam that counts [m] >= 0, [from, to): 0 and the beam's length, or more, for all
+ *     of it. Cutting a beam into adjoining parts changes nothing.
  * @param medium that both lie in.
  * @param ray_column along the ray; NULL takes the closed form (voxels have none: COVBEAM_NULL_POINTER).
  * @param beam_column along the beam; NULL likewise.
@@ -2387,8 +2364,8 @@ covbeam_status covbeam_gather_pairs(const struct covbeam_eye_ray *ray,
 
 /**
  * Which of many beams an eye ray may be paired with: eight at a time, without looking at grid or surfaces.
- * Errs towards accepting (a
- * parallel beam always passes): covbeam_gather_pair refuses every beam that it refuses.
+ * Errs towards accepting (a parallel beam always passes): covbeam_gather_pair refuses every beam that it
+ * refuses.
  *
  * @param ray the eye ray.
  * @param count number of beams; with 0 nothing is done.

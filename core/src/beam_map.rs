@@ -173,7 +173,7 @@ impl BeamMap {
         self.gather_while(rays, medium, density, radius, gathered, scratch, &mut || true);
     }
 
-    /// Adds to `gathered[i]` what ray `rays[i]` gathers from all beams (see [`gather_pair`]), as long as `go_on` says so.
+    /// Adds to `gathered[i]` what ray `rays[i]` gathers from all beams (see [`crate::gather_pair`]), as long as `go_on` says so.
     /// Returns whether it came to the end.
     ///
     /// - `rays`: any number. 64 after the other share one walk through the hierarchy: give those that run side by side

@@ -5,7 +5,7 @@ use crate::grid::covbeam_grid;
 use crate::handle::{Opaque, free, give, handle_slot, run_on, shared};
 use crate::kernel::{covbeam_kernel, kernel_radius};
 use crate::medium::{KeptMedium, MediumView, covbeam_medium};
-use crate::memory::{Element, Inputs, Outputs, Slot};
+use crate::memory::{Element, Slot, inputs, outputs};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
 use crate::types::*;
 use core::ffi::c_void;
@@ -13,9 +13,8 @@ use core::mem::take;
 use covbeam_core::{Beam, BeamMap, Contact, EyeRay, GatherScratch, Gathered, KernelRadius, MAX_BEAMS, Stop};
 use glam::Vec3;
 
-/// The beams of one medium and one pass. The cycle of a pass: clear, add (any number of times), commit,
-/// gather (any number of
-/// times, from any number of threads).
+/// The beams of one medium and one pass. The cycle of a pass: clear, add (any number of times), commit, gather
+/// (any number of times, from any number of threads).
 pub struct covbeam_beam_map(());
 
 impl Opaque for covbeam_beam_map {
@@ -33,16 +32,14 @@ impl Opaque for covbeam_scratch {
     const NAME: &'static str = "covbeam_scratch";
 }
 
-/// Asked now and then during a long call, in the thread of the call: return 0 to go on, anything else to
-/// stop. It must return (no
-/// exception, no longjmp) and must not use the objects of the call.
+/// Asked now and then during a long call, in the thread of the call: return 0 to go on, anything else to stop.
+/// It must return (no exception, no longjmp) and must not use the objects of the call.
 pub type covbeam_poll = Option<unsafe extern "C" fn(user: *mut c_void) -> i32>;
 
-/// Fills values with three floats a contact: scattering coefficient x phase function x transmittance along
-/// the eye ray up to the
-/// contact x transmittance along the beam up to it, per channel [1/(m sr)]. Return 0, or anything else to
-/// give up. Called in the thread of
-/// the call; it must return (no exception, no longjmp) and must not use the objects of the call.
+/// Fills values with three floats a contact: scattering coefficient x phase function x transmittance along the
+/// eye ray up to the contact x transmittance along the beam up to it, per channel [1/(m sr)]. Return 0, or
+/// anything else to give up. Called in the thread of the call; it must return (no exception, no longjmp) and
+/// must not use the objects of the call.
 pub type covbeam_shade = Option<
     unsafe extern "C" fn(
         user: *mut c_void,
@@ -169,8 +166,7 @@ pub unsafe extern "C" fn covbeam_beam_map_add(
 ) -> covbeam_status {
     let add = |map: &mut Beams| {
         let all = map.adding()?;
-        // SAFETY: by the caller's promise.
-        let beams = unsafe { Inputs::new(beams, beam_stride, count, "beams") }?;
+        inputs!(count, beams, beam_stride);
         let before = all.len();
         if count > MAX_BEAMS - before {
             let message = format_args!("count: {before} and {count} beams are more than {MAX_BEAMS}");
@@ -198,8 +194,7 @@ pub unsafe extern "C" fn covbeam_beam_map_add(
 ///
 /// @param map a map that is not committed.
 /// @param ceiling largest kernel radius that it will be gathered with [m] > 0: covbeam_kernel's ceiling.
-/// @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with
-///     COVBEAM_CANCELLED.
+/// @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with COVBEAM_CANCELLED.
 /// @param user given to poll.
 /// @note n log n in the number of beams: about 1 us a beam; 450 bytes a beam afterwards.
 #[unsafe(no_mangle)]
@@ -323,10 +318,8 @@ unsafe fn gather(
                 format_args!("kernel: a ceiling of {wanted}, but the map was committed with {most}");
             return Err(fail(COVBEAM_MISMATCH, message));
         }
-        // SAFETY: by the caller's promise.
-        let rays = unsafe { Inputs::new(rays, ray_stride, count, "rays") }?;
-        // SAFETY: by the caller's promise.
-        let mut gathered = unsafe { Outputs::new(gathered, gathered_stride, count, "gathered") }?;
+        inputs!(count, rays, ray_stride);
+        outputs!(count, gathered, gathered_stride);
         scratch.rays.clear();
         scratch.gathered.clear();
         let none = |_| fail(COVBEAM_OUT_OF_MEMORY, format_args!("no memory for {count} rays"));
@@ -355,19 +348,16 @@ unsafe fn gather(
 /// @param map a map that has been committed.
 /// @param kernel the kernel and how wide it may be; its ceiling at most the map's.
 /// @param grid a grid that has been resolved, for kernels as wide as the light's bandwidth allows. NULL: all
-///     kernels have the radius
-///     kernel->progressive, and the ceiling may be that too.
+///     kernels have the radius kernel->progressive, and the ceiling may be that too.
 /// @param count number of rays; with 0 nothing is done. Each 64 that follow each other share one walk through
-///     the hierarchy: give
-/// those of a tile of 8x8 pixels together.
+///     the hierarchy: give those of a tile of 8x8 pixels together.
 /// @param rays, ray_stride the eye rays, all in the map's medium.
 /// @param gathered, gathered_stride receive what each ray gathers.
 /// @param scratch the thread's memory; NULL allocates for this call.
-/// @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with
-///     COVBEAM_CANCELLED.
+/// @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with COVBEAM_CANCELLED.
 /// @param user given to poll.
-/// @note Thesis 5.3.4. An accepted pair costs 42 ns in a homogeneous medium, 73 ns in an exponential one, 65
-///     ns in voxels.
+/// @note Thesis 5.3.4. An accepted pair costs 42 ns in a homogeneous medium, 73 ns in an exponential one, 65 ns
+///     in voxels.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_gather(
     map: *const covbeam_beam_map,

@@ -3,7 +3,7 @@
 use crate::arrays::write;
 use crate::check::{finite_not_negative, not_negative, positive_or_infinite, unit, vector};
 use crate::medium::{MediumView, covbeam_density_kind, covbeam_medium};
-use crate::memory::{Element, Inputs, Outputs, Slot, read};
+use crate::memory::{Element, Inputs, Outputs, Slot, inputs, outputs, read};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
 use crate::types::covbeam_knot;
 use core::{ptr, slice};
@@ -12,8 +12,7 @@ use glam::Vec3;
 
 /// The column along one ray as a function of the distance. Made by covbeam_medium_column.
 ///
-/// A host with media of its own may write one: VOXELS with a table of its own, whatever the density is made
-/// of.
+/// A host with media of its own may write one: VOXELS with a table of its own, whatever the density is made of.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct covbeam_column {
@@ -147,21 +146,20 @@ unsafe fn fill(
 }
 
 /// The table of columns along a ray through voxels: points between which a straight line is within `error` of
-/// the column. None
-/// for other densities, whose columns are closed forms.
+/// the column. None for other densities, whose columns are closed forms.
 ///
 /// @param medium the medium.
 /// @param origin of the ray [m].
 /// @param direction of the ray, unit.
 /// @param length of the ray [m] >= 0; infinity ends where it leaves the voxels.
-/// @param error of a column [m] > 0; infinity keeps the ends alone. Times the extinction it is the error of
-///     the optical depth.
+/// @param error of a column [m] > 0; infinity keeps the ends alone. Times the extinction it is the error of the
+///     optical depth.
 /// @param most the table ends at the first point with a larger column [m] >= 0; infinity for the whole ray.
 /// @param knots packed, room for `capacity` of them; NULL with a capacity of 0 only counts.
 /// @param capacity of knots; 64 x (voxels along x + y + z + 2) is always enough.
 /// @param count number of knots.
-/// @note If the capacity is too small: COVBEAM_SHORT_BUFFER, and the message says what is needed. About 40 ns
-///     a voxel passed.
+/// @note If the capacity is too small: COVBEAM_SHORT_BUFFER, and the message says what is needed. About 40 ns a
+///     voxel passed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_knots(
     medium: *const covbeam_medium,
@@ -192,8 +190,7 @@ pub unsafe extern "C" fn covbeam_medium_knots(
 }
 
 /// covbeam_medium_knots as a gather wants them: within 5e-4 of the optical depth of the channel that is
-/// attenuated most, up to where every
-/// channel is opaque.
+/// attenuated most, up to where every channel is opaque.
 ///
 /// @param medium the medium.
 /// @param origin of the ray [m].
@@ -275,8 +272,8 @@ unsafe fn read_column<'a>(pointer: *const covbeam_column) -> Result<Column<'a>, 
 /// @param column the column along the ray.
 /// @param distance along the ray [m] >= 0; infinity allowed.
 /// @param value [m] >= 0, never falling with distance.
-/// @note Costs nothing, an exponential, or a binary search. The order of the knots is not checked; without
-///     it, value means nothing.
+/// @note Costs nothing, an exponential, or a binary search. The order of the knots is not checked; without it,
+///     value means nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_column_at(
     column: *const covbeam_column,
@@ -305,10 +302,8 @@ pub unsafe extern "C" fn covbeam_column_at_many(
     run(|| {
         // SAFETY: by the caller's promise.
         let column = unsafe { read_column(column) }?;
-        // SAFETY: by the caller's promise.
-        let distances = unsafe { Inputs::new(distances, distance_stride, count, "distances") }?;
-        // SAFETY: by the caller's promise.
-        let values = unsafe { Outputs::new(values, value_stride, count, "values") }?;
+        inputs!(count, distances, distance_stride);
+        outputs!(count, values, value_stride);
         write(values, |i| not_negative(distances.get(i)), |distance| column.at(distance))
     })
 }
@@ -349,10 +344,8 @@ pub unsafe extern "C" fn covbeam_column_distance_at_many(
     run(|| {
         // SAFETY: by the caller's promise.
         let column = unsafe { read_column(column) }?;
-        // SAFETY: by the caller's promise.
-        let values = unsafe { Inputs::new(values, value_stride, count, "values") }?;
-        // SAFETY: by the caller's promise.
-        let distances = unsafe { Outputs::new(distances, distance_stride, count, "distances") }?;
+        inputs!(count, values, value_stride);
+        outputs!(count, distances, distance_stride);
         write(distances, |i| not_negative(values.get(i)), |value| column.distance_at(value))
     })
 }

@@ -2,15 +2,14 @@
 
 use crate::grid::refusal;
 use crate::handle::{Opaque, free, give, handle_slot};
-use crate::memory::{Inputs, read};
+use crate::memory::{inputs, read};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
 use crate::types::covbeam_grid_layout;
 use covbeam_core::{Density, DensityGrid, GridLayout};
 use std::sync::Arc;
 
 /// A relative density given at the centres of voxels, copied from the host. Nothing changes it: any number of
-/// threads and beam
-/// maps may use it at once.
+/// threads and beam maps may use it at once.
 pub struct covbeam_density(());
 
 impl Opaque for covbeam_density {
@@ -40,8 +39,8 @@ impl Volume {
     }
 }
 
-/// Makes a density from voxels: trilinear between their centres, held over the half voxel at the border of
-/// the box, 0 outside.
+/// Makes a density from voxels: trilinear between their centres, held over the half voxel at the border of the
+/// box, 0 outside.
 ///
 /// @param layout box and resolution.
 /// @param values, value_stride, value_count one a voxel, each finite and >= 0, x first, then y, then z.
@@ -59,8 +58,7 @@ pub unsafe extern "C" fn covbeam_density_new(
         let out = handle_slot(out, "out")?;
         // SAFETY: by the caller's promise.
         let layout = GridLayout::from(unsafe { read(layout, "layout") }?);
-        // SAFETY: by the caller's promise.
-        let values = unsafe { Inputs::new(values, value_stride, value_count, "values") }?;
+        inputs!(value_count, values, value_stride);
         if value_count != layout.cell_count() {
             let message =
                 format_args!("value_count: {value_count}, but the layout has {}", layout.cell_count());

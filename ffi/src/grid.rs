@@ -5,7 +5,7 @@ use crate::column::ordered_table;
 use crate::density::reserved;
 use crate::handle::{Opaque, free, give, handle_slot, run_on, shared};
 use crate::medium::{MediumView, covbeam_medium};
-use crate::memory::{Element, Inputs, Outputs, Slot, aligned, read};
+use crate::memory::{Element, Inputs, Outputs, Slot, aligned, inputs, outputs, read};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
 use crate::types::*;
 use core::ffi::c_void;
@@ -16,15 +16,12 @@ use covbeam_core::{
 };
 
 /// A grid of fluence spectra. It collects (covbeam_grid_deposit), adds up (covbeam_grid_merge), is resolved
-/// once the photons of a
-/// pass are in (covbeam_grid_resolve), and is looked up from then on, by covbeam_beam_map_gather too. It
-/// keeps what it has
-/// collected over the passes of a picture.
+/// once the photons of a pass are in (covbeam_grid_resolve), and is looked up from then on, by
+/// covbeam_beam_map_gather too. It keeps what it has collected over the passes of a picture.
 ///
 /// Deposits from several threads: give each *share of the photons*, not each thread, a grid of its own, and
-/// merge these in
-/// their order. The result is then the same, to the bit, for any number of threads. With one grid for all
-/// photons, deposit in order.
+/// merge these in their order. The result is then the same, to the bit, for any number of threads. With one
+/// grid for all photons, deposit in order.
 pub struct covbeam_grid(());
 
 impl Opaque for covbeam_grid {
@@ -148,9 +145,8 @@ pub unsafe extern "C" fn covbeam_grid_new(
     })
 }
 
-/// Makes a grid in the host's memory, which is the grid's until it is freed: between calls on the grid the
-/// host may read it, and
-/// write it too (numbers that deposits cannot make are voxels without data).
+/// Makes a grid in the host's memory, which is the grid's until it is freed: between calls on the grid the host
+/// may read it, and write it too (numbers that deposits cannot make are voxels without data).
 ///
 /// @param layout box and resolution.
 /// @param cells, cell_count as many as the layout has; their content stays: zero them for an empty grid.
@@ -261,9 +257,8 @@ fn segment<'a>(e: Element<covbeam_segment>) -> Result<(LightField, Option<&'a [K
 /// @param medium what the segments run through; the mean extinction of the channels counts.
 /// @param count number of segments; with 0 nothing is done.
 /// @param segments, segment_stride the segments.
-/// @note Thesis 5.3.1, Eq 5.14 and 5.15. 0.2 us a voxel on the way, 0.7 us where the density varies; 2 to 40
-///     us a segment. A tenth of a
-/// pass' photons is enough.
+/// @note Thesis 5.3.1, Eq 5.14 and 5.15. 0.2 us a voxel on the way, 0.7 us where the density varies; 2 to 40 us
+///     a segment. A tenth of a pass' photons is enough.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_deposit(
     grid: *mut covbeam_grid,
@@ -275,8 +270,7 @@ pub unsafe extern "C" fn covbeam_grid_deposit(
     let deposit = |grid: &mut Grid| {
         // SAFETY: by the caller's promise.
         let medium = unsafe { MediumView::read(medium, "medium") }?;
-        // SAFETY: by the caller's promise.
-        let segments = unsafe { Inputs::new(segments, segment_stride, count, "segments") }?;
+        inputs!(count, segments, segment_stride);
         for i in 0..count {
             segment(segments.get(i))?;
         }
@@ -304,7 +298,7 @@ pub unsafe extern "C" fn covbeam_grid_deposit(
 /// @param grid the grid.
 /// @param count number of points; with 0 nothing is done.
 /// @param positions, position_stride points [m]; one outside the grid adds nothing.
-/// @param spectra, spectrum_stride spectra [cycles^2/m^2], finite.
+/// @param spectra, spectrum_stride spectra [cycles^2/m^2], finite; covariances, or the grid cannot be saved.
 /// @param weights, weight_stride contributions to the fluence [W m], finite and >= 0.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_deposit_spectra(
@@ -318,13 +312,9 @@ pub unsafe extern "C" fn covbeam_grid_deposit_spectra(
     weight_stride: usize,
 ) -> covbeam_status {
     let deposit = |grid: &mut Grid| {
-        // SAFETY: by the caller's promise.
-        let positions =
-            unsafe { Inputs::<[f32; 3]>::new(positions.cast(), position_stride, count, "positions") }?;
-        // SAFETY: by the caller's promise.
-        let spectra = unsafe { Inputs::new(spectra, spectrum_stride, count, "spectra") }?;
-        // SAFETY: by the caller's promise.
-        let weights = unsafe { Inputs::new(weights, weight_stride, count, "weights") }?;
+        inputs!(count, positions: [f32; 3], position_stride);
+        inputs!(count, spectra, spectrum_stride);
+        inputs!(count, weights, weight_stride);
         let deposit = |i: usize| -> Result<_, Failure> {
             Ok((vector(positions.get(i))?, spectrum(spectra.get(i))?, finite_not_negative(weights.get(i))?))
         };
@@ -356,8 +346,7 @@ pub unsafe extern "C" fn covbeam_grid_merge(
 ) -> covbeam_status {
     let itself = grid.cast_const();
     let merge = |grid: &mut Grid| {
-        // SAFETY: by the caller's promise.
-        let others = unsafe { Inputs::new(others, size_of::<*const covbeam_grid>(), other_count, "others") }?;
+        inputs!(other_count, others, size_of::<*const covbeam_grid>());
         let other = |i: usize| {
             let handle = others.get(i).value;
             if handle == itself {
@@ -384,8 +373,7 @@ pub unsafe extern "C" fn covbeam_grid_merge(
     unsafe { run_on(grid, "grid", merge) }
 }
 
-/// Computes the mean spectrum of every voxel, for look-ups; they see the state of this call until the next
-/// one.
+/// Computes the mean spectrum of every voxel, for look-ups; they see the state of this call until the next one.
 ///
 /// @param grid the grid.
 /// @note About 10 ns a voxel.
@@ -419,11 +407,8 @@ pub unsafe extern "C" fn covbeam_grid_look_up(
     run(|| {
         // SAFETY: by the caller's promise.
         let grid = resolved(unsafe { shared(grid, "grid") }?)?;
-        // SAFETY: by the caller's promise.
-        let positions =
-            unsafe { Inputs::<[f32; 3]>::new(positions.cast(), position_stride, count, "positions") }?;
-        // SAFETY: by the caller's promise.
-        let mut spectra = unsafe { Outputs::new(spectra, spectrum_stride, count, "spectra") }?;
+        inputs!(count, positions: [f32; 3], position_stride);
+        outputs!(count, spectra, spectrum_stride);
         let mut found = if found.is_null() {
             None
         } else {
@@ -514,7 +499,8 @@ pub unsafe extern "C" fn covbeam_grid_get_saved_size(
 ///
 /// @param grid the grid.
 /// @param bytes, size memory of covbeam_grid_get_saved_size bytes.
-/// @note 0.1 us a voxel. Cells that deposits cannot make (written by the host) are refused.
+/// @note 0.1 us a voxel. Cells that covariances cannot add up to are refused: written by the host, or deposited
+///     as spectra that are none.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_save(
     grid: *const covbeam_grid,

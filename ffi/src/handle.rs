@@ -91,9 +91,8 @@ pub(crate) unsafe fn run_on<H: Opaque>(
     status
 }
 
-/// Frees a handle; NULL is ignored. One that is poisoned is freed too; the tag is wiped, so that a second
-/// free or a later
-/// use is noticed as long as the memory is not used for something else.
+/// Frees a handle; NULL is ignored. One that is poisoned is freed too; the tag is wiped, so that a second free
+/// or a later use is noticed as long as the memory is not used for something else.
 pub(crate) unsafe fn free<H: Opaque>(handle: *mut H) {
     let boxed: *mut Boxed<H::Object> = handle.cast();
     if boxed.is_null() || !boxed.is_aligned() {

@@ -103,8 +103,7 @@ impl Bad {
 }
 
 /// Calls with good arguments, then with each pointer NULL and misaligned and each number hostile in turn.
-/// `call` returns the status and
-/// whether any output has changed.
+/// `call` returns the status and whether any output has changed.
 pub(crate) fn refuses(
     pointers: usize,
     numbers: &[(f32, Rule)],

@@ -3,7 +3,7 @@
 use crate::check::{finite, not_negative, positive, unit, vector};
 use crate::grid::{covbeam_grid, resolved};
 use crate::handle::optional;
-use crate::memory::{Element, Inputs, Outputs, Slot, read_options};
+use crate::memory::{Element, Slot, inputs, outputs, read_options};
 use crate::status::{Failure, covbeam_status, run};
 use covbeam_core::{Kernel, KernelRadius, error_bound, progressive_radius};
 
@@ -66,8 +66,7 @@ fn shape(e: Element<u32>) -> Result<Kernel, Failure> {
 
 /// The kernel of a gather, and the spectra that it looks up unless `grid` is NULL.
 ///
-/// # Safety
-/// Both are NULL or what they say, and the grid lives unchanged while the result does.
+/// # Safety Both are NULL or what they say, and the grid lives unchanged while the result does.
 pub(crate) unsafe fn kernel_radius<'a>(
     kernel: *const covbeam_kernel,
     grid: *const covbeam_grid,
@@ -164,8 +163,8 @@ pub unsafe extern "C" fn covbeam_progressive_radius(
     })
 }
 
-/// The bound on the relative bias in a pass: error x pass^(-2/5), so that the bias of the mean over passes
-/// goes to 0.
+/// The bound on the relative bias in a pass: error x pass^(-2/5), so that the bias of the mean over passes goes
+/// to 0.
 ///
 /// @param error in pass 1, > 0.
 /// @param pass counted from 1.
@@ -288,15 +287,10 @@ pub unsafe extern "C" fn covbeam_kernel_radius_at_many(
     run(|| {
         // SAFETY: by the caller's promise.
         let kernel = unsafe { kernel_radius(kernel, grid) }?;
-        // SAFETY: by the caller's promise.
-        let positions =
-            unsafe { Inputs::<[f32; 3]>::new(positions.cast(), position_stride, count, "positions") }?;
-        // SAFETY: by the caller's promise.
-        let axes = unsafe { Inputs::<[f32; 3]>::new(axes.cast(), axis_stride, count, "axes") }?;
-        // SAFETY: by the caller's promise.
-        let mut radii = unsafe { Outputs::new(radii, radius_stride, count, "radii") }?;
-        // SAFETY: by the caller's promise.
-        let mut sigmas = unsafe { Outputs::new(sigmas, sigma_stride, count, "sigmas") }?;
+        inputs!(count, positions: [f32; 3], position_stride);
+        inputs!(count, axes: [f32; 3], axis_stride);
+        outputs!(count, radii, radius_stride);
+        outputs!(count, sigmas, sigma_stride);
         let arguments = |i| Ok((vector(positions.get(i))?, unit(axes.get(i))?));
         for i in 0..count {
             arguments(i)?;

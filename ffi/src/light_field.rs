@@ -131,7 +131,7 @@ pub unsafe extern "C" fn covbeam_light_field_carry(
 /// is.
 ///
 /// @param field the light field, changed in place.
-/// @param x_axis its part across the ray becomes the x axis; along the ray: nothing changes.
+/// @param x_axis any length but 0; its part across the ray becomes the x axis; along the ray: nothing changes.
 /// @note Thesis 5.3.1.2.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_field_rotate(
@@ -196,8 +196,8 @@ pub unsafe extern "C" fn covbeam_light_field_occlude(
     unsafe { covbeam_light_fields_occlude(1, field, 0, towards_edge, 0, &distance, 0) }
 }
 
-/// Attenuation by a stretch of medium whose optical depth varies across the ray. covbeam_light_field_carry
-/// does this for the built-in media.
+/// Attenuation by a stretch of medium whose optical depth varies across the ray. covbeam_light_field_carry does
+/// this for the built-in media.
 ///
 /// @param field the light field, changed in place.
 /// @param gradient of the optical depth of the stretch, in world axes [1/m].

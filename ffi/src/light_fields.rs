@@ -7,7 +7,7 @@ use crate::check::{
     positive_or_infinite, vector,
 };
 use crate::medium::{MediumView, covbeam_medium};
-use crate::memory::{Inputs, Outputs};
+use crate::memory::{Inputs, Outputs, inputs, outputs};
 use crate::status::{covbeam_status, run};
 use crate::types::{covbeam_curvature, covbeam_light_field, covbeam_spectrum, curvature, light_field};
 use core::ptr;
@@ -17,8 +17,8 @@ use covbeam_core::LightField;
 ///
 /// @param count number of fields; with 0 nothing is done.
 /// @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
-/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all
-///     fields the same.
+/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields
+///     the same.
 /// @param out, out_stride the light fields.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_point(
@@ -31,15 +31,9 @@ pub unsafe extern "C" fn covbeam_light_fields_point(
     out_stride: usize,
 ) -> covbeam_status {
     run(|| {
-        // SAFETY: by the caller's promise.
-        let directions =
-            unsafe { Inputs::<[f32; 3]>::new(directions.cast(), direction_stride, count, "directions") }?;
-        // SAFETY: by the caller's promise.
-        let angular_variances = unsafe {
-            Inputs::<f32>::new(angular_variances, angular_variance_stride, count, "angular_variances")
-        }?;
-        // SAFETY: by the caller's promise.
-        let out = unsafe { Outputs::new(out, out_stride, count, "out") }?;
+        inputs!(count, directions: [f32; 3], direction_stride);
+        inputs!(count, angular_variances, angular_variance_stride);
+        outputs!(count, out, out_stride);
         write(
             out,
             |i| Ok((direction(directions.get(i))?, not_negative(angular_variances.get(i))?)),
@@ -54,8 +48,8 @@ pub unsafe extern "C" fn covbeam_light_fields_point(
 /// @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
 /// @param normals, normal_stride as normal there; a stride of 0 gives all fields the same.
 /// @param radii, radius_stride as radius there; a stride of 0 gives all fields the same.
-/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all
-///     fields the same.
+/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields
+///     the same.
 /// @param out, out_stride the light fields.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_disk(
@@ -72,19 +66,11 @@ pub unsafe extern "C" fn covbeam_light_fields_disk(
     out_stride: usize,
 ) -> covbeam_status {
     run(|| {
-        // SAFETY: by the caller's promise.
-        let directions =
-            unsafe { Inputs::<[f32; 3]>::new(directions.cast(), direction_stride, count, "directions") }?;
-        // SAFETY: by the caller's promise.
-        let normals = unsafe { Inputs::<[f32; 3]>::new(normals.cast(), normal_stride, count, "normals") }?;
-        // SAFETY: by the caller's promise.
-        let radii = unsafe { Inputs::<f32>::new(radii, radius_stride, count, "radii") }?;
-        // SAFETY: by the caller's promise.
-        let angular_variances = unsafe {
-            Inputs::<f32>::new(angular_variances, angular_variance_stride, count, "angular_variances")
-        }?;
-        // SAFETY: by the caller's promise.
-        let out = unsafe { Outputs::new(out, out_stride, count, "out") }?;
+        inputs!(count, directions: [f32; 3], direction_stride);
+        inputs!(count, normals: [f32; 3], normal_stride);
+        inputs!(count, radii, radius_stride);
+        inputs!(count, angular_variances, angular_variance_stride);
+        outputs!(count, out, out_stride);
         write(
             out,
             |i| {
@@ -119,13 +105,9 @@ pub unsafe extern "C" fn covbeam_light_fields_collimated(
     out_stride: usize,
 ) -> covbeam_status {
     run(|| {
-        // SAFETY: by the caller's promise.
-        let directions =
-            unsafe { Inputs::<[f32; 3]>::new(directions.cast(), direction_stride, count, "directions") }?;
-        // SAFETY: by the caller's promise.
-        let radii = unsafe { Inputs::<f32>::new(radii, radius_stride, count, "radii") }?;
-        // SAFETY: by the caller's promise.
-        let out = unsafe { Outputs::new(out, out_stride, count, "out") }?;
+        inputs!(count, directions: [f32; 3], direction_stride);
+        inputs!(count, radii, radius_stride);
+        outputs!(count, out, out_stride);
         write(
             out,
             |i| Ok((direction(directions.get(i))?, not_negative(radii.get(i))?)),
@@ -139,10 +121,10 @@ pub unsafe extern "C" fn covbeam_light_fields_collimated(
 /// @param count number of fields; with 0 nothing is done.
 /// @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
 /// @param x_axes, x_axis_stride as x_axis there; a stride of 0 gives all fields the same.
-/// @param spatial_variances, spatial_variance_stride as spatial_variance there; a stride of 0 gives all
-///     fields the same.
-/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all
-///     fields the same.
+/// @param spatial_variances, spatial_variance_stride as spatial_variance there; a stride of 0 gives all fields
+///     the same.
+/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields
+///     the same.
 /// @param out, out_stride the light fields.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_gaussian(
@@ -159,31 +141,11 @@ pub unsafe extern "C" fn covbeam_light_fields_gaussian(
     out_stride: usize,
 ) -> covbeam_status {
     run(|| {
-        // SAFETY: by the caller's promise.
-        let directions =
-            unsafe { Inputs::<[f32; 3]>::new(directions.cast(), direction_stride, count, "directions") }?;
-        // SAFETY: by the caller's promise.
-        let x_axes = unsafe { Inputs::<[f32; 3]>::new(x_axes.cast(), x_axis_stride, count, "x_axes") }?;
-        // SAFETY: by the caller's promise.
-        let spatial_variances = unsafe {
-            Inputs::<[f32; 2]>::new(
-                spatial_variances.cast(),
-                spatial_variance_stride,
-                count,
-                "spatial_variances",
-            )
-        }?;
-        // SAFETY: by the caller's promise.
-        let angular_variances = unsafe {
-            Inputs::<[f32; 2]>::new(
-                angular_variances.cast(),
-                angular_variance_stride,
-                count,
-                "angular_variances",
-            )
-        }?;
-        // SAFETY: by the caller's promise.
-        let out = unsafe { Outputs::new(out, out_stride, count, "out") }?;
+        inputs!(count, directions: [f32; 3], direction_stride);
+        inputs!(count, x_axes: [f32; 3], x_axis_stride);
+        inputs!(count, spatial_variances: [f32; 2], spatial_variance_stride);
+        inputs!(count, angular_variances: [f32; 2], angular_variance_stride);
+        outputs!(count, out, out_stride);
         write(
             out,
             |i| {
@@ -215,10 +177,8 @@ pub unsafe extern "C" fn covbeam_light_fields_travel(
     distance_stride: usize,
 ) -> covbeam_status {
     run(|| {
-        // SAFETY: by the caller's promise.
-        let fields = unsafe { Outputs::new(fields, field_stride, count, "fields") }?;
-        // SAFETY: by the caller's promise.
-        let distances = unsafe { Inputs::<f32>::new(distances, distance_stride, count, "distances") }?;
+        outputs!(count, fields, field_stride);
+        inputs!(count, distances, distance_stride);
         update(fields, |i| finite(distances.get(i)), |_, field, distance| field.travel(distance))
     })
 }
@@ -242,14 +202,11 @@ pub unsafe extern "C" fn covbeam_light_fields_carry(
     distance_stride: usize,
 ) -> covbeam_status {
     run(|| {
-        // SAFETY: by the caller's promise.
-        let fields = unsafe { Outputs::new(fields, field_stride, count, "fields") }?;
+        outputs!(count, fields, field_stride);
         // SAFETY: by the caller's promise.
         let medium = unsafe { MediumView::read(medium, "medium") }?;
-        // SAFETY: by the caller's promise.
-        let origins = unsafe { Inputs::<[f32; 3]>::new(origins.cast(), origin_stride, count, "origins") }?;
-        // SAFETY: by the caller's promise.
-        let distances = unsafe { Inputs::<f32>::new(distances, distance_stride, count, "distances") }?;
+        inputs!(count, origins: [f32; 3], origin_stride);
+        inputs!(count, distances, distance_stride);
         let extinction = medium.mean_extinction();
         update(
             fields,
@@ -273,10 +230,8 @@ pub unsafe extern "C" fn covbeam_light_fields_rotate(
     x_axis_stride: usize,
 ) -> covbeam_status {
     run(|| {
-        // SAFETY: by the caller's promise.
-        let fields = unsafe { Outputs::new(fields, field_stride, count, "fields") }?;
-        // SAFETY: by the caller's promise.
-        let x_axes = unsafe { Inputs::<[f32; 3]>::new(x_axes.cast(), x_axis_stride, count, "x_axes") }?;
+        outputs!(count, fields, field_stride);
+        inputs!(count, x_axes: [f32; 3], x_axis_stride);
         update(fields, |i| direction(x_axes.get(i)), |_, field, x_axis| field.rotate(x_axis))
     })
 }
@@ -298,10 +253,8 @@ pub unsafe extern "C" fn covbeam_light_fields_reflect(
     curvature_stride: usize,
 ) -> covbeam_status {
     run(|| {
-        // SAFETY: by the caller's promise.
-        let fields = unsafe { Outputs::new(fields, field_stride, count, "fields") }?;
-        // SAFETY: by the caller's promise.
-        let normals = unsafe { Inputs::<[f32; 3]>::new(normals.cast(), normal_stride, count, "normals") }?;
+        outputs!(count, fields, field_stride);
+        inputs!(count, normals: [f32; 3], normal_stride);
         let all_planes = curvatures.is_null();
         let plane = covbeam_curvature { tangent: [0.0; 3], along: 0.0, across: 0.0, twist: 0.0 };
         let (first, stride) =
@@ -339,20 +292,16 @@ pub unsafe extern "C" fn covbeam_light_fields_refract(
     passed_stride: usize,
 ) -> covbeam_status {
     run(|| {
-        // SAFETY: by the caller's promise.
-        let fields = unsafe { Outputs::new(fields, field_stride, count, "fields") }?;
-        // SAFETY: by the caller's promise.
-        let normals = unsafe { Inputs::<[f32; 3]>::new(normals.cast(), normal_stride, count, "normals") }?;
+        outputs!(count, fields, field_stride);
+        inputs!(count, normals: [f32; 3], normal_stride);
         let all_planes = curvatures.is_null();
         let plane = covbeam_curvature { tangent: [0.0; 3], along: 0.0, across: 0.0, twist: 0.0 };
         let (first, stride) =
             if all_planes { (ptr::from_ref(&plane), 0) } else { (curvatures, curvature_stride) };
         // SAFETY: by the caller's promise, or the plane above.
         let curvatures = unsafe { Inputs::new(first, stride, count, "curvatures") }?;
-        // SAFETY: by the caller's promise.
-        let etas = unsafe { Inputs::<f32>::new(etas, eta_stride, count, "etas") }?;
-        // SAFETY: by the caller's promise.
-        let mut passed = unsafe { Outputs::new(passed, passed_stride, count, "passed") }?;
+        inputs!(count, etas, eta_stride);
+        outputs!(count, passed, passed_stride);
         update(
             fields,
             |i| Ok((direction(normals.get(i))?, curvature(curvatures.get(i))?, positive(etas.get(i))?)),
@@ -380,14 +329,9 @@ pub unsafe extern "C" fn covbeam_light_fields_occlude(
     distance_stride: usize,
 ) -> covbeam_status {
     run(|| {
-        // SAFETY: by the caller's promise.
-        let fields = unsafe { Outputs::new(fields, field_stride, count, "fields") }?;
-        // SAFETY: by the caller's promise.
-        let towards_edges = unsafe {
-            Inputs::<[f32; 3]>::new(towards_edges.cast(), towards_edge_stride, count, "towards_edges")
-        }?;
-        // SAFETY: by the caller's promise.
-        let distances = unsafe { Inputs::<f32>::new(distances, distance_stride, count, "distances") }?;
+        outputs!(count, fields, field_stride);
+        inputs!(count, towards_edges: [f32; 3], towards_edge_stride);
+        inputs!(count, distances, distance_stride);
         update(
             fields,
             |i| Ok((direction(towards_edges.get(i))?, not_negative(distances.get(i))?)),
@@ -413,14 +357,9 @@ pub unsafe extern "C" fn covbeam_light_fields_attenuate(
     hessian_stride: usize,
 ) -> covbeam_status {
     run(|| {
-        // SAFETY: by the caller's promise.
-        let fields = unsafe { Outputs::new(fields, field_stride, count, "fields") }?;
-        // SAFETY: by the caller's promise.
-        let gradients =
-            unsafe { Inputs::<[f32; 3]>::new(gradients.cast(), gradient_stride, count, "gradients") }?;
-        // SAFETY: by the caller's promise.
-        let hessians =
-            unsafe { Inputs::<[f32; 6]>::new(hessians.cast(), hessian_stride, count, "hessians") }?;
+        outputs!(count, fields, field_stride);
+        inputs!(count, gradients: [f32; 3], gradient_stride);
+        inputs!(count, hessians: [f32; 6], hessian_stride);
         update(
             fields,
             |i| Ok((vector(gradients.get(i))?, finite_each(hessians.get(i))?)),
@@ -434,8 +373,8 @@ pub unsafe extern "C" fn covbeam_light_fields_attenuate(
 /// @param count number of fields; with 0 nothing is done.
 /// @param fields, field_stride array of light fields, changed in place.
 /// @param acrosses, across_stride as across there; a stride of 0 gives all fields the same.
-/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all
-///     fields the same.
+/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields
+///     the same.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_narrow(
     count: usize,
@@ -447,14 +386,9 @@ pub unsafe extern "C" fn covbeam_light_fields_narrow(
     angular_variance_stride: usize,
 ) -> covbeam_status {
     run(|| {
-        // SAFETY: by the caller's promise.
-        let fields = unsafe { Outputs::new(fields, field_stride, count, "fields") }?;
-        // SAFETY: by the caller's promise.
-        let acrosses = unsafe { Inputs::<[f32; 3]>::new(acrosses.cast(), across_stride, count, "acrosses") }?;
-        // SAFETY: by the caller's promise.
-        let angular_variances = unsafe {
-            Inputs::<f32>::new(angular_variances, angular_variance_stride, count, "angular_variances")
-        }?;
+        outputs!(count, fields, field_stride);
+        inputs!(count, acrosses: [f32; 3], across_stride);
+        inputs!(count, angular_variances, angular_variance_stride);
         update(
             fields,
             |i| Ok((direction(acrosses.get(i))?, not_negative(angular_variances.get(i))?)),
@@ -468,8 +402,8 @@ pub unsafe extern "C" fn covbeam_light_fields_narrow(
 /// @param count number of fields; with 0 nothing is done.
 /// @param fields, field_stride array of light fields, changed in place.
 /// @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
-/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all
-///     fields the same.
+/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields
+///     the same.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_scatter(
     count: usize,
@@ -481,15 +415,9 @@ pub unsafe extern "C" fn covbeam_light_fields_scatter(
     angular_variance_stride: usize,
 ) -> covbeam_status {
     run(|| {
-        // SAFETY: by the caller's promise.
-        let fields = unsafe { Outputs::new(fields, field_stride, count, "fields") }?;
-        // SAFETY: by the caller's promise.
-        let directions =
-            unsafe { Inputs::<[f32; 3]>::new(directions.cast(), direction_stride, count, "directions") }?;
-        // SAFETY: by the caller's promise.
-        let angular_variances = unsafe {
-            Inputs::<f32>::new(angular_variances, angular_variance_stride, count, "angular_variances")
-        }?;
+        outputs!(count, fields, field_stride);
+        inputs!(count, directions: [f32; 3], direction_stride);
+        inputs!(count, angular_variances, angular_variance_stride);
         update(
             fields,
             |i| Ok((direction(directions.get(i))?, not_negative(angular_variances.get(i))?)),
@@ -515,13 +443,9 @@ pub unsafe extern "C" fn covbeam_light_fields_diffuse(
     direction_stride: usize,
 ) -> covbeam_status {
     run(|| {
-        // SAFETY: by the caller's promise.
-        let fields = unsafe { Outputs::new(fields, field_stride, count, "fields") }?;
-        // SAFETY: by the caller's promise.
-        let normals = unsafe { Inputs::<[f32; 3]>::new(normals.cast(), normal_stride, count, "normals") }?;
-        // SAFETY: by the caller's promise.
-        let directions =
-            unsafe { Inputs::<[f32; 3]>::new(directions.cast(), direction_stride, count, "directions") }?;
+        outputs!(count, fields, field_stride);
+        inputs!(count, normals: [f32; 3], normal_stride);
+        inputs!(count, directions: [f32; 3], direction_stride);
         update(
             fields,
             |i| Ok((direction(normals.get(i))?, direction(directions.get(i))?)),
@@ -544,8 +468,7 @@ pub unsafe extern "C" fn covbeam_light_fields_slice(
     out_stride: usize,
 ) -> covbeam_status {
     run(|| {
-        // SAFETY: by the caller's promise.
-        let fields = unsafe { Inputs::new(fields, field_stride, count, "fields") }?;
+        inputs!(count, fields, field_stride);
         // SAFETY: by the caller's promise.
         let out =
             unsafe { Outputs::<[f32; 3]>::new(variances_out.cast(), out_stride, count, "variances_out") }?;
@@ -570,10 +493,8 @@ pub unsafe extern "C" fn covbeam_light_fields_fluence(
     out_stride: usize,
 ) -> covbeam_status {
     run(|| {
-        // SAFETY: by the caller's promise.
-        let fields = unsafe { Inputs::new(fields, field_stride, count, "fields") }?;
-        // SAFETY: by the caller's promise.
-        let limits = unsafe { Inputs::<f32>::new(limits, limit_stride, count, "limits") }?;
+        inputs!(count, fields, field_stride);
+        inputs!(count, limits, limit_stride);
         // SAFETY: by the caller's promise.
         let out =
             unsafe { Outputs::<covbeam_spectrum>::new(spectrum_out, out_stride, count, "spectrum_out") }?;
@@ -602,11 +523,8 @@ pub unsafe extern "C" fn covbeam_light_fields_variance_along_ray(
     out_stride: usize,
 ) -> covbeam_status {
     run(|| {
-        // SAFETY: by the caller's promise.
-        let fields = unsafe { Inputs::new(fields, field_stride, count, "fields") }?;
-        // SAFETY: by the caller's promise.
-        let extinctions =
-            unsafe { Inputs::<f32>::new(extinctions, extinction_stride, count, "extinctions") }?;
+        inputs!(count, fields, field_stride);
+        inputs!(count, extinctions, extinction_stride);
         // SAFETY: by the caller's promise.
         let out = unsafe { Outputs::<f32>::new(variance_out, out_stride, count, "variance_out") }?;
         write(

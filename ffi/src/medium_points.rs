@@ -3,7 +3,7 @@
 use crate::arrays::write;
 use crate::check::vector;
 use crate::medium::{MediumView, covbeam_medium};
-use crate::memory::{Inputs, Outputs, Slot};
+use crate::memory::{Slot, inputs, outputs};
 use crate::status::{covbeam_status, run};
 use crate::types::covbeam_derivatives;
 
@@ -42,23 +42,19 @@ pub unsafe extern "C" fn covbeam_medium_density_at_many(
     run(|| {
         // SAFETY: by the caller's promise.
         let medium = unsafe { MediumView::read(medium, "medium") }?;
-        // SAFETY: by the caller's promise.
-        let positions =
-            unsafe { Inputs::<[f32; 3]>::new(positions.cast(), position_stride, count, "positions") }?;
-        // SAFETY: by the caller's promise.
-        let densities = unsafe { Outputs::new(densities, density_stride, count, "densities") }?;
+        inputs!(count, positions: [f32; 3], position_stride);
+        outputs!(count, densities, density_stride);
         write(densities, |i| vector(positions.get(i)), |position| medium.density.at(position))
     })
 }
 
-/// Derivatives of the relative density at a point. Their integrals along a way, times the extinction, are
-/// what
+/// Derivatives of the relative density at a point. Their integrals along a way, times the extinction, are what
 /// covbeam_light_field_attenuate takes.
 ///
 /// @param medium the medium.
 /// @param position [m].
-/// @param derivatives exact for an exponential density; differences between neighbouring voxels, 0 outside
-///     the box.
+/// @param derivatives exact for an exponential density; differences between neighbouring voxels, 0 outside the
+///     box.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_derivatives_at(
     medium: *const covbeam_medium,
@@ -87,11 +83,8 @@ pub unsafe extern "C" fn covbeam_medium_derivatives_at_many(
     run(|| {
         // SAFETY: by the caller's promise.
         let medium = unsafe { MediumView::read(medium, "medium") }?;
-        // SAFETY: by the caller's promise.
-        let positions =
-            unsafe { Inputs::<[f32; 3]>::new(positions.cast(), position_stride, count, "positions") }?;
-        // SAFETY: by the caller's promise.
-        let derivatives = unsafe { Outputs::new(derivatives, derivative_stride, count, "derivatives") }?;
+        inputs!(count, positions: [f32; 3], position_stride);
+        outputs!(count, derivatives, derivative_stride);
         write(
             derivatives,
             |i| vector(positions.get(i)),
@@ -104,8 +97,8 @@ pub unsafe extern "C" fn covbeam_medium_derivatives_at_many(
 /// itself.
 ///
 /// @param medium the medium.
-/// @param step [m] > 0: infinity where the medium is homogeneous, half the scale height, or a voxel's
-///     smallest side.
+/// @param step [m] > 0: infinity where the medium is homogeneous, half the scale height, or a voxel's smallest
+///     side.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_step(
     medium: *const covbeam_medium,

@@ -3,7 +3,7 @@
 use crate::arrays::write;
 use crate::check::{not_negative, unit, vector};
 use crate::medium::{MediumView, covbeam_medium};
-use crate::memory::{Inputs, Outputs, Slot};
+use crate::memory::{Inputs, Slot, inputs, outputs};
 use crate::status::{Failure, covbeam_status, run};
 use covbeam_core::{Column, Density, Knot};
 use glam::Vec3;
@@ -18,8 +18,7 @@ struct Rays<'a> {
 }
 
 impl Rays<'_> {
-    /// # Safety
-    /// Both arrays are readable while this lives.
+    /// # Safety Both arrays are readable while this lives.
     unsafe fn new(
         count: usize,
         origins: *const f32,
@@ -41,8 +40,7 @@ impl Rays<'_> {
 }
 
 /// The column of a stretch of ray. One of voxels is the last knot of a table that ends there; knots are exact
-/// however
-/// coarse the table is.
+/// however coarse the table is.
 fn column_at(density: &Density, origin: Vec3, direction: Vec3, distance: f32) -> f32 {
     if let Density::Grid(_) = density {
         let mut last = 0.0;
@@ -54,9 +52,8 @@ fn column_at(density: &Density, origin: Vec3, direction: Vec3, distance: f32) ->
     }
 }
 
-/// The distance at which a column is reached; infinity beyond `length`. Of a table of voxels only the two
-/// knots around it
-/// are kept.
+/// The distance at which a column is reached; infinity beyond `length`. Of a table of voxels only the two knots
+/// around it are kept.
 fn distance_at(density: &Density, origin: Vec3, direction: Vec3, length: f32, column: f32) -> f32 {
     let mut around = [Knot::default(); 2];
     let (mut before, mut reached) = (0, false);
@@ -123,10 +120,8 @@ pub unsafe extern "C" fn covbeam_medium_column_at_many(
         let medium = unsafe { MediumView::read(medium, "medium") }?;
         // SAFETY: by the caller's promise.
         let rays = unsafe { Rays::new(count, origins, origin_stride, directions, direction_stride) }?;
-        // SAFETY: by the caller's promise.
-        let distances = unsafe { Inputs::new(distances, distance_stride, count, "distances") }?;
-        // SAFETY: by the caller's promise.
-        let columns = unsafe { Outputs::new(columns, column_stride, count, "columns") }?;
+        inputs!(count, distances, distance_stride);
+        outputs!(count, columns, column_stride);
         write(
             columns,
             |i| Ok((rays.get(i)?, not_negative(distances.get(i))?)),
@@ -138,8 +133,7 @@ pub unsafe extern "C" fn covbeam_medium_column_at_many(
 /// Distance along a ray at which a column is reached: the inverse of covbeam_medium_column_at.
 ///
 /// Free flight is sampled with it: column = -log(1 - u) / extinction for a uniform u in [0, 1) and the
-/// extinction of one channel;
-/// light that gets infinity reaches the end of the ray.
+/// extinction of one channel; light that gets infinity reaches the end of the ray.
 ///
 /// @param medium the medium.
 /// @param origin of the ray [m].
@@ -147,8 +141,7 @@ pub unsafe extern "C" fn covbeam_medium_column_at_many(
 /// @param length of the ray [m] >= 0; infinity allowed.
 /// @param column [m] >= 0; infinity allowed.
 /// @param distance [m]; infinity if the ray ends before.
-/// @note Voxels: the column there is within 5e-4 of the one asked for, relatively; about 20 ns a voxel
-///     passed.
+/// @note Voxels: the column there is within 5e-4 of the one asked for, relatively; about 20 ns a voxel passed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_distance_at(
     medium: *const covbeam_medium,
@@ -195,12 +188,9 @@ pub unsafe extern "C" fn covbeam_medium_distance_at_many(
         let medium = unsafe { MediumView::read(medium, "medium") }?;
         // SAFETY: by the caller's promise.
         let rays = unsafe { Rays::new(count, origins, origin_stride, directions, direction_stride) }?;
-        // SAFETY: by the caller's promise.
-        let lengths = unsafe { Inputs::new(lengths, length_stride, count, "lengths") }?;
-        // SAFETY: by the caller's promise.
-        let columns = unsafe { Inputs::new(columns, column_stride, count, "columns") }?;
-        // SAFETY: by the caller's promise.
-        let distances = unsafe { Outputs::new(distances, distance_stride, count, "distances") }?;
+        inputs!(count, lengths, length_stride);
+        inputs!(count, columns, column_stride);
+        outputs!(count, distances, distance_stride);
         write(
             distances,
             |i| Ok((rays.get(i)?, not_negative(lengths.get(i))?, not_negative(columns.get(i))?)),
@@ -259,12 +249,8 @@ pub unsafe extern "C" fn covbeam_medium_transmittance_many(
         let medium = unsafe { MediumView::read(medium, "medium") }?;
         // SAFETY: by the caller's promise.
         let rays = unsafe { Rays::new(count, origins, origin_stride, directions, direction_stride) }?;
-        // SAFETY: by the caller's promise.
-        let distances = unsafe { Inputs::new(distances, distance_stride, count, "distances") }?;
-        // SAFETY: by the caller's promise.
-        let transmittances = unsafe {
-            Outputs::<[f32; 3]>::new(transmittances.cast(), transmittance_stride, count, "transmittances")
-        }?;
+        inputs!(count, distances, distance_stride);
+        outputs!(count, transmittances: [f32; 3], transmittance_stride);
         write(
             transmittances,
             |i| Ok((rays.get(i)?, not_negative(distances.get(i))?)),
@@ -309,12 +295,8 @@ pub unsafe extern "C" fn covbeam_medium_column_transmittance_many(
     run(|| {
         // SAFETY: by the caller's promise.
         let medium = unsafe { MediumView::read(medium, "medium") }?;
-        // SAFETY: by the caller's promise.
-        let columns = unsafe { Inputs::new(columns, column_stride, count, "columns") }?;
-        // SAFETY: by the caller's promise.
-        let transmittances = unsafe {
-            Outputs::<[f32; 3]>::new(transmittances.cast(), transmittance_stride, count, "transmittances")
-        }?;
+        inputs!(count, columns, column_stride);
+        outputs!(count, transmittances: [f32; 3], transmittance_stride);
         write(
             transmittances,
             |i| not_negative(columns.get(i)),
@@ -324,8 +306,7 @@ pub unsafe extern "C" fn covbeam_medium_column_transmittance_many(
 }
 
 /// The column after which light of every channel is down to e^-17 = 4e-8. In a homogeneous medium it is a
-/// distance: no beam need be
-/// longer. For other media see covbeam_medium_reach.
+/// distance: no beam need be longer. For other media see covbeam_medium_reach.
 ///
 /// @param medium the medium.
 /// @param column [m]; infinite if a channel has no extinction.
@@ -343,9 +324,8 @@ pub unsafe extern "C" fn covbeam_medium_opaque_column(
     })
 }
 
-/// Distance beyond which light that starts on a ray leaves nothing to see: where a host may end an eye ray or
-/// a beam that no
-/// surface ends.
+/// Distance beyond which light that starts on a ray leaves nothing to see: where a host may end an eye ray or a
+/// beam that no surface ends.
 ///
 /// @param medium the medium.
 /// @param origin of the ray [m].
@@ -387,8 +367,7 @@ pub unsafe extern "C" fn covbeam_medium_reach_many(
         let medium = unsafe { MediumView::read(medium, "medium") }?;
         // SAFETY: by the caller's promise.
         let rays = unsafe { Rays::new(count, origins, origin_stride, directions, direction_stride) }?;
-        // SAFETY: by the caller's promise.
-        let distances = unsafe { Outputs::new(distances, distance_stride, count, "distances") }?;
+        outputs!(count, distances, distance_stride);
         let opaque = medium.medium.opaque_column();
         write(
             distances,

@@ -24,8 +24,7 @@ pub(crate) unsafe fn read<T: Copy>(pointer: *const T, name: &str) -> Result<T, F
 }
 
 /// Reads an options struct, which begins with its size as the host was compiled with it. A smaller one leaves
-/// the later fields 0;
-/// a larger one is accepted if what this library does not know is 0.
+/// the later fields 0; a larger one is accepted if what this library does not know is 0.
 ///
 /// - `least`: bytes that every version had.
 pub(crate) unsafe fn read_options<T: Copy>(
@@ -75,8 +74,8 @@ impl<T: Copy> Slot<T> {
     }
 }
 
-/// Whether an array of `count` elements, `stride` bytes apart, can lie at `pointer`. One without elements
-/// lies anywhere.
+/// Whether an array of `count` elements, `stride` bytes apart, can lie at `pointer`. One without elements lies
+/// anywhere.
 fn fits<T>(pointer: *const T, stride: usize, count: usize, name: &str) -> Result<(), Failure> {
     if count == 0 {
         return Ok(());
@@ -108,8 +107,7 @@ pub(crate) struct Inputs<'a, T> {
 }
 
 impl<'a, T: Copy> Inputs<'a, T> {
-    /// # Safety
-    /// The array is readable while this lives.
+    /// # Safety The array is readable while this lives.
     pub(crate) unsafe fn new(
         first: *const T,
         stride: usize,
@@ -167,8 +165,7 @@ pub(crate) struct Outputs<'a, T> {
 }
 
 impl<'a, T: Copy> Outputs<'a, T> {
-    /// # Safety
-    /// The array is writable while this lives; readable too, if `get` is called.
+    /// # Safety The array is writable while this lives; readable too, if `get` is called.
     pub(crate) unsafe fn new(
         first: *mut T,
         stride: usize,
@@ -203,3 +200,27 @@ impl<'a, T: Copy> Outputs<'a, T> {
         unsafe { self.first.byte_add(index * self.stride).write(value) }
     }
 }
+
+/// Checks the array of a parameter that is read, and names the result like the parameter:
+/// `inputs!(count, directions: [f32; 3], direction_stride)`. The type is left out where the pointer has it.
+macro_rules! inputs {
+    ($count:expr, $name:ident $(: $type:ty)?, $stride:expr) => {
+        // SAFETY: the promise of the ABI's callers: what a parameter shows is readable during the call.
+        let $name = unsafe {
+            $crate::memory::Inputs::new($name$(.cast::<$type>())?, $stride, $count, stringify!($name))
+        }?;
+    };
+}
+pub(crate) use inputs;
+
+/// Like [`inputs`], for an array that is written, or read and written.
+macro_rules! outputs {
+    ($count:expr, $name:ident $(: $type:ty)?, $stride:expr) => {
+        // SAFETY: the promise of the ABI's callers: what a parameter shows is writable during the call.
+        #[allow(unused_mut)]
+        let mut $name = unsafe {
+            $crate::memory::Outputs::new($name$(.cast::<$type>())?, $stride, $count, stringify!($name))
+        }?;
+    };
+}
+pub(crate) use outputs;

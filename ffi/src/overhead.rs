@@ -1,4 +1,5 @@
 //! What the ABI adds to a gather: `cargo test -p covbeam-ffi --release -- --ignored --nocapture overhead`.
+#![allow(clippy::print_stdout)]
 
 use crate::beam_map::*;
 use crate::kernel::covbeam_kernel;

@@ -5,7 +5,7 @@ use crate::column::{column, covbeam_column};
 use crate::grid::covbeam_grid;
 use crate::kernel::{covbeam_kernel, kernel_radius};
 use crate::medium::{MediumView, covbeam_medium};
-use crate::memory::{Element, Inputs, Outputs, Slot, read};
+use crate::memory::{Element, Inputs, Slot, inputs, outputs, read};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
 use crate::types::{
     beam, covbeam_beam, covbeam_crossing, covbeam_eye_ray, covbeam_gathered, eye_ray, gathered,
@@ -57,12 +57,9 @@ pub unsafe extern "C" fn covbeam_cross_many(
     run(|| {
         // SAFETY: by the caller's promise.
         let ray = unsafe { read_ray(ray) }?;
-        // SAFETY: by the caller's promise.
-        let beams = unsafe { Inputs::new(beams, beam_stride, count, "beams") }?;
-        // SAFETY: by the caller's promise.
-        let mut crossings = unsafe { Outputs::new(crossings, crossing_stride, count, "crossings") }?;
-        // SAFETY: by the caller's promise.
-        let mut crosses = unsafe { Outputs::new(crosses, cross_stride, count, "crosses") }?;
+        inputs!(count, beams, beam_stride);
+        outputs!(count, crossings, crossing_stride);
+        outputs!(count, crosses, cross_stride);
         for i in 0..count {
             beam(beams.get(i))?;
         }
@@ -92,15 +89,14 @@ fn closed_form(
     Ok(density.column(origin, direction, &[]))
 }
 
-/// Gathers one beam, and adds it to what the eye ray has gathered: scattering x phase function x
-/// transmittance along both x flux of
-/// the beam x kernel(gap) / sin(angle), if the gap is less than the kernel's radius, looked up on the eye
-/// ray.
+/// Gathers one beam, and adds it to what the eye ray has gathered: scattering x phase function x transmittance
+/// along both x flux of the beam x kernel(gap) / sin(angle), if the gap is less than the kernel's radius,
+/// looked up on the eye ray.
 ///
 /// @param ray the eye ray.
 /// @param beam the beam, in the same medium.
-/// @param from, to part of the beam that counts [m] >= 0, [from, to): 0 and the beam's length, or more, for
-///     all of it. Cutting a beam into adjoining parts changes nothing.
+/// @param from, to part of the beam that counts [m] >= 0, [from, to): 0 and the beam's length, or more, for all
+///     of it. Cutting a beam into adjoining parts changes nothing.
 /// @param medium that both lie in.
 /// @param ray_column along the ray; NULL takes the closed form (voxels have none: COVBEAM_NULL_POINTER).
 /// @param beam_column along the beam; NULL likewise.
@@ -185,12 +181,9 @@ pub unsafe extern "C" fn covbeam_gather_pairs(
     run(|| {
         // SAFETY: by the caller's promise.
         let ray = unsafe { read_ray(ray) }?;
-        // SAFETY: by the caller's promise.
-        let beams = unsafe { Inputs::new(beams, beam_stride, count, "beams") }?;
-        // SAFETY: by the caller's promise.
-        let froms = unsafe { Inputs::new(froms, from_stride, count, "froms") }?;
-        // SAFETY: by the caller's promise.
-        let tos = unsafe { Inputs::new(tos, to_stride, count, "tos") }?;
+        inputs!(count, beams, beam_stride);
+        inputs!(count, froms, from_stride);
+        inputs!(count, tos, to_stride);
         // SAFETY: by the caller's promise.
         let medium = unsafe { MediumView::read(medium, "medium") }?;
         // SAFETY: by the caller's promise.
@@ -203,8 +196,7 @@ pub unsafe extern "C" fn covbeam_gather_pairs(
             return Err(fail(COVBEAM_INVALID_VALUE, message));
         }
         let out = Slot::new(gathered, "gathered")?;
-        // SAFETY: by the caller's promise.
-        let mut accepted = unsafe { Outputs::new(accepted, accepted_stride, count, "accepted") }?;
+        outputs!(count, accepted, accepted_stride);
         let ray_column = if ray_column.is_null() {
             closed_form(&medium.density, ray.origin, ray.direction, "ray_column")?
         } else {
@@ -242,8 +234,8 @@ pub unsafe extern "C" fn covbeam_gather_pairs(
 }
 
 /// Which of many beams an eye ray may be paired with: eight at a time, without looking at grid or surfaces.
-/// Errs towards accepting (a
-/// parallel beam always passes): covbeam_gather_pair refuses every beam that it refuses.
+/// Errs towards accepting (a parallel beam always passes): covbeam_gather_pair refuses every beam that it
+/// refuses.
 ///
 /// @param ray the eye ray.
 /// @param count number of beams; with 0 nothing is done.
@@ -263,11 +255,9 @@ pub unsafe extern "C" fn covbeam_filter_beams(
     run(|| {
         // SAFETY: by the caller's promise.
         let ray = unsafe { read_ray(ray) }?;
-        // SAFETY: by the caller's promise.
-        let beams = unsafe { Inputs::new(beams, beam_stride, count, "beams") }?;
+        inputs!(count, beams, beam_stride);
         let ceiling = positive(Element::single(ceiling, "ceiling"))?;
-        // SAFETY: by the caller's promise.
-        let mut masks = unsafe { Outputs::<u8>::new(masks, mask_stride, count, "masks") }?;
+        outputs!(count, masks, mask_stride);
         for i in 0..count {
             beam(beams.get(i))?;
         }

@@ -2,7 +2,7 @@
 
 use crate::arrays::write;
 use crate::check::{cosine, finite, random, random_pair, unit};
-use crate::memory::{Element, Inputs, Outputs, Slot, read};
+use crate::memory::{Element, Slot, inputs, outputs, read};
 use crate::status::{Failure, covbeam_status, run};
 use crate::types::{covbeam_phase, covbeam_phase_kind};
 use covbeam_core::{PhaseFunction, PhaseKind};
@@ -66,16 +66,13 @@ pub unsafe extern "C" fn covbeam_phase_evaluate_many(
     run(|| {
         // SAFETY: by the caller's promise.
         let phase = unsafe { read_phase(phase) }?;
-        // SAFETY: by the caller's promise.
-        let cosines = unsafe { Inputs::new(cosines, cosine_stride, count, "cosines") }?;
-        // SAFETY: by the caller's promise.
-        let values = unsafe { Outputs::new(values, value_stride, count, "values") }?;
+        inputs!(count, cosines, cosine_stride);
+        outputs!(count, values, value_stride);
         write(values, |i| cosine(cosines.get(i)), |cos_theta| phase.evaluate(cos_theta))
     })
 }
 
-/// Samples a direction after scattering in proportion to the phase function: the weight (value / density) is
-/// 1.
+/// Samples a direction after scattering in proportion to the phase function: the weight (value / density) is 1.
 ///
 /// @param phase the phase function.
 /// @param direction of propagation before the event, unit.
@@ -97,8 +94,7 @@ pub unsafe extern "C" fn covbeam_phase_sample(
 ///
 /// @param phase as phase there.
 /// @param count number of directions; with 0 nothing is done.
-/// @param directions, direction_stride as direction there; a stride of 0 scatters one direction `count`
-///     times.
+/// @param directions, direction_stride as direction there; a stride of 0 scatters one direction `count` times.
 /// @param xis, xi_stride as xi there.
 /// @param scattered, scattered_stride as scattered there.
 #[unsafe(no_mangle)]
@@ -115,14 +111,9 @@ pub unsafe extern "C" fn covbeam_phase_sample_many(
     run(|| {
         // SAFETY: by the caller's promise.
         let phase = unsafe { read_phase(phase) }?;
-        // SAFETY: by the caller's promise.
-        let directions =
-            unsafe { Inputs::<[f32; 3]>::new(directions.cast(), direction_stride, count, "directions") }?;
-        // SAFETY: by the caller's promise.
-        let xis = unsafe { Inputs::<[f32; 2]>::new(xis.cast(), xi_stride, count, "xis") }?;
-        // SAFETY: by the caller's promise.
-        let scattered =
-            unsafe { Outputs::<[f32; 3]>::new(scattered.cast(), scattered_stride, count, "scattered") }?;
+        inputs!(count, directions: [f32; 3], direction_stride);
+        inputs!(count, xis: [f32; 2], xi_stride);
+        outputs!(count, scattered: [f32; 3], scattered_stride);
         write(
             scattered,
             |i| Ok((unit(directions.get(i))?, random_pair(xis.get(i))?)),
@@ -164,10 +155,8 @@ pub unsafe extern "C" fn covbeam_phase_sample_cosine_many(
     run(|| {
         // SAFETY: by the caller's promise.
         let phase = unsafe { read_phase(phase) }?;
-        // SAFETY: by the caller's promise.
-        let xis = unsafe { Inputs::new(xis, xi_stride, count, "xis") }?;
-        // SAFETY: by the caller's promise.
-        let cosines = unsafe { Outputs::new(cosines, cosine_stride, count, "cosines") }?;
+        inputs!(count, xis, xi_stride);
+        outputs!(count, cosines, cosine_stride);
         write(cosines, |i| random(xis.get(i)), |xi| phase.sample_cosine(xi))
     })
 }

@@ -2,7 +2,7 @@
 
 use crate::arrays::write;
 use crate::check::{finite_not_negative, unit};
-use crate::memory::{Inputs, Outputs};
+use crate::memory::{Inputs, inputs, outputs};
 use crate::status::{covbeam_status, run};
 use crate::types::{covbeam_spectrum, spectrum};
 
@@ -39,12 +39,9 @@ pub unsafe extern "C" fn covbeam_spectra_variance_along(
     variance_stride: usize,
 ) -> covbeam_status {
     run(|| {
-        // SAFETY: by the caller's promise.
-        let spectra = unsafe { Inputs::new(spectra, spectrum_stride, count, "spectra") }?;
-        // SAFETY: by the caller's promise.
-        let axes = unsafe { Inputs::<[f32; 3]>::new(axes.cast(), axis_stride, count, "axes") }?;
-        // SAFETY: by the caller's promise.
-        let variances = unsafe { Outputs::new(variances, variance_stride, count, "variances") }?;
+        inputs!(count, spectra, spectrum_stride);
+        inputs!(count, axes: [f32; 3], axis_stride);
+        outputs!(count, variances, variance_stride);
         write(
             variances,
             |i| Ok((spectrum(spectra.get(i))?, unit(axes.get(i))?)),
@@ -87,12 +84,9 @@ pub unsafe extern "C" fn covbeam_spectra_add_along(
     run(|| {
         // SAFETY: by the caller's promise; read here, written below.
         let before = unsafe { Inputs::new(spectra.cast_const(), spectrum_stride, count, "spectra") }?;
-        // SAFETY: by the caller's promise.
-        let spectra = unsafe { Outputs::new(spectra, spectrum_stride, count, "spectra") }?;
-        // SAFETY: by the caller's promise.
-        let axes = unsafe { Inputs::<[f32; 3]>::new(axes.cast(), axis_stride, count, "axes") }?;
-        // SAFETY: by the caller's promise.
-        let variances = unsafe { Inputs::new(variances, variance_stride, count, "variances") }?;
+        outputs!(count, spectra, spectrum_stride);
+        inputs!(count, axes: [f32; 3], axis_stride);
+        inputs!(count, variances, variance_stride);
         write(
             spectra,
             |i| Ok((spectrum(before.get(i))?, unit(axes.get(i))?, finite_not_negative(variances.get(i))?)),

@@ -107,9 +107,8 @@ pub(crate) fn run(body: impl FnOnce() -> Result<(), Failure>) -> covbeam_status 
     }
 }
 
-/// A panic inside a call is written to the thread's message instead of the standard error. Outside calls
-/// (Rust hosts that
-/// share this copy of the standard library) nothing changes.
+/// A panic inside a call is written to the thread's message instead of the standard error. Outside calls (Rust
+/// hosts that share this copy of the standard library) nothing changes.
 fn keep_panics_quiet() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
@@ -153,8 +152,8 @@ pub extern "C" fn covbeam_status_name(status: i32) -> *const c_char {
 /// What went wrong in the latest call of this thread that did not return COVBEAM_OK: names the parameter and
 /// the remedy.
 ///
-/// @return UTF-8, at most 255 bytes, never NULL, empty before the first failure; valid until the thread's
-///     next call that fails.
+/// @return UTF-8, at most 255 bytes, never NULL, empty before the first failure; valid until the thread's next
+///     call that fails.
 #[unsafe(no_mangle)]
 pub extern "C" fn covbeam_last_error() -> *const c_char {
     LAST.with_borrow(|last| last.text.as_ptr().cast())

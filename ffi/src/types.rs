@@ -7,14 +7,12 @@ use covbeam_core as core_types;
 use glam::Vec3;
 
 /// Square root of the covariance of a local light field's spectrum. Made by covbeam_light_field_point and its
-/// kin; the
-/// numbers are the host's to copy, store and send, not to write.
+/// kin; the numbers are the host's to copy, store and send, not to write.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct covbeam_light_field {
-    /// Lower-triangular L with covariance L L^T, rows (u, v, x, y), packed row by row [uu, vu, vv, xu, xv,
-    /// xx, yu, yv, yx, yy]:
-    /// u, v in cycles/rad, x, y in cycles/m.
+    /// Lower-triangular L with covariance L L^T, rows (u, v, x, y), packed row by row [uu, vu, vv, xu, xv, xx,
+    /// yu, yv, yx, yy]: u, v in cycles/rad, x, y in cycles/m.
     pub root: [f32; 10],
     /// The frame's x axis: unit, across direction; y = direction x x_axis.
     pub x_axis: [f32; 3],
@@ -97,15 +95,14 @@ pub struct covbeam_segment {
     pub length: f32,
     /// Flux at the origin [W] > 0, mean of the channels.
     pub power: f32,
-    /// 1 if the light comes from its source without scattering in a medium or on a diffuse surface (mirrors
-    /// and glass are no
-    /// scattering), else 0.
+    /// 1 if the light comes from its source without scattering in a medium or on a diffuse surface (mirrors and
+    /// glass are no scattering), else 0.
     pub unscattered: u32,
     /// The light field at the origin.
     pub field: covbeam_light_field,
     /// How the light is attenuated: NULL takes it from the medium. A host with media of its own gives a table
-    /// of (distance from the
-    /// origin, optical depth up to there / extinction of the medium passed), both finite, neither falling.
+    /// of (distance from the origin, optical depth up to there / extinction of the medium passed), both finite,
+    /// neither falling.
     pub knots: *const covbeam_knot,
     /// Number of knots; 0 if knots is NULL.
     pub knot_count: usize,
@@ -154,8 +151,7 @@ pub struct covbeam_derivatives {
 }
 
 /// A photon beam: a straight piece of a photon's path through a medium. It runs on to the next surface,
-/// whatever the photon's
-/// free flight was; the gather multiplies by the transmittance ("long beams").
+/// whatever the photon's free flight was; the gather multiplies by the transmittance ("long beams").
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct covbeam_beam {
@@ -231,7 +227,8 @@ pub struct covbeam_contact {
     /// Distance along the eye ray [m].
     pub ray_distance: f32,
     /// Distance along the beam [m]; at an end on a surface it may be outside the beam by less than radius. At a
-    /// negative one, -s, the beam has the optical depth -(the one at s), as if the medium went on behind the surface.
+    /// negative one, -s, the beam has the optical depth -(the one at s), as if the medium went on behind the
+    /// surface.
     pub beam_distance: f32,
     /// Cosine between the light's propagation before and after scattering towards the eye: forward +1.
     pub cos_theta: f32,
