@@ -201,8 +201,8 @@ impl<'a, T: Copy> Outputs<'a, T> {
     }
 }
 
-/// Checks the array of a parameter that is read, and names the result like the parameter:
-/// `inputs!(count, directions: [f32; 3], direction_stride)`. The type is left out where the pointer has it.
+/// Checks the array of a parameter that is read, and names the result like the parameter: `inputs!(count,
+/// directions: [f32; 3], direction_stride)`. The type is left out where the pointer has it.
 macro_rules! inputs {
     ($count:expr, $name:ident $(: $type:ty)?, $stride:expr) => {
         // SAFETY: the promise of the ABI's callers: what a parameter shows is readable during the call.
