@@ -2,7 +2,7 @@
 
 use crate::check::positive;
 use crate::grid::covbeam_grid;
-use crate::handle::{Opaque, free, give, handle_slot, run_on, shared};
+use crate::handle::{Opaque, free, handle_to, run_on, shared};
 use crate::kernel::{covbeam_kernel, kernel_radius};
 use crate::medium::{KeptMedium, MediumView, covbeam_medium};
 use crate::memory::{Element, Slot, inputs, outputs};
@@ -111,11 +111,11 @@ pub unsafe extern "C" fn covbeam_beam_map_new(
     out: *mut *mut covbeam_beam_map,
 ) -> covbeam_status {
     run(|| {
-        let out = handle_slot(out, "out")?;
+        let out = Slot::new(out, "out")?;
         // SAFETY: by the caller's promise.
         let medium = unsafe { MediumView::read(medium, "medium") }?.kept();
-        // SAFETY: `out` was checked above.
-        unsafe { give::<covbeam_beam_map>(out, Beams { medium, state: State::Adding(Vec::new()) }) }
+        out.set(handle_to(Beams { medium, state: State::Adding(Vec::new()) }));
+        Ok(())
     })
 }
 
@@ -278,9 +278,9 @@ pub unsafe extern "C" fn covbeam_beam_map_get_memory(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_scratch_new(out: *mut *mut covbeam_scratch) -> covbeam_status {
     run(|| {
-        let out = handle_slot(out, "out")?;
-        // SAFETY: `out` was checked above.
-        unsafe { give::<covbeam_scratch>(out, Scratch::default()) }
+        let out = Slot::new(out, "out")?;
+        out.set(handle_to(Scratch::default()));
+        Ok(())
     })
 }
 

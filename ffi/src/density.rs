@@ -1,8 +1,8 @@
 //! Densities given in voxels: a handle, because beam maps keep them.
 
 use crate::grid::refusal;
-use crate::handle::{Opaque, free, give, handle_slot};
-use crate::memory::{inputs, read};
+use crate::handle::{Opaque, free, handle_to};
+use crate::memory::{Slot, inputs, read};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
 use crate::types::covbeam_grid_layout;
 use covbeam_core::{Density, DensityGrid, GridLayout};
@@ -55,7 +55,7 @@ pub unsafe extern "C" fn covbeam_density_new(
     out: *mut *mut covbeam_density,
 ) -> covbeam_status {
     run(|| {
-        let out = handle_slot(out, "out")?;
+        let out = Slot::new(out, "out")?;
         // SAFETY: by the caller's promise.
         let layout = GridLayout::from(unsafe { read(layout, "layout") }?);
         inputs!(value_count, values, value_stride);
@@ -67,8 +67,8 @@ pub unsafe extern "C" fn covbeam_density_new(
         let mut copy = reserved(value_count)?;
         copy.extend((0..value_count).map(|i| values.get(i).value));
         let volume = Volume::new(layout, copy.into_boxed_slice())?;
-        // SAFETY: `out` was checked above.
-        unsafe { give::<covbeam_density>(out, Arc::new(volume)) }
+        out.set(handle_to(Arc::new(volume)));
+        Ok(())
     })
 }
 

@@ -3,7 +3,7 @@
 use crate::check::{finite_not_negative, positive, positive_or_infinite, vector};
 use crate::column::ordered_table;
 use crate::density::reserved;
-use crate::handle::{Opaque, free, give, handle_slot, run_on, shared};
+use crate::handle::{Opaque, free, handle_to, run_on, shared};
 use crate::medium::{MediumView, covbeam_medium};
 use crate::memory::{Element, Inputs, Outputs, Slot, aligned, inputs, outputs, read};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
@@ -137,11 +137,11 @@ pub unsafe extern "C" fn covbeam_grid_new(
     out: *mut *mut covbeam_grid,
 ) -> covbeam_status {
     run(|| {
-        let out = handle_slot(out, "out")?;
+        let out = Slot::new(out, "out")?;
         // SAFETY: by the caller's promise.
         let grid = Grid::own(unsafe { read(layout, "layout") }?.into())?;
-        // SAFETY: `out` was checked above.
-        unsafe { give::<covbeam_grid>(out, grid) }
+        out.set(handle_to(grid));
+        Ok(())
     })
 }
 
@@ -162,7 +162,7 @@ pub unsafe extern "C" fn covbeam_grid_new_in(
     out: *mut *mut covbeam_grid,
 ) -> covbeam_status {
     run(|| {
-        let out = handle_slot(out, "out")?;
+        let out = Slot::new(out, "out")?;
         // SAFETY: by the caller's promise.
         let layout = GridLayout::from(unsafe { read(layout, "layout") }?);
         let count = sound(layout)?;
@@ -181,8 +181,8 @@ pub unsafe extern "C" fn covbeam_grid_new_in(
             resolved: false,
             knots: Vec::new(),
         };
-        // SAFETY: `out` was checked above.
-        unsafe { give::<covbeam_grid>(out, grid) }
+        out.set(handle_to(grid));
+        Ok(())
     })
 }
 
@@ -537,7 +537,7 @@ pub unsafe extern "C" fn covbeam_grid_load(
     out: *mut *mut covbeam_grid,
 ) -> covbeam_status {
     run(|| {
-        let out = handle_slot(out, "out")?;
+        let out = Slot::new(out, "out")?;
         // SAFETY: by the caller's promise.
         unsafe { Inputs::<u8>::new(bytes.cast(), 1, size, "bytes") }?;
         let bytes = match size {
@@ -551,7 +551,7 @@ pub unsafe extern "C" fn covbeam_grid_load(
         };
         let mut grid = Grid::own(GridLayout::of_saved(bytes).map_err(damaged)?)?;
         grid.collecting().0.load(bytes).map_err(damaged)?;
-        // SAFETY: `out` was checked above.
-        unsafe { give::<covbeam_grid>(out, grid) }
+        out.set(handle_to(grid));
+        Ok(())
     })
 }

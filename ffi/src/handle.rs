@@ -22,18 +22,10 @@ struct Boxed<T> {
     object: T,
 }
 
-/// Moves an object to where the host's handle `out` will point.
-pub(crate) unsafe fn give<H: Opaque>(out: *mut *mut H, object: H::Object) -> Result<(), Failure> {
+/// Moves an object to memory of its own, and returns its handle.
+pub(crate) fn handle_to<H: Opaque>(object: H::Object) -> *mut H {
     let boxed = Boxed { tag: H::TAG, poisoned: AtomicBool::new(false), object };
-    // SAFETY: `out` was checked by `handle_slot`; the host keeps it valid for the call.
-    unsafe { out.write(Box::into_raw(Box::new(boxed)).cast()) };
-    Ok(())
-}
-
-/// Checks the place for a new handle, before anything is made.
-pub(crate) fn handle_slot<H>(out: *mut *mut H, name: &str) -> Result<*mut *mut H, Failure> {
-    aligned(out, name)?;
-    Ok(out)
+    Box::into_raw(Box::new(boxed)).cast()
 }
 
 unsafe fn checked<'a, H: Opaque>(handle: *const H, name: &str) -> Result<&'a Boxed<H::Object>, Failure> {
@@ -45,7 +37,7 @@ unsafe fn checked<'a, H: Opaque>(handle: *const H, name: &str) -> Result<&'a Box
     if tag != H::TAG {
         return Err(fail(COVBEAM_INVALID_HANDLE, format_args!("{name}: not a {}, or freed", H::NAME)));
     }
-    // SAFETY: the tag says that `give` made it of this type.
+    // SAFETY: the tag says that `handle_to` made it of this type.
     let boxed = unsafe { &*boxed };
     if boxed.poisoned.load(Ordering::Relaxed) {
         let message = format_args!("{name}: an earlier call on this {} panicked; free it", H::NAME);
@@ -98,7 +90,7 @@ pub(crate) unsafe fn free<H: Opaque>(handle: *mut H) {
     if boxed.is_null() || !boxed.is_aligned() {
         return;
     }
-    // SAFETY: the host's promise: NULL or a live handle of this kind, which `give` boxed.
+    // SAFETY: the host's promise: NULL or a live handle of this kind, which `handle_to` boxed.
     unsafe {
         if (*boxed).tag == H::TAG {
             (*boxed).tag = 0;

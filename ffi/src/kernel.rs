@@ -66,7 +66,8 @@ fn shape(e: Element<u32>) -> Result<Kernel, Failure> {
 
 /// The kernel of a gather, and the spectra that it looks up unless `grid` is NULL.
 ///
-/// # Safety Both are NULL or what they say, and the grid lives unchanged while the result does.
+/// # Safety
+/// Both are NULL or what they say, and the grid lives unchanged while the result does.
 pub(crate) unsafe fn kernel_radius<'a>(
     kernel: *const covbeam_kernel,
     grid: *const covbeam_grid,

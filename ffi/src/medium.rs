@@ -64,7 +64,8 @@ pub(crate) struct MediumView<'a> {
 }
 
 impl<'a> MediumView<'a> {
-    /// # Safety `pointer` is NULL or readable, and its density alive while the view is.
+    /// # Safety
+    /// `pointer` is NULL or readable, and its density alive while the view is.
     pub(crate) unsafe fn read(pointer: *const covbeam_medium, name: &'a str) -> Result<Self, Failure> {
         // SAFETY: by this function's contract.
         let options = unsafe { read_options(pointer, offset_of!(covbeam_medium, density), name) }?;

@@ -18,7 +18,8 @@ struct Rays<'a> {
 }
 
 impl Rays<'_> {
-    /// # Safety Both arrays are readable while this lives.
+    /// # Safety
+    /// Both arrays are readable while this lives.
     unsafe fn new(
         count: usize,
         origins: *const f32,
@@ -26,12 +27,9 @@ impl Rays<'_> {
         directions: *const f32,
         direction_stride: usize,
     ) -> Result<Self, Failure> {
-        Ok(Self {
-            // SAFETY: by this function's contract.
-            origins: unsafe { Inputs::new(origins.cast(), origin_stride, count, "origins") }?,
-            // SAFETY: by this function's contract.
-            directions: unsafe { Inputs::new(directions.cast(), direction_stride, count, "directions") }?,
-        })
+        inputs!(count, origins: [f32; 3], origin_stride);
+        inputs!(count, directions: [f32; 3], direction_stride);
+        Ok(Self { origins, directions })
     }
 
     fn get(&self, index: usize) -> Result<(Vec3, Vec3), Failure> {

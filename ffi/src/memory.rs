@@ -107,7 +107,8 @@ pub(crate) struct Inputs<'a, T> {
 }
 
 impl<'a, T: Copy> Inputs<'a, T> {
-    /// # Safety The array is readable while this lives.
+    /// # Safety
+    /// The array is readable while this lives.
     pub(crate) unsafe fn new(
         first: *const T,
         stride: usize,
@@ -165,7 +166,8 @@ pub(crate) struct Outputs<'a, T> {
 }
 
 impl<'a, T: Copy> Outputs<'a, T> {
-    /// # Safety The array is writable while this lives; readable too, if `get` is called.
+    /// # Safety
+    /// The array is writable while this lives; readable too, if `get` is called.
     pub(crate) unsafe fn new(
         first: *mut T,
         stride: usize,

@@ -7,7 +7,7 @@ use covbeam::{
     GridLayout, Kernel, KernelRadius, MAX_BEAMS, Medium, Passage, PhaseFunction, PhaseKind, Stop, Vec3,
     gather_pair,
 };
-use covbeam_render::random::Random;
+use covbeam_tests::random::Stream;
 
 const FOG: Medium = Medium {
     scattering: Vec3::new(0.2, 0.15, 0.1),
@@ -28,46 +28,45 @@ fn plain(radius: f32) -> KernelRadius<'static> {
     }
 }
 
-fn direction(random: &mut Random) -> Vec3 {
-    let z = 2.0 * random.uniform() - 1.0;
-    let (sin, cos) = (std::f32::consts::TAU * random.uniform()).sin_cos();
-    Vec3::new((1.0 - z * z).sqrt() * cos, (1.0 - z * z).sqrt() * sin, z)
+/// Uniform in [0, 1).
+fn uniform(random: &mut Stream) -> f32 {
+    random.uniform() as f32
 }
 
-fn point(random: &mut Random) -> Vec3 {
-    8.0 * Vec3::new(random.uniform(), random.uniform(), random.uniform()) - Vec3::splat(4.0)
+fn vector(random: &mut Stream, [low, high]: [f64; 2]) -> Vec3 {
+    Vec3::from([0, 1, 2].map(|_| random.between(low, high) as f32))
 }
 
 /// Beams in a box of side 8, some of them cut by surfaces.
 fn random_beams(count: usize) -> Vec<Beam> {
-    let random = &mut Random::new([3, 1, 4, 1]);
+    let random = &mut Stream::new(3141);
     (0..count)
         .map(|i| Beam {
-            origin: point(random),
-            direction: direction(random),
-            length: 4.0 * random.uniform(),
-            power: Vec3::new(random.uniform(), random.uniform(), random.uniform()),
-            start_normal: if i % 3 == 0 { direction(random) } else { Vec3::ZERO },
-            end_normal: if i % 2 == 0 { direction(random) } else { Vec3::ZERO },
+            origin: vector(random, [-4.0, 4.0]),
+            direction: random.direction(),
+            length: 4.0 * uniform(random),
+            power: vector(random, [0.0, 1.0]),
+            start_normal: if i % 3 == 0 { random.direction() } else { Vec3::ZERO },
+            end_normal: if i % 2 == 0 { random.direction() } else { Vec3::ZERO },
         })
         .collect()
 }
 
 /// Rays from one side of the box to the other, a bundle of 64 after the other.
 fn rays(count: usize) -> Vec<EyeRay> {
-    let random = &mut Random::new([2, 7, 1, 8]);
+    let random = &mut Stream::new(2718);
     let mut center = Vec3::Z;
     (0..count)
         .map(|i| {
             if i % 64 == 0 {
-                center = direction(random);
+                center = random.direction();
             }
             // Every third bundle is too wide to walk together.
             let spread = if i / 64 % 3 == 2 { 2.0 } else { 0.02 };
             EyeRay {
                 origin: -5.0 * center,
-                direction: (center + spread * direction(random)).normalize(),
-                length: if i % 5 == 0 { f32::INFINITY } else { 10.0 * random.uniform() },
+                direction: (center + spread * random.direction()).normalize(),
+                length: if i % 5 == 0 { f32::INFINITY } else { 10.0 * uniform(random) },
             }
         })
         .collect()
@@ -120,12 +119,12 @@ fn a_map_of_many_chunks_gathers_pair_for_pair_what_every_beam_does() {
 /// Beams that leave a builder of hierarchies nothing to go by.
 fn degenerate_beams(count: usize) -> Vec<(&'static str, Vec<Beam>)> {
     let beam = Beam { direction: Vec3::X, length: 2.0, power: Vec3::ONE, ..Beam::default() };
-    let random = &mut Random::new([1, 6, 1, 8]);
+    let random = &mut Stream::new(1618);
     let each =
         |make: &mut dyn FnMut(f32) -> Beam| (0..count).map(|i| make(i as f32 / count as f32)).collect();
     vec![
         ("all the same", vec![beam; count]),
-        ("in one point", each(&mut |_| Beam { direction: direction(random), length: 1e-30, ..beam })),
+        ("in one point", each(&mut |_| Beam { direction: random.direction(), length: 1e-30, ..beam })),
         ("too short to be cut", each(&mut |_| Beam { length: 1e-45, ..beam })),
         ("along one axis", each(&mut |x| Beam { origin: Vec3::X * (2.0 * x - 1.0), length: 0.01, ..beam })),
         // Each box smaller than the one before.
