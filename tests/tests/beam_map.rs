@@ -3,9 +3,9 @@
 use std::time::{Duration, Instant};
 
 use covbeam::{
-    Beam, BeamMap, Contact, Density, DensityGrid, ExponentialDensity, EyeRay, GatherScratch, Gathered,
-    GridLayout, Kernel, KernelRadius, MAX_BEAMS, Medium, Passage, PhaseFunction, PhaseKind, Stop, Vec3,
-    gather_pair,
+    Beam, BeamMap, Column, Contact, Density, DensityGrid, ExponentialDensity, EyeRay, GatherScratch,
+    Gathered, GridLayout, Kernel, KernelRadius, Knot, MAX_BEAMS, Medium, Passage, PhaseFunction, PhaseKind,
+    Stop, Vec3, gather_pair,
 };
 use covbeam_tests::random::Stream;
 
@@ -174,6 +174,35 @@ fn any_number_of_rays_in_one_call_gathers_what_packets_of_64_do_bit_for_bit() {
     assert!(together.iter().all(|g| g.radiance.is_finite()) && together.iter().any(|g| g.pairs > 10));
     assert_eq!(together, apart);
     assert_eq!(gather(&map, &[], &AIR, &plain(0.1)), []);
+}
+
+#[test]
+fn in_voxels_each_ray_has_the_column_of_its_own() {
+    let (layout, values) = billows();
+    let density = Density::Grid(DensityGrid::new(layout, &values).unwrap());
+    // More than a batch of pieces and more than a packet of rays.
+    let (beams, rays) = (random_beams(20_000), rays(64 * 2 + 17));
+    let table = |origin: Vec3, direction: Vec3, length: f32| {
+        let mut knots = Vec::new();
+        density.tabulate(&FOG, origin, direction, length, &mut |knot| knots.push(knot));
+        knots
+    };
+    let beam_tables: Vec<Vec<Knot>> = beams.iter().map(|b| table(b.origin, b.direction, b.length)).collect();
+    let radius = plain(0.1);
+    let mut wanted = vec![Gathered::default(); rays.len()];
+    for (ray, gathered) in rays.iter().zip(&mut wanted) {
+        let along_ray = table(ray.origin, ray.direction, ray.length);
+        for (beam, along_beam) in beams.iter().zip(&beam_tables) {
+            let (ray_column, beam_column) = (Column::Knots(&along_ray), Column::Knots(along_beam));
+            let passage = Passage { medium: &FOG, density, ray: ray_column, beam: beam_column };
+            gather_pair(ray, beam, 0.0, beam.length, &passage, &radius, gathered);
+        }
+    }
+    let map = BeamMap::build(beams, 0.1, &FOG, &density);
+    let found = gather(&map, &rays, &density, &radius);
+    assert!(found.iter().map(|g| g.pairs).sum::<u32>() > 1000);
+    // Up to 2000 terms in another order.
+    assert_same(&found, &wanted, 1e-5);
 }
 
 /// 1, 2, half and all of `count` questions, and some between.
