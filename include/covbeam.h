@@ -267,6 +267,19 @@ typedef struct covbeam_density covbeam_density;
 typedef struct covbeam_grid covbeam_grid;
 
 /**
+ * The table along one eye ray, and the memory that placing shadow rays needs: one a thread, for one ray after
+ * the other. For each ray: covbeam_march_lay and the host's radiances make the knots; covbeam_march_update;
+ * covbeam_march_place, and the shadow rays of the round; covbeam_march_refine, and those of a second one.
+ */
+typedef struct covbeam_march covbeam_march;
+
+/**
+ * The samples of a picture, and the memory that filters of any width need to cost about the same: 27 bytes a
+ * pixel. Filters pixels by several threads at once.
+ */
+typedef struct covbeam_reconstruction covbeam_reconstruction;
+
+/**
  * Memory that gathers need, kept from call to call: one a thread.
  */
 typedef struct covbeam_scratch covbeam_scratch;
@@ -763,6 +776,147 @@ typedef struct covbeam_crossing {
      */
     float axis[3];
 } covbeam_crossing;
+
+/**
+ * How much an eye ray changes from one pixel to the next.
+ */
+typedef struct covbeam_pixel_step {
+    /**
+     * Of its origin [m/pixel]: 0 for a pinhole.
+     */
+    float origin[3];
+    /**
+     * Of its unit direction [1/pixel]: 0 for an orthographic camera. Only what is across the ray counts.
+     */
+    float direction[3];
+} covbeam_pixel_step;
+
+/**
+ * Covariance of the spectrum of the in-scattered light around a pixel, in the plane of the picture
+ * [cycles^2/pixel^2]: x to the right, y down.
+ */
+typedef struct covbeam_image_spectrum {
+    /**
+     * Variance across.
+     */
+    float xx;
+    /**
+     * Covariance of across and down.
+     */
+    float xy;
+    /**
+     * Variance down.
+     */
+    float yy;
+    /**
+     * In-scattered light on the way, in the grid's relative unit; 0 = the grid has no opinion, and the other
+     * numbers are 0.
+     */
+    float weight;
+} covbeam_image_spectrum;
+
+/**
+ * Covariance of a Gaussian reconstruction filter [pixels^2]: x to the right, y down. All 0 is no filter.
+ */
+typedef struct covbeam_image_filter {
+    /**
+     * Variance across.
+     */
+    float xx;
+    /**
+     * Covariance of across and down.
+     */
+    float xy;
+    /**
+     * Variance down.
+     */
+    float yy;
+} covbeam_image_filter;
+
+/**
+ * What the eye rays of one pixel saw. All 0 is a pixel without rays.
+ */
+typedef struct covbeam_film_sample {
+    /**
+     * Sum of radiance / density, per channel.
+     */
+    float radiance[3];
+    /**
+     * Sum of 1 / density; 0 = no ray yet.
+     */
+    float weight;
+} covbeam_film_sample;
+
+/**
+ * One knot of the table along an eye ray, from which shadow rays are placed.
+ */
+typedef struct covbeam_march_knot {
+    /**
+     * From the ray's origin [m].
+     */
+    float distance;
+    /**
+     * Light that one metre of the ray scatters to the eye if nothing is in the lights' way, as one number such
+     * as its luminance [W/(m^3 sr)]: transmittance to the eye x scattering coefficient x phase function x
+     * transmittance to the light x intensity / squared distance. NaN, infinity and negative numbers count as 0.
+     */
+    float radiance;
+    /**
+     * Standard deviation of the fluence's spectrum along the ray [cycles/m]: the root of
+     * covbeam_spectrum_variance_along. NaN, infinity and negative numbers: not known.
+     */
+    float deviation;
+    /**
+     * Share of the light that is expected to arrive, in [0, 1], such as that of a few rays from the
+     * light past this place. NaN and negative numbers: not known.
+     */
+    float visibility;
+} covbeam_march_knot;
+
+/**
+ * What a table along an eye ray says before any shadow ray is traced.
+ */
+typedef struct covbeam_march_expected {
+    /**
+     * The light that is expected to be scattered to the eye [W/(m^2 sr)]: with the knots' visibility, half
+     * where it is not known.
+     */
+    float radiance;
+    /**
+     * Expected standard deviation of the estimate from one round, times the number of its shadow rays
+     * [W/(m^2 sr)]. To spread rays over pixels, give to each in proportion to a power of it.
+     */
+    float error;
+} covbeam_march_expected;
+
+/**
+ * A place for a shadow ray.
+ */
+typedef struct covbeam_march_sample {
+    /**
+     * From the ray's origin [m].
+     */
+    float distance;
+    /**
+     * The sum over a round of weight x radiance x visibility, at distance, is the estimate of the light
+     * scattered to the eye [m]. 0 = no shadow ray is needed.
+     */
+    float weight;
+    /**
+     * What the shadow ray found, in [0, 1], written by the host; read from the first round by
+     * covbeam_march_refine.
+     */
+    float visibility;
+    /**
+     * 0.
+     */
+    uint32_t reserved;
+    /**
+     * The table's expected light up to distance [W/(m^2 sr)], by which covbeam_march_refine finds the first
+     * round.
+     */
+    double mass;
+} covbeam_march_sample;
 
 #ifdef __cplusplus
 extern "C" {
@@ -2381,6 +2535,334 @@ covbeam_status covbeam_filter_beams(const struct covbeam_eye_ray *ray,
                                     float ceiling,
                                     uint8_t *masks,
                                     size_t mask_stride);
+
+/**
+ * The spectrum of the in-scattered light around a pixel, read off a grid along its eye ray: how fast the
+ * picture varies there.
+ *
+ * @param grid a grid that has been resolved.
+ * @param medium what the ray is in.
+ * @param ray from the eye to where the light that it gathers ends, or infinite.
+ * @param steps two: how the ray changes with a pixel to the right, and with one down.
+ * @param spectrum positive semi-definite up to rounding; all 0 where the grid has no opinion.
+ * @note Surfaces that end the rays of neighbouring pixels at other distances are no part of it: see
+ *     covbeam_film_regions. Thesis 5.3.2, with the exact second derivatives of density x transmittance for its
+ *     attenuation. About 40 ns a voxel passed in a homogeneous medium, 95 ns in an exponential one, 200 ns in
+ *     voxels.
+ */
+covbeam_status covbeam_image_spectrum_along(const struct covbeam_grid *grid,
+                                            const struct covbeam_medium *medium,
+                                            const struct covbeam_eye_ray *ray,
+                                            const struct covbeam_pixel_step *steps,
+                                            struct covbeam_image_spectrum *spectrum);
+
+/**
+ * covbeam_image_spectrum_along for `count` pixels.
+ *
+ * @param grid as grid there.
+ * @param medium as medium there.
+ * @param count number of pixels; with 0 nothing is done.
+ * @param rays, ray_stride as ray there.
+ * @param steps, step_stride as steps there, the two of a pixel side by side; a stride of 0 gives all pixels the
+ *     same.
+ * @param spectra, spectrum_stride as spectrum there.
+ */
+covbeam_status covbeam_image_spectra_along(const struct covbeam_grid *grid,
+                                           const struct covbeam_medium *medium,
+                                           size_t count,
+                                           const struct covbeam_eye_ray *rays,
+                                           size_t ray_stride,
+                                           const struct covbeam_pixel_step *steps,
+                                           size_t step_stride,
+                                           struct covbeam_image_spectrum *spectra,
+                                           size_t spectrum_stride);
+
+/**
+ * The reconstruction filter that blurs the picture by a relative bias: a Gaussian of covariance
+ * error / (4 pi^2) x the inverse of the spectrum's, wide where the spectrum is narrow.
+ *
+ * @param spectrum the spectrum around the pixel.
+ * @param error the relative bias > 0, half of it along each principal axis.
+ * @param widest largest standard deviation [pixels] > 0.
+ * @param filter all 0 where the spectrum has a weight of 0.
+ * @note Thesis 5.3.2, whose filter has an error of 1.
+ */
+covbeam_status covbeam_image_spectrum_filter(const struct covbeam_image_spectrum *spectrum,
+                                             float error,
+                                             float widest,
+                                             struct covbeam_image_filter *filter);
+
+/**
+ * covbeam_image_spectrum_filter for `count` pixels.
+ *
+ * @param count number of pixels; with 0 nothing is done.
+ * @param spectra, spectrum_stride as spectrum there.
+ * @param errors, error_stride as error there; a stride of 0 gives all pixels the same.
+ * @param widests, widest_stride as widest there; a stride of 0 gives all pixels the same.
+ * @param filters, filter_stride as filter there.
+ */
+covbeam_status covbeam_image_spectra_filter(size_t count,
+                                            const struct covbeam_image_spectrum *spectra,
+                                            size_t spectrum_stride,
+                                            const float *errors,
+                                            size_t error_stride,
+                                            const float *widests,
+                                            size_t widest_stride,
+                                            struct covbeam_image_filter *filters,
+                                            size_t filter_stride);
+
+/**
+ * Eye rays that a pixel needs in a pass: two under each filter.
+ *
+ * @param filter the pixel's filter.
+ * @param density in (0, 1]; no filter gives 1.
+ * @note Thesis 5.3.2.
+ */
+covbeam_status covbeam_image_filter_density(const struct covbeam_image_filter *filter, float *density);
+
+/**
+ * covbeam_image_filter_density for `count` pixels.
+ *
+ * @param count number of pixels; with 0 nothing is done.
+ * @param filters, filter_stride as filter there.
+ * @param densities, density_stride as density there.
+ */
+covbeam_status covbeam_image_filters_density(size_t count,
+                                             const struct covbeam_image_filter *filters,
+                                             size_t filter_stride,
+                                             float *densities,
+                                             size_t density_stride);
+
+/**
+ * A pixel's threshold in a pass: the pixel gets an eye ray if its density is above. At any density the pixels
+ * chosen are spread evenly over the picture, and a pixel is chosen evenly over the passes.
+ *
+ * @param pass any number; each chooses other pixels.
+ * @param seed any number; shifts the pattern.
+ * @param pixel two numbers: x to the right and y down, any.
+ * @param threshold in [0, 1).
+ */
+covbeam_status covbeam_pixel_threshold(uint32_t pass, uint32_t seed, const uint32_t *pixel, float *threshold);
+
+/**
+ * covbeam_pixel_threshold for `count` pixels, such as those of a tile.
+ *
+ * @param pass as pass there.
+ * @param seed as seed there.
+ * @param count number of pixels; with 0 nothing is done.
+ * @param pixels, pixel_stride as pixel there.
+ * @param thresholds, threshold_stride as threshold there.
+ */
+covbeam_status covbeam_pixel_threshold_many(uint32_t pass,
+                                            uint32_t seed,
+                                            size_t count,
+                                            const uint32_t *pixels,
+                                            size_t pixel_stride,
+                                            float *thresholds,
+                                            size_t threshold_stride);
+
+/**
+ * Splits a picture into regions in which the depth of the first surface is continuous: filters do not reach
+ * from one into another.
+ *
+ * @param width, height of the picture, each 1 to 65536; at most 2^31 pixels.
+ * @param count width x height.
+ * @param depths, depth_stride of the first surface seen through the middle of each pixel [m], row by row from
+ *     the upper left, measured along the viewing axis and not along the ray. Infinity where there is none; NaN,
+ *     0 or less makes the pixel a border.
+ * @param labels, label_stride receive each pixel's region: the number of its first pixel, from 1 on; 0 for a
+ *     pixel at a border, which filters leave alone, because its own light may come from both sides.
+ * @note Two neighbours are apart where neither surface, continued as a plane, comes within 1 % of the other in
+ *     inverse depth: floors seen at a grazing angle are no edges. Needs 8 bytes a pixel for the call.
+ */
+covbeam_status covbeam_film_regions(uint32_t width,
+                                    uint32_t height,
+                                    size_t count,
+                                    const float *depths,
+                                    size_t depth_stride,
+                                    uint32_t *labels,
+                                    size_t label_stride);
+
+/**
+ * Makes the reconstruction of a picture, without rays and of one region so far: every pixel is 0.
+ *
+ * @param width, height of the picture, each 1 to 65536; at most 2^31 pixels.
+ * @param out the handle.
+ */
+covbeam_status covbeam_reconstruction_new(uint32_t width,
+                                          uint32_t height,
+                                          struct covbeam_reconstruction **out);
+
+/**
+ * Frees a reconstruction.
+ *
+ * @param reconstruction NULL is ignored.
+ */
+void covbeam_reconstruction_free(struct covbeam_reconstruction *reconstruction);
+
+/**
+ * Takes the samples of the passes so far, in place of those before.
+ *
+ * @param reconstruction of a picture of so many pixels.
+ * @param count width x height.
+ * @param samples, sample_stride one a pixel, row by row from the upper left, copied. One that is not finite, of
+ *     a weight below 1e-9, or with a number beyond 1e29, counts as a pixel without rays: no NaN is spread.
+ * @param regions, region_stride of covbeam_film_regions, copied; NULL is one region everywhere.
+ * @note About 5 ns a pixel.
+ */
+covbeam_status covbeam_reconstruction_update(struct covbeam_reconstruction *reconstruction,
+                                             size_t count,
+                                             const struct covbeam_film_sample *samples,
+                                             size_t sample_stride,
+                                             const uint32_t *regions,
+                                             size_t region_stride);
+
+/**
+ * The radiance of a pixel through its filter. Where no ray lies under the filter, it is widened until one does:
+ * first in the pixel's own region, then anywhere.
+ *
+ * @param reconstruction the samples.
+ * @param pixel two numbers: x to the right and y down, inside the picture.
+ * @param filter the pixel's filter; all 0 is the mean of the pixel's own rays.
+ * @param radiance three numbers, finite, within the range of the samples' means to rounding; 0 in a picture
+ *     without rays.
+ * @note Thesis 5.3.2. 0.4 us for a filter of half a pixel, 3 us for any wider round one, 13 us for one of 1:8.
+ */
+covbeam_status covbeam_reconstruction_pixel(const struct covbeam_reconstruction *reconstruction,
+                                            const uint32_t *pixel,
+                                            const struct covbeam_image_filter *filter,
+                                            float *radiance);
+
+/**
+ * covbeam_reconstruction_pixel for `count` pixels, such as those of a tile.
+ *
+ * @param reconstruction as reconstruction there.
+ * @param count number of pixels; with 0 nothing is done.
+ * @param pixels, pixel_stride as pixel there.
+ * @param filters, filter_stride as filter there; a stride of 0 gives all pixels the same.
+ * @param radiances, radiance_stride as radiance there.
+ */
+covbeam_status covbeam_reconstruction_pixel_many(const struct covbeam_reconstruction *reconstruction,
+                                                 size_t count,
+                                                 const uint32_t *pixels,
+                                                 size_t pixel_stride,
+                                                 const struct covbeam_image_filter *filters,
+                                                 size_t filter_stride,
+                                                 float *radiances,
+                                                 size_t radiance_stride);
+
+/**
+ * Lays knots along a stretch of a ray, at equal steps of the angle at which a light sees it. Each is dark, and
+ * nothing is known: the host writes its radiance, deviation and visibility.
+ *
+ * @param origin of the ray [m].
+ * @param direction of the ray, unit.
+ * @param from where the stretch begins [m], finite.
+ * @param to where it ends [m] >= from; infinity stands for where the light sees the rest under 1/1000 rad.
+ * @param light its position, or centre [m]. On the ray itself, the steps are equal in distance.
+ * @param count number of knots >= 2; 97 serve well.
+ * @param knots, knot_stride receive them, from near to far.
+ * @note Kulla and Fajardo 2012. About 30 ns a knot.
+ */
+covbeam_status covbeam_march_lay(const float *origin,
+                                 const float *direction,
+                                 float from,
+                                 float to,
+                                 const float *light,
+                                 size_t count,
+                                 struct covbeam_march_knot *knots,
+                                 size_t knot_stride);
+
+/**
+ * Makes the memory of a thread's marches.
+ *
+ * @param out the handle.
+ */
+covbeam_status covbeam_march_new(struct covbeam_march **out);
+
+/**
+ * Frees a thread's memory.
+ *
+ * @param march NULL is ignored.
+ */
+void covbeam_march_free(struct covbeam_march *march);
+
+/**
+ * Takes the table of the next eye ray, in place of the one before.
+ *
+ * @param march the thread's memory.
+ * @param count number of knots >= 2.
+ * @param knots, knot_stride by distance, which are finite and do not fall; copied. Between them the radiance is
+ *     taken as linear, and where two neighbours are dark no shadow ray is placed: lay them where light is, such
+ *     as inside a spot's cone.
+ * @note 25 ns a knot.
+ */
+covbeam_status covbeam_march_update(struct covbeam_march *march,
+                                    size_t count,
+                                    const struct covbeam_march_knot *knots,
+                                    size_t knot_stride);
+
+/**
+ * What the table says before any shadow ray is traced.
+ *
+ * @param march a march that has a table.
+ * @param expected receives it.
+ */
+covbeam_status covbeam_march_get_expected(const struct covbeam_march *march,
+                                          struct covbeam_march_expected *expected);
+
+/**
+ * How many of a ray's shadow rays should be spent on a first round.
+ *
+ * @param march a march that has a table.
+ * @param rays shadow rays in all.
+ * @param first receives their number; 0 = all in one round, because the expected changes are too many to be
+ *     found one by one. For a light with an extent one round is better whatever this says: two shadow rays to
+ *     different points of it differ without a border between them.
+ */
+covbeam_status covbeam_march_get_first_round(const struct covbeam_march *march, size_t rays, size_t *first);
+
+/**
+ * Places a round of shadow rays from the table alone. The sum of weight x radiance x visibility over the round
+ * is an unbiased estimate, whatever the table says, as long as it hides no light between two dark knots.
+ *
+ * @param march a march that has a table.
+ * @param count number of shadow rays; with 0 nothing is done.
+ * @param jitters, jitter_stride uniform numbers in [0, 1), independent of each other.
+ * @param samples, sample_stride receive the places, from near to far, with a visibility of 0; without light on
+ *     the ray, with a weight of 0 at the first knot.
+ * @note Thesis 5.3.3; for light that is known without a shadow ray, the density that is best for strata. About
+ *     1 us for 30.
+ */
+covbeam_status covbeam_march_place(struct covbeam_march *march,
+                                   size_t count,
+                                   const float *jitters,
+                                   size_t jitter_stride,
+                                   struct covbeam_march_sample *samples,
+                                   size_t sample_stride);
+
+/**
+ * Places a second round of shadow rays, dense where the first one saw changes. The estimate is the sum over
+ * the second round alone, and unbiased likewise.
+ *
+ * @param march the march, with the table that the first round was placed with.
+ * @param first_count number of shadow rays of the first round.
+ * @param firsts, first_stride what covbeam_march_place wrote, with the visibilities found, each in [0, 1]. A
+ *     NaN, and a weight of 0, say nothing.
+ * @param count number of shadow rays of the second round; with 0 nothing is done.
+ * @param jitters, jitter_stride as for covbeam_march_place, independent of the first round.
+ * @param samples, sample_stride as there.
+ * @note About 1 us for 10 and 20.
+ */
+covbeam_status covbeam_march_refine(struct covbeam_march *march,
+                                    size_t first_count,
+                                    const struct covbeam_march_sample *firsts,
+                                    size_t first_stride,
+                                    size_t count,
+                                    const float *jitters,
+                                    size_t jitter_stride,
+                                    struct covbeam_march_sample *samples,
+                                    size_t sample_stride);
 
 #ifdef __cplusplus
 }  // extern "C"

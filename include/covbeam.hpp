@@ -103,6 +103,18 @@ using Spectra = Strided<covbeam_spectrum>;
 using SpectraIn = Strided<const covbeam_spectrum>;
 using Beams = Strided<const covbeam_beam>;
 using Curvatures = Strided<const covbeam_curvature>;
+/// x and y of pixels.
+using Pixels = Strided<const uint32_t, 2>;
+/// Of each pixel one to the right and one down.
+using Steps = Strided<const covbeam_pixel_step, 2>;
+using ImageSpectra = Strided<covbeam_image_spectrum>;
+using ImageSpectraIn = Strided<const covbeam_image_spectrum>;
+using ImageFilters = Strided<covbeam_image_filter>;
+using ImageFiltersIn = Strided<const covbeam_image_filter>;
+using Knots = Strided<covbeam_march_knot>;
+using KnotsIn = Strided<const covbeam_march_knot>;
+using Samples = Strided<covbeam_march_sample>;
+using SamplesIn = Strided<const covbeam_march_sample>;
 
 namespace detail {
 
@@ -482,6 +494,95 @@ inline float kernel_radius_from_error(uint32_t shape, float error, float varianc
     float v; check(covbeam_kernel_radius_from_error(shape, error, variance, &v)); return v;
 }
 
+struct ImageFilter : covbeam_image_filter {
+    /// None: a pixel keeps to its own rays.
+    ImageFilter() noexcept : covbeam_image_filter() {}
+    ImageFilter(const covbeam_image_filter& f) noexcept : covbeam_image_filter(f) {}
+    float density() const { float v; check(covbeam_image_filter_density(this, &v)); return v; }
+};
+
+struct ImageSpectrum : covbeam_image_spectrum {
+    ImageSpectrum() noexcept : covbeam_image_spectrum() {}
+    ImageSpectrum(const covbeam_image_spectrum& s) noexcept : covbeam_image_spectrum(s) {}
+    /// `steps` are two: to the next pixel on the right, and to the one below.
+    static ImageSpectrum along(const Grid& grid, const covbeam_medium& medium, const covbeam_eye_ray& ray,
+                               const covbeam_pixel_step* steps) {
+        ImageSpectrum s; check(covbeam_image_spectrum_along(grid.get(), &medium, &ray, steps, &s)); return s;
+    }
+    ImageFilter filter(float error, float widest) const {
+        ImageFilter f; check(covbeam_image_spectrum_filter(this, error, widest, &f)); return f;
+    }
+};
+
+/// Whether a pixel of more than this density gets an eye ray.
+inline float pixel_threshold(uint32_t pass, uint32_t seed, const uint32_t* pixel) {
+    float v; check(covbeam_pixel_threshold(pass, seed, pixel, &v)); return v;
+}
+inline void film_regions(uint32_t width, uint32_t height, Floats depths, Strided<uint32_t> labels) {
+    const size_t n = detail::common(depths.count, labels.count);
+    check(covbeam_film_regions(width, height, n, depths.data, depths.stride, labels.data, labels.stride));
+}
+
+/// The samples of a picture, and each pixel through its filter.
+class Reconstruction {
+public:
+    Reconstruction(uint32_t width, uint32_t height) {
+        covbeam_reconstruction* r = nullptr; check(covbeam_reconstruction_new(width, height, &r)); handle_.reset(r);
+    }
+    covbeam_reconstruction* get() noexcept { return handle_.get(); }
+    const covbeam_reconstruction* get() const noexcept { return handle_.get(); }
+
+    /// Without regions the picture is one.
+    void update(Strided<const covbeam_film_sample> samples,
+                Strided<const uint32_t> regions = Strided<const uint32_t>()) {
+        const size_t n = detail::common(samples.count, regions.count);
+        check(covbeam_reconstruction_update(get(), n, samples.data, samples.stride, regions.data, regions.stride));
+    }
+    void pixel(const uint32_t* at, const covbeam_image_filter& filter, float* radiance) const {
+        check(covbeam_reconstruction_pixel(get(), at, &filter, radiance));
+    }
+    void pixels(Pixels at, ImageFiltersIn filters, VectorsOut radiances) const {
+        const size_t n = detail::common(at.count, filters.count, radiances.count);
+        check(covbeam_reconstruction_pixel_many(get(), n, at.data, at.stride, filters.data, filters.stride,
+                                                radiances.data, radiances.stride));
+    }
+
+private:
+    detail::Owner<covbeam_reconstruction, covbeam_reconstruction_free> handle_;
+};
+
+/// Places shadow rays along eye rays: one a thread.
+class March {
+public:
+    March() { covbeam_march* m = nullptr; check(covbeam_march_new(&m)); handle_.reset(m); }
+    covbeam_march* get() noexcept { return handle_.get(); }
+    const covbeam_march* get() const noexcept { return handle_.get(); }
+
+    static void lay(const float* origin, const float* direction, float from, float to, const float* light,
+                    Knots knots) {
+        check(covbeam_march_lay(origin, direction, from, to, light, knots.count, knots.data, knots.stride));
+    }
+    void update(KnotsIn knots) { check(covbeam_march_update(get(), knots.count, knots.data, knots.stride)); }
+    covbeam_march_expected expected() const {
+        covbeam_march_expected v; check(covbeam_march_get_expected(get(), &v)); return v;
+    }
+    size_t first_round(size_t rays) const {
+        size_t v; check(covbeam_march_get_first_round(get(), rays, &v)); return v;
+    }
+    void place(Floats jitters, Samples samples) {
+        const size_t n = detail::common(jitters.count, samples.count);
+        check(covbeam_march_place(get(), n, jitters.data, jitters.stride, samples.data, samples.stride));
+    }
+    void refine(SamplesIn firsts, Floats jitters, Samples samples) {
+        const size_t n = detail::common(jitters.count, samples.count);
+        check(covbeam_march_refine(get(), firsts.count, firsts.data, firsts.stride, n, jitters.data, jitters.stride,
+                                   samples.data, samples.stride));
+    }
+
+private:
+    detail::Owner<covbeam_march, covbeam_march_free> handle_;
+};
+
 /// One pair of eye ray and beam. False if they are nearly parallel: the crossing is then untouched.
 inline bool cross(const covbeam_eye_ray& ray, const covbeam_beam& beam, covbeam_crossing& crossing) {
     uint8_t v; check(covbeam_cross(&ray, &beam, &crossing, &v)); return v != 0;
@@ -578,6 +679,21 @@ inline void variance_along(SpectraIn s, Vectors axes, FloatsOut out) {
 }
 inline void add_along(Spectra s, Vectors axes, Floats variances) {
     detail::each(covbeam_spectra_add_along, s, axes, variances);
+}
+
+inline void along(const Grid& grid, const covbeam_medium& medium, BeamMap::Rays rays, Steps steps,
+                  ImageSpectra out) {
+    const size_t n = detail::common(rays.count, steps.count, out.count);
+    check(covbeam_image_spectra_along(grid.get(), &medium, n, rays.data, rays.stride, steps.data, steps.stride,
+                                      out.data, out.stride));
+}
+inline void filter(ImageSpectraIn s, Floats errors, Floats widests, ImageFilters out) {
+    detail::each(covbeam_image_spectra_filter, s, errors, widests, out);
+}
+inline void density(ImageFiltersIn f, FloatsOut out) { detail::each(covbeam_image_filters_density, f, out); }
+inline void pixel_threshold(uint32_t pass, uint32_t seed, Pixels pixels, FloatsOut out) {
+    const size_t n = detail::common(pixels.count, out.count);
+    check(covbeam_pixel_threshold_many(pass, seed, n, pixels.data, pixels.stride, out.data, out.stride));
 }
 
 inline void evaluate(const covbeam_phase& p, Floats cosines, FloatsOut out) {

@@ -374,6 +374,10 @@ impl<'a> FluenceGrid<'a> {
         Ok(Self { centres: Centres::new(layout, cells.len())?, cells })
     }
 
+    pub(crate) fn layout(&self) -> &GridLayout {
+        &self.centres.layout
+    }
+
     /// The spectrum of the fluence around a point: the flux-weighted mean of the eight voxels around it, with trilinear
     /// weights.
     ///
@@ -404,18 +408,57 @@ impl<'a> FluenceGrid<'a> {
     /// ```
     #[inline(always)] // As `KernelRadius::at`.
     pub fn look_up(&self, position: Vec3) -> Option<FluenceSpectrum> {
+        self.around(position).map(|found| found.spectrum)
+    }
+
+    /// All that the voxels around a point say.
+    #[inline(always)]
+    pub(crate) fn around(&self, position: Vec3) -> Option<Surroundings> {
         let (base, high) = self.centres.around(position)?;
         let low = Vec3::ONE - high;
         let [dx, dy, dz] = self.centres.strides;
         let mut sum = Sum { first: Vec4::ZERO, last: Vec4::ZERO };
+        let (mut shares, mut weights) = ([0.0; 8], [0.0; 8]);
+        let mut corner = 0;
         for (plane, wz) in [(base, low.z), (base + dz, high.z)] {
             for (row, wyz) in [(plane, low.y * wz), (plane + dy, high.y * wz)] {
-                sum.add(&self.cells[row], low.x * wyz);
-                sum.add(&self.cells[row + dx], high.x * wyz);
+                for (index, share) in [(row, low.x * wyz), (row + dx, high.x * wyz)] {
+                    let cell = &self.cells[index];
+                    sum.add(cell, share);
+                    (shares[corner], weights[corner]) = (share, cell.weight);
+                    corner += 1;
+                }
             }
         }
-        sum.mean()
+        let (spectrum, flux) = sum.mean()?;
+        // Beside voxels without data it is larger.
+        Some(Surroundings { spectrum, flux, dimmest: harmonic_mean(&shares, &weights).min(flux) })
     }
+}
+
+/// What a grid says about a point.
+pub(crate) struct Surroundings {
+    /// [`FluenceGrid::look_up`].
+    pub(crate) spectrum: FluenceSpectrum,
+    /// The trilinear mean of the voxels' weights, > 0.
+    pub(crate) flux: f32,
+    /// Their harmonic mean, near that of the dimmest voxel, > 0 and at most `flux` where all voxels have data. Voxels do not tell on which side of
+    /// a shadow's border inside them a point lies: this is the fluence if it is the dark side.
+    pub(crate) dimmest: f32,
+}
+
+/// Of the weights above 0.
+#[inline(always)]
+fn harmonic_mean(shares: &[f32; 8], weights: &[f32; 8]) -> f32 {
+    let (mut share, mut inverse) = (Vec4::ZERO, Vec4::ZERO);
+    for half in [0, 4] {
+        let weights = Vec4::from_slice(&weights[half..]);
+        let has_data = weights.cmpgt(Vec4::ZERO);
+        let shares = Vec4::select(has_data, Vec4::from_slice(&shares[half..]), Vec4::ZERO);
+        share += shares;
+        inverse += shares / Vec4::select(has_data, weights, Vec4::ONE);
+    }
+    share.element_sum() / inverse.element_sum()
 }
 
 /// Running sum of weighted cells: (xx, yy, zz, xy) and (xz, yz, weight, 0), as two SIMD registers.
@@ -435,12 +478,12 @@ impl Sum {
     }
 
     #[inline(always)]
-    fn mean(self) -> Option<FluenceSpectrum> {
+    fn mean(self) -> Option<(FluenceSpectrum, f32)> {
         let weight = self.last.z;
         if weight > 0.0 {
             let [xx, yy, zz, xy] = (self.first / weight).to_array();
             let [xz, yz, ..] = (self.last / weight).to_array();
-            Some(FluenceSpectrum { xx, yy, zz, xy, xz, yz })
+            Some((FluenceSpectrum { xx, yy, zz, xy, xz, yz }, weight))
         } else {
             None
         }

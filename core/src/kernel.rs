@@ -150,15 +150,18 @@ impl KernelRadius<'_> {
     ///   steps of the grid print into the image).
     /// - `axis`: the kernel's axis, unit: perpendicular to beam and eye ray.
     ///
+    /// The bias is bounded relative to the dimmest light around: σ² is the looked-up variance times the fluence there over the harmonic mean of
+    /// the voxels' around. Beside a bright shaft, in the dark, a kernel that is right for the shaft would leak it.
+    ///
     /// Guarantee: never below `progressive`; never above `ceiling`, unless `progressive` is.
     ///
-    /// Source: thesis 5.3.4, d < max(r_i, r_σ). Differs from it in the ceiling.
+    /// Source: thesis 5.3.4, d < max(r_i, r_σ). Differs from it in the ceiling, and beside shadows.
     #[inline(always)] // A call here costs the gather a quarter of its time.
     pub fn at(&self, position: Vec3, axis: Vec3) -> (f32, f32) {
-        let Some(spectrum) = self.grid.and_then(|grid| grid.look_up(position)) else {
+        let Some(found) = self.grid.and_then(|grid| grid.around(position)) else {
             return (self.progressive, 0.0);
         };
-        let variance = spectrum.variance_along(axis);
+        let variance = found.spectrum.variance_along(axis) * (found.flux / found.dimmest);
         let wanted = self.kernel.radius_from_error(self.error, variance);
         (wanted.min(self.ceiling).max(self.progressive), sqrtf(variance))
     }

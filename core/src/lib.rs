@@ -26,11 +26,13 @@ mod beam_map;
 mod centres;
 mod column;
 mod density;
+mod film;
 mod fluence;
 mod frame;
 mod grid;
 mod kernel;
 mod light_field;
+mod march;
 mod medium;
 mod saved_grid;
 mod surface;
@@ -46,10 +48,15 @@ pub use beam::{
 pub use beam_map::{BeamMap, Contact, GatherScratch, MAX_BEAMS, Stop, Unfinished};
 pub use column::{Column, Knot};
 pub use density::{Density, DensityGrid, Derivatives, ExponentialDensity};
+pub use film::{
+    FilmNode, FilmSample, FilmSizeError, ImageFilter, ImageSpectrum, PixelStep, Reconstruction, film_regions,
+    pixel_threshold,
+};
 pub use fluence::FluenceSpectrum;
 pub use grid::{Attenuation, CovarianceGrid, FluenceCell, FluenceGrid, GridCell, GridError, GridLayout};
 pub use kernel::{Kernel, KernelRadius, error_bound, progressive_radius};
 pub use light_field::LightField;
+pub use march::{MARCH_KNOTS, March, MarchCell, MarchError, MarchKnot, MarchSample};
 pub(crate) use medium::OPAQUE_DEPTH;
 pub use medium::{Medium, PhaseFunction, PhaseKind};
 pub use surface::Curvature;

@@ -85,6 +85,11 @@ impl Walk {
         self.position
     }
 
+    /// Distance along the segment at which the walk ends.
+    pub(crate) fn end(&self) -> f64 {
+        self.end
+    }
+
     fn update_next(&mut self, axis: usize) {
         let inverse = self.inverse_slope[axis];
         if inverse != 0.0 {

@@ -50,6 +50,13 @@ layout! {
     }
     covbeam_kernel: 20, 4 { struct_size 0, shape 4, progressive 8, ceiling 12, error 16 }
     covbeam_schedule: 24, 4 { struct_size 0, shape 4, radius 8, alpha 12, max_radius 16, error 20 }
+    covbeam_pixel_step: 24, 4 { origin 0, direction 12 }
+    covbeam_image_spectrum: 16, 4 { xx 0, xy 4, yy 8, weight 12 }
+    covbeam_image_filter: 12, 4 { xx 0, xy 4, yy 8 }
+    covbeam_film_sample: 16, 4 { radiance 0, weight 12 }
+    covbeam_march_knot: 16, 4 { distance 0, radiance 4, deviation 8, visibility 12 }
+    covbeam_march_sample: 24, 8 { distance 0, weight 4, visibility 8, reserved 12, mass 16 }
+    covbeam_march_expected: 8, 4 { radiance 0, error 4 }
     covbeam_status: 4, 4 {}
     covbeam_phase_kind: 4, 4 {}
     covbeam_density_kind: 4, 4 {}

@@ -10,14 +10,17 @@ mod beam_map;
 mod check;
 mod column;
 mod density;
+mod film;
 mod grid;
 mod handle;
 #[cfg(test)]
 mod hostile;
+mod image;
 mod kernel;
 mod layout;
 mod light_field;
 mod light_fields;
+mod march;
 mod medium;
 mod medium_points;
 mod medium_rays;

@@ -1,6 +1,6 @@
 //! The plain structs of the ABI, and their way to and from the core's.
 
-use crate::check::{finite_each, finite_not_negative, not_negative, unit, unit_or_zero, vector};
+use crate::check::{finite, finite_each, finite_not_negative, not_negative, unit, unit_or_zero, vector};
 use crate::memory::Element;
 use crate::status::Failure;
 use covbeam_core as core_types;
@@ -241,6 +241,103 @@ pub struct covbeam_contact {
     pub sigma: f32,
 }
 
+/// How much an eye ray changes from one pixel to the next.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_pixel_step {
+    /// Of its origin [m/pixel]: 0 for a pinhole.
+    pub origin: [f32; 3],
+    /// Of its unit direction [1/pixel]: 0 for an orthographic camera. Only what is across the ray counts.
+    pub direction: [f32; 3],
+}
+
+/// Covariance of the spectrum of the in-scattered light around a pixel, in the plane of the picture
+/// [cycles^2/pixel^2]: x to the right, y down.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_image_spectrum {
+    /// Variance across.
+    pub xx: f32,
+    /// Covariance of across and down.
+    pub xy: f32,
+    /// Variance down.
+    pub yy: f32,
+    /// In-scattered light on the way, in the grid's relative unit; 0 = the grid has no opinion, and the other
+    /// numbers are 0.
+    pub weight: f32,
+}
+
+/// Covariance of a Gaussian reconstruction filter [pixels^2]: x to the right, y down. All 0 is no filter.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_image_filter {
+    /// Variance across.
+    pub xx: f32,
+    /// Covariance of across and down.
+    pub xy: f32,
+    /// Variance down.
+    pub yy: f32,
+}
+
+/// What the eye rays of one pixel saw. All 0 is a pixel without rays.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_film_sample {
+    /// Sum of radiance / density, per channel.
+    pub radiance: [f32; 3],
+    /// Sum of 1 / density; 0 = no ray yet.
+    pub weight: f32,
+}
+
+/// One knot of the table along an eye ray, from which shadow rays are placed.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_march_knot {
+    /// From the ray's origin [m].
+    pub distance: f32,
+    /// Light that one metre of the ray scatters to the eye if nothing is in the lights' way, as one number such
+    /// as its luminance [W/(m^3 sr)]: transmittance to the eye x scattering coefficient x phase function x
+    /// transmittance to the light x intensity / squared distance. NaN, infinity and negative numbers count as 0.
+    pub radiance: f32,
+    /// Standard deviation of the fluence's spectrum along the ray [cycles/m]: the root of
+    /// covbeam_spectrum_variance_along. NaN, infinity and negative numbers: not known.
+    pub deviation: f32,
+    /// Share of the light that is expected to arrive, in [0, 1], such as that of a few rays from the
+    /// light past this place. NaN and negative numbers: not known.
+    pub visibility: f32,
+}
+
+/// A place for a shadow ray.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_march_sample {
+    /// From the ray's origin [m].
+    pub distance: f32,
+    /// The sum over a round of weight x radiance x visibility, at distance, is the estimate of the light
+    /// scattered to the eye [m]. 0 = no shadow ray is needed.
+    pub weight: f32,
+    /// What the shadow ray found, in [0, 1], written by the host; read from the first round by
+    /// covbeam_march_refine.
+    pub visibility: f32,
+    /// 0.
+    pub reserved: u32,
+    /// The table's expected light up to distance [W/(m^2 sr)], by which covbeam_march_refine finds the first
+    /// round.
+    pub mass: f64,
+}
+
+/// What a table along an eye ray says before any shadow ray is traced.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_march_expected {
+    /// The light that is expected to be scattered to the eye [W/(m^2 sr)]: with the knots' visibility, half
+    /// where it is not known.
+    pub radiance: f32,
+    /// Expected standard deviation of the estimate from one round, times the number of its shadow rays
+    /// [W/(m^2 sr)]. To spread rays over pixels, give to each in proportion to a power of it.
+    pub error: f32,
+}
+
 impl From<covbeam_light_field> for core_types::LightField {
     fn from(field: covbeam_light_field) -> Self {
         Self { root: field.root, x_axis: field.x_axis.into(), direction: field.direction.into() }
@@ -386,6 +483,84 @@ impl From<core_types::Crossing> for covbeam_crossing {
             axis: c.axis.into(),
         }
     }
+}
+
+pub(crate) fn pixel_step(e: Element<covbeam_pixel_step>) -> Result<core_types::PixelStep, Failure> {
+    Ok(core_types::PixelStep {
+        origin: vector(e.part(|step| step.origin))?,
+        direction: vector(e.part(|step| step.direction))?,
+    })
+}
+
+impl From<core_types::ImageSpectrum> for covbeam_image_spectrum {
+    fn from(core_types::ImageSpectrum { xx, xy, yy, weight }: core_types::ImageSpectrum) -> Self {
+        Self { xx, xy, yy, weight }
+    }
+}
+
+pub(crate) fn image_spectrum(
+    e: Element<covbeam_image_spectrum>,
+) -> Result<core_types::ImageSpectrum, Failure> {
+    let covbeam_image_spectrum { xx, xy, yy, weight } = e.value;
+    finite_each(e.part(|_| [xx, xy, yy]))?;
+    finite_not_negative(e.part(|_| weight))?;
+    Ok(core_types::ImageSpectrum { xx, xy, yy, weight })
+}
+
+impl From<core_types::ImageFilter> for covbeam_image_filter {
+    fn from(core_types::ImageFilter { xx, xy, yy }: core_types::ImageFilter) -> Self {
+        Self { xx, xy, yy }
+    }
+}
+
+pub(crate) fn image_filter(e: Element<covbeam_image_filter>) -> Result<core_types::ImageFilter, Failure> {
+    let covbeam_image_filter { xx, xy, yy } = e.value;
+    finite(e.part(|_| xy))?;
+    for variance in [xx, yy] {
+        finite_not_negative(e.part(|_| variance))?;
+    }
+    Ok(core_types::ImageFilter { xx, xy, yy })
+}
+
+impl From<covbeam_film_sample> for core_types::FilmSample {
+    fn from(sample: covbeam_film_sample) -> Self {
+        Self { radiance: sample.radiance.into(), weight: sample.weight }
+    }
+}
+
+impl From<covbeam_march_knot> for core_types::MarchKnot {
+    fn from(knot: covbeam_march_knot) -> Self {
+        let covbeam_march_knot { distance, radiance, deviation, visibility } = knot;
+        Self { distance, radiance, deviation, visibility }
+    }
+}
+
+impl From<core_types::MarchKnot> for covbeam_march_knot {
+    fn from(knot: core_types::MarchKnot) -> Self {
+        let core_types::MarchKnot { distance, radiance, deviation, visibility } = knot;
+        Self { distance, radiance, deviation, visibility }
+    }
+}
+
+impl From<core_types::MarchSample> for covbeam_march_sample {
+    fn from(sample: core_types::MarchSample) -> Self {
+        let core_types::MarchSample { distance, weight, visibility, mass } = sample;
+        Self { distance, weight, visibility, reserved: 0, mass }
+    }
+}
+
+/// A sample of a first round, with what its shadow ray found; NaN is nothing.
+pub(crate) fn march_sample(e: Element<covbeam_march_sample>) -> Result<core_types::MarchSample, Failure> {
+    let covbeam_march_sample { distance, weight, visibility, mass, .. } = e.value;
+    finite(e.part(|_| distance))?;
+    finite_not_negative(e.part(|_| weight))?;
+    if !(visibility.is_nan() || (0.0..=1.0).contains(&visibility)) {
+        return Err(e.is(format_args!("a visibility of {visibility} is not in [0, 1]")));
+    }
+    if !(mass >= 0.0 && mass.is_finite()) {
+        return Err(e.is(format_args!("a mass of {mass} is not of covbeam_march_place")));
+    }
+    Ok(core_types::MarchSample { distance, weight, visibility, mass })
 }
 
 /// The structs that arrays of the host's are read as, without a copy.

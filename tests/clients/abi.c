@@ -151,6 +151,42 @@ AT(schedule, alpha, 12);
 AT(schedule, max_radius, 16);
 AT(schedule, error, 20);
 
+SIZE(pixel_step, 24, 4);
+AT(pixel_step, origin, 0);
+AT(pixel_step, direction, 12);
+
+SIZE(image_spectrum, 16, 4);
+AT(image_spectrum, xx, 0);
+AT(image_spectrum, xy, 4);
+AT(image_spectrum, yy, 8);
+AT(image_spectrum, weight, 12);
+
+SIZE(image_filter, 12, 4);
+AT(image_filter, xx, 0);
+AT(image_filter, xy, 4);
+AT(image_filter, yy, 8);
+
+SIZE(film_sample, 16, 4);
+AT(film_sample, radiance, 0);
+AT(film_sample, weight, 12);
+
+SIZE(march_knot, 16, 4);
+AT(march_knot, distance, 0);
+AT(march_knot, radiance, 4);
+AT(march_knot, deviation, 8);
+AT(march_knot, visibility, 12);
+
+SIZE(march_sample, 24, 8);
+AT(march_sample, distance, 0);
+AT(march_sample, weight, 4);
+AT(march_sample, visibility, 8);
+AT(march_sample, reserved, 12);
+AT(march_sample, mass, 16);
+
+SIZE(march_expected, 8, 4);
+AT(march_expected, radiance, 0);
+AT(march_expected, error, 4);
+
 SIZE(status, 4, 4);
 SIZE(phase_kind, 4, 4);
 SIZE(density_kind, 4, 4);

@@ -110,7 +110,7 @@ static void check_outputs(const struct prepared *call, const char *message) {
                 float v;
                 memcpy(&v, at + 4 * word, 4);
                 const char rule = type->rules[word];
-                if (strchr("-iSez", rule)) continue;
+                if (strchr("-iSez*", rule)) continue;
                 const bool promised = call->tame || strcmp(type->name, "field") == 0;
                 if (isnan(v) && !call->meaningless && (promised || rule == 't')) complain(call, 0, message, "an output is NaN");
                 if (promised && !call->meaningless && !number_fits(rule, v))
@@ -146,7 +146,7 @@ static void remember(struct prepared *call) {
         first->resolved = false;
         first->tame = true;
         first->scribbled = false;
-    } else if (strcmp(name, "grid_resolve") == 0) {
+    } else if (strcmp(name, "grid_resolve") == 0 || strcmp(name, "march_update") == 0) {
         first->resolved = true;
     } else if (strcmp(name, "grid_deposit_spectra") == 0) {
         first->scribbled = true; /* any numbers, not only covariances */
@@ -169,6 +169,8 @@ static void remember(struct prepared *call) {
             /* What loaded bytes hold is not known. */
             made.scribbled = strcmp(name, "grid_load") == 0;
             if (kind_named(p->word) == GRID && covbeam_grid_get_layout(made.handle, &made.layout) != COVBEAM_OK) abort();
+            made.width = call->arguments[0].word;
+            made.height = call->arguments[1].word;
             if (strcmp(name, "grid_new_in") == 0) {
                 made.cells = (covbeam_grid_cell *)(void *)call->buffers[1].memory;
                 made.means = (covbeam_fluence_cell *)(void *)call->buffers[3].memory;
@@ -254,6 +256,9 @@ static void furnish(void) {
         "covbeam_beam_map_new", "covbeam_beam_map_new", "covbeam_beam_map_new", "covbeam_scratch_new", "covbeam_grid_deposit",
         "covbeam_grid_deposit", "covbeam_grid_resolve", "covbeam_grid_resolve", "covbeam_beam_map_add", "covbeam_beam_map_add",
         "covbeam_beam_map_add", "covbeam_beam_map_commit", "covbeam_beam_map_commit", "covbeam_grid_save",
+        "covbeam_reconstruction_new", "covbeam_reconstruction_new", "covbeam_reconstruction_update",
+        "covbeam_reconstruction_update", "covbeam_march_new", "covbeam_march_new", "covbeam_march_update",
+        "covbeam_march_update",
     };
     for (size_t i = 0; i < sizeof usual / sizeof *usual; i++)
         if (!chance(6)) call_function(named(usual[i]), NULL, 0, false);
@@ -329,6 +334,8 @@ static void check_others(void) {
     covbeam_density_free(NULL);
     covbeam_grid_free(NULL);
     covbeam_scratch_free(NULL);
+    covbeam_reconstruction_free(NULL);
+    covbeam_march_free(NULL);
 }
 
 int main(int argc, char **argv) {

@@ -24,7 +24,7 @@ from unittest import mock
 import numpy as np
 
 import covbeam as cb
-from covbeam import _abi, _arrays, _library, light_field, spectrum
+from covbeam import _abi, _arrays, _library, image, light_field, march, spectrum
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 FOG = cb.Medium(scattering=0.2)
@@ -190,6 +190,100 @@ class Picture(unittest.TestCase):
         # The lamp is in the middle.
         centre = picture[24:40, 24:40].mean()
         self.assertGreater(centre, 3 * np.concatenate([picture[:8], picture[-8:]]).mean())
+
+
+class ImageSpace(unittest.TestCase):
+    def test_pixels_need_fewer_rays_where_the_grid_says_that_light_is_smooth(self):
+        # Parallel rays that pass the lamp at 0.1 to 1.5 m; a pixel is 1 cm wide, to the right and down.
+        rays = np.zeros(15, cb.EYE_RAY)
+        rays["origin"][:, 0], rays["origin"][:, 2] = np.linspace(0.1, 1.5, 15), -2
+        rays["direction"], rays["length"] = (0, 0, 1), 4
+        steps = np.zeros(2, cb.PIXEL_STEP)
+        steps["origin"][0, 0] = steps["origin"][1, 1] = 0.01
+        spectra = image.along(resolved(), FOG, rays, steps)
+        self.assertTrue((spectra["weight"] > 0).all())
+        filters = image.filters(spectra, 0.01, 50.0)
+        densities = image.densities(filters)
+        self.assertTrue(((densities > 0) & (densities <= 1)).all())
+        self.assertLess(densities[-1], 0.5 * densities[0])
+        pixels = image.pixels(16, 16)
+        chosen = image.thresholds(1, 0, pixels) < densities[-1]
+        # The pattern strays from its share by 7.4 of 256 at most.
+        self.assertLess(abs(chosen.sum() - 256 * densities[-1]), 7.5)
+
+    def test_light_does_not_bleed_across_a_silhouette_nor_a_nan_anywhere(self):
+        width, height = 12, 6
+        right = np.tile(np.arange(width) >= 6, height)
+        samples = np.zeros(width * height, cb.FILM_SAMPLE)
+        samples["radiance"], samples["weight"] = np.where(right, 8, 1)[:, np.newaxis], 1
+        samples["radiance"][14] = np.nan
+        regions = image.regions(width, height, np.where(right, 5, 2).astype(np.float32))
+        self.assertEqual(set(regions.reshape(height, width)[2].tolist()), {0, 1, 8})
+        pixels = image.pixels(width, height)
+        wide = np.zeros((), cb.IMAGE_FILTER)
+        wide["xx"] = wide["yy"] = 9
+        with cb.Reconstruction(width, height) as picture:
+            self.assertEqual(picture.pixels(pixels, wide).max(), 0)
+            picture.update(samples, regions)
+            found = picture.pixels(pixels, wide)
+            np.testing.assert_allclose(found[:, 0], np.where(right, 8, 1), rtol=1e-5)
+            picture.update(samples)
+            self.assertTrue(1.5 < picture.pixels(pixels[5], wide)[0] < 7.5)
+        with self.assertRaisesRegex(cb.Error, "used after close"):
+            picture.update(samples)
+
+    def test_what_is_no_picture_is_refused(self):
+        picture = cb.Reconstruction(4, 3)
+        none = np.zeros((), cb.IMAGE_FILTER)
+        with self.assertRaisesRegex(cb.Error, "pixels: .4, 0. is outside of the picture"):
+            picture.pixels(np.array([4, 0], np.uint32), none)
+        with self.assertRaisesRegex(cb.Error, "count: 11"):
+            picture.update(np.zeros(11, cb.FILM_SAMPLE))
+        with self.assertRaisesRegex(TypeError, "pixels: dtype int64"):
+            picture.pixels(np.array([0, 0]), none)
+        for size in ((0, 3), (65537, 1)):
+            with self.assertRaisesRegex(cb.Error, "is not in 1 to 65536"):
+                cb.Reconstruction(*size)
+        with self.assertRaisesRegex(ValueError, "width: -1"):
+            cb.Reconstruction(-1, 3)
+
+
+class Marching(unittest.TestCase):
+    def test_a_lamp_beside_the_ray_with_a_shadow_is_as_bright_as_its_integral(self):
+        lamp = (1.0, 0.0, 3.0)
+        radiance = lambda z: 1 / (1 + (z - 3) ** 2)
+        knots = march.lay((0, 0, 0), (0, 0, 1), 0, 8, lamp)
+        self.assertTrue(np.isnan(knots["deviation"]).all())
+        knots["radiance"] = radiance(knots["distance"])
+        random = np.random.default_rng(5)
+        with cb.March() as table:
+            table.update(knots)
+            first_rays = table.first_round(32)
+            self.assertTrue(0 < first_rays < 32)
+            self.assertGreater(table.expected()[1], 0)
+            estimates = []
+            for _ in range(200):
+                first = table.place(random.random(first_rays, np.float32))
+                first["visibility"] = first["distance"] < 4
+                second = table.refine(first, random.random(32 - first_rays, np.float32))
+                lit = second["distance"] < 4
+                estimates.append((second["weight"] * radiance(second["distance"]))[lit].sum())
+        expected = math.atan(1) + math.atan(3)
+        # The table is linear between 97 knots: within 1e-3.
+        error = np.std(estimates, ddof=1) / math.sqrt(len(estimates))
+        self.assertLess(error, 0.002 * expected)
+        self.assertLess(abs(np.mean(estimates) - expected), 4 * error + 1e-3 * expected)
+
+    def test_a_table_that_is_none_is_refused(self):
+        table = cb.March()
+        with self.assertRaisesRegex(cb.Error, "call covbeam_march_update first"):
+            table.place(np.zeros(3, np.float32))
+        knots = np.zeros(3, cb.MARCH_KNOT)
+        knots["distance"] = (0, 2, 1)
+        with self.assertRaisesRegex(cb.Error, r"knots\[2\]: a distance of 1 is below"):
+            table.update(knots)
+        with self.assertRaisesRegex(ValueError, "light"):
+            march.lay((0, 0, 0), (0, 0, 1), 0, 1, (1, 2))
 
 
 class Arrays(unittest.TestCase):
@@ -735,6 +829,7 @@ class Library(unittest.TestCase):
                 name + "_many",
                 name.replace("light_field_", "light_fields_"),
                 name.replace("spectrum_", "spectra_"),
+                name.replace("image_filter_", "image_filters_"),
                 name + "s",
             }
             self.assertTrue((forms - {name}) & _abi.PROTOTYPES.keys(), f"{name} is not in the Python module")

@@ -18,6 +18,8 @@
 #include "vectors/media.c"
 #include "vectors/grids.c"
 #include "vectors/maps.c"
+#include "vectors/film.c"
+#include "vectors/march.c"
 #include "vectors/plurals.c"
 
 #define CALL(name) { #name, name }
@@ -40,6 +42,10 @@ static const struct {
     CALL(density_new), CALL(grid_new), CALL(grid_deposit), CALL(grid_deposit_spectra), CALL(grid_resolve),
     CALL(grid_look_up), CALL(grid_save), CALL(cross), CALL(gather_pair), CALL(filter_beams),
     CALL(beam_map_new), CALL(beam_map_clear), CALL(beam_map_add), CALL(beam_map_commit), CALL(beam_map_gather),
+    CALL(image_spectrum_along), CALL(image_spectrum_filter), CALL(image_filter_density), CALL(pixel_threshold),
+    CALL(film_regions), CALL(reconstruction_new), CALL(reconstruction_update), CALL(reconstruction_pixel),
+    CALL(march_lay), CALL(march_update), CALL(march_get_expected), CALL(march_get_first_round), CALL(march_place),
+    CALL(march_refine),
 };
 enum { CALLS = sizeof calls / sizeof calls[0] };
 
@@ -91,6 +97,8 @@ int main(int count, char **arguments)
         free(lines[i].in);
         free(lines[i].out);
     }
+    covbeam_march_free(march);
+    covbeam_reconstruction_free(picture);
     covbeam_scratch_free(scratch);
     covbeam_beam_map_free(map);
     covbeam_grid_free(grid);

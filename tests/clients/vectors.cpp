@@ -137,6 +137,8 @@ public:
         media();
         grids();
         maps();
+        image_space();
+        marches();
     }
 
     void line(const std::string& name, const Words& in, const Words& expected) {
@@ -144,7 +146,8 @@ public:
         if (found == single_.end()) throw Mismatch("unknown name");
         const auto many_found = plural_.find(name);
         // Density and grid stay as they are until the lines of one state have been called at once.
-        if (name == "density_new" || name.compare(0, 5, "grid_") == 0) flush();
+        const bool changes = name == "reconstruction_new" || name == "reconstruction_update";
+        if (name == "density_new" || name.compare(0, 5, "grid_") == 0 || changes) flush();
         In reader(in);
         Out out;
         found->second(reader, out);
@@ -248,6 +251,8 @@ private:
     void media();
     void grids();
     void maps();
+    void image_space();
+    void marches();
 
     std::map<std::string, Single> single_;
     std::map<std::string, Plural> plural_;
@@ -256,6 +261,8 @@ private:
     std::unique_ptr<cb::Grid> grid_;
     std::unique_ptr<cb::BeamMap> map_;
     cb::Scratch scratch_;
+    std::unique_ptr<cb::Reconstruction> picture_;
+    cb::March march_;
     std::set<std::string> names_;
     size_t calls_ = 0, arrays_ = 0, elements_ = 0;
 };
@@ -540,6 +547,94 @@ void Client::maps() {
         std::vector<covbeam_gathered> gathered(rays.size());
         map_->gather(k, grid, rays, gathered, scratch_);
         out.all(gathered);
+    };
+}
+
+void Client::image_space() {
+    struct Two {
+        covbeam_pixel_step steps[2];
+    };
+    gives("image_spectrum_along", [this](In& in) {
+        const cb::Medium m = medium(in);
+        const covbeam_eye_ray ray = in.take<covbeam_eye_ray>();
+        const Two two = in.take<Two>();
+        return cb::ImageSpectrum::along(*grid_, m, ray, two.steps);
+    });
+    array("image_spectrum_along", 16, [this](In& in, Rows& r) {
+        many::along(*grid_, medium(in), r.get<covbeam_eye_ray>(0), r.get<covbeam_pixel_step, 2>(7),
+                    r.put<covbeam_image_spectrum>());
+    });
+    gives("image_spectrum_filter", [](In& in) {
+        const cb::ImageSpectrum s = in.take<cb::ImageSpectrum>();
+        const float error = in.f();
+        return s.filter(error, in.f());
+    });
+    array("image_spectrum_filter", 0, [](In&, Rows& r) {
+        many::filter(r.get<covbeam_image_spectrum>(0), r.f(4), r.f(5), r.put<covbeam_image_filter>());
+    });
+    gives("image_filter_density", [](In& in) { return in.take<cb::ImageFilter>().density(); });
+    array("image_filter_density", 0,
+          [](In&, Rows& r) { many::density(r.get<covbeam_image_filter>(0), r.put<float>()); });
+    gives("pixel_threshold", [](In& in) {
+        const uint32_t pass = in.u(), seed = in.u(), pixel[1][2] = {{in.u(), in.u()}};
+        const float threshold = cb::pixel_threshold(pass, seed, pixel[0]);
+        float again[1];
+        many::pixel_threshold(pass, seed, pixel, again);
+        if (std::memcmp(&threshold, again, 4) != 0) throw Mismatch("the array form differs");
+        return threshold;
+    });
+    single_["film_regions"] = [](In& in, Out& out) {
+        const uint32_t width = in.u(), height = in.u();
+        const std::vector<float> depths = in.rest<float>();
+        std::vector<uint32_t> labels(depths.size());
+        cb::film_regions(width, height, depths, labels);
+        out.all(labels);
+    };
+    single_["reconstruction_new"] = [this](In& in, Out&) {
+        const uint32_t width = in.u();
+        picture_.reset(new cb::Reconstruction(width, in.u()));
+    };
+    single_["reconstruction_update"] = [this](In& in, Out&) {
+        std::vector<covbeam_film_sample> samples(in.left() / 5);
+        for (covbeam_film_sample& sample : samples) sample = in.take<covbeam_film_sample>();
+        picture_->update(samples, in.rest<uint32_t>());
+    };
+    gives("reconstruction_pixel", [this](In& in) {
+        const uint32_t pixel[2] = {in.u(), in.u()};
+        Vec radiance;
+        picture_->pixel(pixel, in.take<covbeam_image_filter>(), radiance.v);
+        return radiance;
+    });
+    array("reconstruction_pixel", 0, [this](In&, Rows& r) {
+        picture_->pixels(r.get<uint32_t, 2>(0), r.get<covbeam_image_filter>(2), r.put<float, 3>());
+    });
+}
+
+void Client::marches() {
+    single_["march_lay"] = [](In& in, Out& out) {
+        const Vec origin = in.take<Vec>(), direction = in.take<Vec>();
+        const float from = in.f(), to = in.f();
+        const Vec light = in.take<Vec>();
+        std::vector<covbeam_march_knot> knots(in.u());
+        cb::March::lay(origin, direction, from, to, light, knots);
+        for (const covbeam_march_knot& knot : knots) out << knot.distance;
+    };
+    single_["march_update"] = [this](In& in, Out&) { march_.update(in.rest<covbeam_march_knot>()); };
+    gives("march_get_expected", [this](In&) { return march_.expected(); });
+    gives("march_get_first_round", [this](In& in) { return uint32_t(march_.first_round(in.u())); });
+    single_["march_place"] = [this](In& in, Out& out) {
+        const std::vector<float> jitters = in.rest<float>();
+        std::vector<covbeam_march_sample> samples(jitters.size());
+        march_.place(jitters, samples);
+        out.all(samples);
+    };
+    single_["march_refine"] = [this](In& in, Out& out) {
+        std::vector<covbeam_march_sample> firsts(in.u());
+        for (covbeam_march_sample& first : firsts) first = in.take<covbeam_march_sample>();
+        const std::vector<float> jitters = in.rest<float>();
+        std::vector<covbeam_march_sample> samples(jitters.size());
+        march_.refine(firsts, jitters, samples);
+        out.all(samples);
     };
 }
 

@@ -9,7 +9,7 @@ import sys
 import numpy as np
 
 import covbeam as cb
-from covbeam import kernel, light_field, spectrum
+from covbeam import image, kernel, light_field, march, spectrum
 
 LEAST_CALLS, LEAST_NAMES = 500, 40
 
@@ -72,6 +72,8 @@ PLAIN = {
     "light_field_slice": (light_field.slice, [FIELD]),
     "light_field_fluence": (light_field.fluence, [FIELD, NUMBER]),
     "light_field_variance_along_ray": (light_field.variance_along_ray, [FIELD, NUMBER]),
+    "image_spectrum_filter": (image.filters, [cb.IMAGE_SPECTRUM, NUMBER, NUMBER]),
+    "image_filter_density": (image.densities, [cb.IMAGE_FILTER]),
     "spectrum_variance_along": (spectrum.variance_along, [cb.SPECTRUM, 3]),
     "spectrum_add_along": (changing(spectrum.add_along), [cb.SPECTRUM, 3, NUMBER]),
 }
@@ -122,7 +124,8 @@ class Script:
     """What the lines act on."""
 
     def __init__(self):
-        self.density = self.grid = self.map = None
+        self.density = self.grid = self.map = self.picture = None
+        self.march = cb.March()
         # (function, key of what the calls share) -> rows of input and of output words
         self.together = {}
 
@@ -167,6 +170,13 @@ class Script:
             ray = words[:7].copy().view(cb.EYE_RAY)
             call = lambda beams: cb.cross(ray, beams)[::-1]
             return self.alone(name, words[:7].tobytes(), call, [cb.BEAM], words[7:], expected)
+        if name == "image_spectrum_along":
+            medium = medium_of(words[:16], self)
+            call = lambda rays, steps: image.along(self.grid, medium, rays, steps_of(steps))
+            return self.alone(name, words[:16].tobytes(), call, [cb.EYE_RAY, 12], words[16:], expected)
+        if name == "reconstruction_pixel":
+            call = lambda pixels, filters: self.picture.pixels(pixels.view(np.uint32), filters)
+            return self.alone(name, None, call, [2, cb.IMAGE_FILTER], words, expected)
         method = getattr(self, name, None)
         if method is None:
             raise Difference(f"{name} is no function that this client knows")
@@ -268,6 +278,46 @@ class Script:
     def beam_map_gather(self, words, _):
         return flat(self.map.gather(kernel_of(words[1:5]), self.grid if words[0] else None, words[5:].view(cb.EYE_RAY)))
 
+    def pixel_threshold(self, words, _):
+        return flat(image.thresholds(words[0], words[1], words[2:4]))
+
+    def film_regions(self, words, numbers):
+        return flat(image.regions(words[0], words[1], numbers[2:]))
+
+    def reconstruction_new(self, words, _):
+        self.run_together()
+        self.picture = cb.Reconstruction(*words)
+        return NOTHING
+
+    def reconstruction_update(self, words, _):
+        self.run_together()
+        count = len(words) // 5
+        self.picture.update(words[: 4 * count].view(cb.FILM_SAMPLE), words[4 * count :])
+        return NOTHING
+
+    def march_lay(self, words, numbers):
+        knots = march.lay(numbers[0:3], numbers[3:6], numbers[6], numbers[7], numbers[8:11], int(words[11]))
+        return flat(np.ascontiguousarray(knots["distance"]))
+
+    def march_update(self, words, _):
+        self.march.update(words.view(cb.MARCH_KNOT))
+        return NOTHING
+
+    def march_get_expected(self, _words, _numbers):
+        return flat(tuple(np.float32(number) for number in self.march.expected()))
+
+    def march_get_first_round(self, words, _):
+        return flat(np.uint32(self.march.first_round(int(words[0]))))
+
+    def march_place(self, _, numbers):
+        return flat(self.march.place(numbers))
+
+    def march_refine(self, words, numbers):
+        count = 1 + 6 * int(words[0])
+        # An f64 is among them, so that the words must lie on its boundary.
+        firsts = words[1:count].copy().view(cb.MARCH_SAMPLE)
+        return flat(self.march.refine(firsts, numbers[count:]))
+
     def gather_pair(self, words, numbers):
         gathered = np.zeros(1, cb.GATHERED)
         medium, narrowed = medium_of(words[1:17], self), kernel_of(words[17:21])
@@ -282,6 +332,11 @@ class Script:
 
 
 NOTHING = np.zeros(0, np.uint32)
+
+
+def steps_of(numbers):
+    """Two PIXEL_STEP a row of 12 floats."""
+    return numbers.view(cb.PIXEL_STEP)
 
 
 def fnv(data):

@@ -51,6 +51,16 @@ SIZE(kernel, 20); AT(kernel, struct_size, 0); AT(kernel, shape, 4); AT(kernel, p
 AT(kernel, ceiling, 12); AT(kernel, error, 16);
 SIZE(schedule, 24); AT(schedule, struct_size, 0); AT(schedule, shape, 4); AT(schedule, radius, 8);
 AT(schedule, alpha, 12); AT(schedule, max_radius, 16); AT(schedule, error, 20);
+SIZE(pixel_step, 24); AT(pixel_step, origin, 0); AT(pixel_step, direction, 12);
+SIZE(image_spectrum, 16); AT(image_spectrum, xx, 0); AT(image_spectrum, xy, 4); AT(image_spectrum, yy, 8);
+AT(image_spectrum, weight, 12);
+SIZE(image_filter, 12); AT(image_filter, xx, 0); AT(image_filter, xy, 4); AT(image_filter, yy, 8);
+SIZE(film_sample, 16); AT(film_sample, radiance, 0); AT(film_sample, weight, 12);
+SIZE(march_knot, 16); AT(march_knot, distance, 0); AT(march_knot, radiance, 4); AT(march_knot, deviation, 8);
+AT(march_knot, visibility, 12);
+SIZE(march_sample, 24); AT(march_sample, distance, 0); AT(march_sample, weight, 4); AT(march_sample, visibility, 8);
+AT(march_sample, reserved, 12); AT(march_sample, mass, 16);
+SIZE(march_expected, 8); AT(march_expected, radiance, 0); AT(march_expected, error, 4);
 static_assert(COVBEAM_OK == 0 && COVBEAM_NULL_POINTER == 1 && COVBEAM_MISALIGNED == 2 && COVBEAM_INVALID_VALUE == 3 &&
               COVBEAM_INVALID_ARRAY == 4 && COVBEAM_SHORT_BUFFER == 5 && COVBEAM_INVALID_HANDLE == 6 && COVBEAM_WRONG_ORDER == 7 &&
               COVBEAM_MISMATCH == 8 && COVBEAM_BAD_DATA == 9 && COVBEAM_OUT_OF_MEMORY == 10 && COVBEAM_CANCELLED == 11 &&
@@ -69,7 +79,8 @@ template <class T> struct Owner {
     static constexpr bool ok = std::is_nothrow_move_constructible<T>::value && std::is_nothrow_move_assignable<T>::value &&
                                !std::is_copy_constructible<T>::value && sizeof(T) == sizeof(void*);
 };
-static_assert(Owner<cb::Grid>::ok && Owner<cb::Density>::ok && Owner<cb::BeamMap>::ok && Owner<cb::Scratch>::ok,
+static_assert(Owner<cb::Grid>::ok && Owner<cb::Density>::ok && Owner<cb::BeamMap>::ok && Owner<cb::Scratch>::ok &&
+                  Owner<cb::Reconstruction>::ok && Owner<cb::March>::ok,
               "owners move without a throw, are not copied, and are one pointer");
 
 namespace {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// The sources that C sees something of, in the order of the manual. (`lib.rs` would bring all of them once more.)
-const SOURCES: [&str; 16] = [
+const SOURCES: [&str; 19] = [
     "version.rs",
     "status.rs",
     "types.rs",
@@ -20,6 +20,9 @@ const SOURCES: [&str; 16] = [
     "kernel.rs",
     "beam_map.rs",
     "pair.rs",
+    "image.rs",
+    "film.rs",
+    "march.rs",
 ];
 
 /// The folder of the repository.

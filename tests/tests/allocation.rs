@@ -5,9 +5,11 @@ use std::hint::black_box;
 use allocation_counter::measure;
 use covbeam::{
     Attenuation, Beam, BeamBlock, Column, CovarianceGrid, Curvature, Density, DensityGrid,
-    ExponentialDensity, EyeRay, FluenceCell, FluenceGrid, FluenceSpectrum, Gathered, GridCell, GridError,
-    GridLayout, Kernel, KernelRadius, Knot, LightField, Medium, Passage, PhaseFunction, PhaseKind, Vec2,
-    Vec3, cross, error_bound, gather_pair, progressive_radius,
+    ExponentialDensity, EyeRay, FilmNode, FilmSample, FluenceCell, FluenceGrid, FluenceSpectrum, Gathered,
+    GridCell, GridError, GridLayout, ImageFilter, ImageSpectrum, Kernel, KernelRadius, Knot, LightField,
+    March, MarchCell, MarchKnot, MarchSample, Medium, Passage, PhaseFunction, PhaseKind, PixelStep,
+    Reconstruction, Vec2, Vec3, cross, error_bound, film_regions, gather_pair, pixel_threshold,
+    progressive_radius,
 };
 
 const LAYOUT: GridLayout = GridLayout { min: Vec3::splat(-2.0), max: Vec3::splat(2.0), cells: [8, 8, 8] };
@@ -84,7 +86,8 @@ fn the_grid_does_not_allocate() {
         grid.load(&bytes).unwrap();
         black_box((GridLayout::of_saved(&bytes) == Ok(LAYOUT), LAYOUT.saved_size()));
         black_box(CovarianceGrid::new(LAYOUT, &mut []).err() == Some(GridError::Length));
-        found = FluenceGrid::new(LAYOUT, &means).unwrap().look_up(Vec3::splat(0.1));
+        let look_up = FluenceGrid::new(LAYOUT, &means).unwrap();
+        found = look_up.look_up(Vec3::splat(0.1));
     });
     assert!(found.is_some());
     assert_eq!(count, 0);
@@ -165,4 +168,61 @@ fn the_gather_does_not_allocate() {
         hits = block.test(&ray, radius.ceiling);
     });
     assert_eq!((count, gathered.pairs, hits), (0, 1, 1));
+}
+
+#[test]
+fn image_space_does_not_allocate() {
+    let spectrum = FluenceSpectrum { xx: 1.0, yy: 2.0, zz: 3.0, ..FluenceSpectrum::default() };
+    let means = vec![FluenceCell { spectrum, weight: 1.0 }; LAYOUT.cell_count()];
+    let mut samples = vec![FilmSample::default(); 33 * 17];
+    let (mut regions, depth) = (vec![0; 33 * 17], vec![2.0; 33 * 17]);
+    let mut nodes = vec![FilmNode::default(); Reconstruction::node_count(33, 17)];
+    let mut pixel = Vec3::ZERO;
+    let count = allocations(|| {
+        let grid = FluenceGrid::new(LAYOUT, &means).unwrap();
+        let ray = EyeRay { origin: Vec3::splat(-1.0), direction: Vec3::Z, length: f32::INFINITY };
+        let steps =
+            [Vec3::X, Vec3::NEG_Y].map(|step| PixelStep { origin: Vec3::ZERO, direction: 0.01 * step });
+        let medium = Medium { scattering: Vec3::ONE, ..Medium::default() };
+        let air = ExponentialDensity { origin: Vec3::ZERO, up: Vec3::Y, scale_height: 2.0 };
+        let density = Density::Exponential(air);
+        let column = density.column(ray.origin, ray.direction, &[]);
+        let found = ImageSpectrum::along(&ray, &steps, &grid, &medium, &density, &column);
+        let filter: ImageFilter = found.filter(0.04, 16.0);
+        for i in 0..33 * 17 {
+            if pixel_threshold(i % 33, i / 33, 1, 0) < filter.density() {
+                samples[i as usize] = FilmSample { radiance: Vec3::ONE, weight: 1.0 };
+            }
+        }
+        film_regions(33, 17, &depth, &mut regions).unwrap();
+        black_box(Reconstruction::node_count(33, 17));
+        let picture = Reconstruction::new(33, 17, &samples, &regions, &mut nodes).unwrap();
+        pixel = picture.pixel(20, 9, &filter);
+    });
+    assert!(pixel.x > 0.0);
+    assert_eq!(count, 0);
+}
+
+#[test]
+fn the_march_does_not_allocate() {
+    let mut knots = [MarchKnot::default(); 33];
+    let mut cells = [MarchCell::default(); 33];
+    let (mut first, mut second) = ([MarchSample::default(); 8], [MarchSample::default(); 16]);
+    let count = allocations(|| {
+        MarchKnot::lay(Vec3::ZERO, Vec3::Z, 0.0, 9.0, Vec3::new(1.0, 0.0, 2.0), &mut knots).unwrap();
+        for knot in &mut knots {
+            (knot.radiance, knot.deviation, knot.visibility) = (1.0, 0.5, 0.5);
+        }
+        let march = March::new(&knots, &mut cells).unwrap();
+        black_box((
+            march.radiance(),
+            march.expected_radiance(),
+            march.expected_error(),
+            march.first_round(24),
+        ));
+        march.place(&[0.5; 8], &mut first);
+        march.refine(&first, &[0.5; 16], &mut second);
+    });
+    assert!(second[0].weight > 0.0);
+    assert_eq!(count, 0);
 }

@@ -19,6 +19,7 @@ fn pass() -> impl Strategy<Value = PassImage> {
         height: 1,
         radiance,
         gather,
+        sparse: None,
     })
 }
 
@@ -60,8 +61,12 @@ fn plain_sums_of_f32_do_depend_on_the_order() {
 
 #[test]
 fn small_passes_are_not_lost_beside_a_bright_one() {
-    let one =
-        |value: f32| PassImage { width: 1, height: 1, radiance: vec![Vec3::splat(value)], gather: vec![] };
+    let one = |value: f32| PassImage {
+        width: 1,
+        height: 1,
+        radiance: vec![Vec3::splat(value)],
+        ..PassImage::default()
+    };
     let mut film = Film::new(1, 1);
     film.add(&one(16_777_216.0)).unwrap();
     let mut running = 16_777_216.0_f32;
@@ -83,7 +88,7 @@ fn the_mean_is_the_same_in_every_unit() {
             width: 1,
             height: 1,
             radiance: vec![Vec3::splat(value)],
-            gather: vec![],
+            ..PassImage::default()
         };
         let (mut film, mut scaled) = (Film::new(1, 1), Film::new(1, 1));
         for value in [0.1, 0.2, 1e-3, 700.0, 3.0] {
@@ -98,8 +103,13 @@ fn the_mean_is_the_same_in_every_unit() {
 fn sums_beyond_the_range_stop_there() {
     let mut film = Film::new(1, 1);
     for _ in 0..2 {
-        film.add(&PassImage { width: 1, height: 1, radiance: vec![Vec3::splat(3e38)], gather: vec![] })
-            .unwrap();
+        film.add(&PassImage {
+            width: 1,
+            height: 1,
+            radiance: vec![Vec3::splat(3e38)],
+            ..PassImage::default()
+        })
+        .unwrap();
     }
     // 2^47 over two passes.
     assert_eq!(film.picture().radiance[0], Vec3::splat(2.0_f32.powi(46)));

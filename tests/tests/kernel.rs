@@ -174,3 +174,33 @@ fn without_data_the_radius_is_the_progressive_one() {
     assert_eq!(radius.at(Vec3::splat(0.5), Vec3::X), (0.03, 0.0));
     assert_eq!(radius.at(Vec3::splat(5.0), Vec3::X), (0.03, 0.0));
 }
+
+#[test]
+fn beside_a_bright_voxel_the_bias_is_bounded_relative_to_the_dim_one() {
+    let layout = GridLayout { min: Vec3::ZERO, max: Vec3::new(2.0, 1.0, 1.0), cells: [2, 1, 1] };
+    let spectrum = FluenceSpectrum { xx: 4.0, yy: 9.0, zz: 1.0, ..FluenceSpectrum::default() };
+    for dim in [1.0_f32, 0.5, 0.01, 1e-6] {
+        let cells = [FluenceCell { spectrum, weight: 1.0 }, FluenceCell { spectrum, weight: dim }];
+        let grid = FluenceGrid::new(layout, &cells).unwrap();
+        let radius = KernelRadius {
+            kernel: Kernel::Box,
+            progressive: 1e-6,
+            ceiling: 100.0,
+            error: 0.01,
+            grid: Some(grid),
+        };
+        for share in [0.0, 0.25, 0.5, 1.0] {
+            let (w, t) = (f64::from(dim), f64::from(share));
+            // Arithmetic over harmonic mean of the two weights.
+            let contrast = (1.0 - t + t * w) * (1.0 - t + t / w);
+            let sigma = f64::from(radius.at(Vec3::new(0.5 + share, 0.5, 0.5), Vec3::Y).1);
+            // A dozen f32 roundings.
+            assert!((sigma / (3.0 * contrast.sqrt()) - 1.0).abs() < 2e-6, "{dim} {share}: {sigma}");
+        }
+    }
+    // A voxel without data is no dim one.
+    let cells = [FluenceCell { spectrum, weight: 1.0 }, FluenceCell::default()];
+    let grid = Some(FluenceGrid::new(layout, &cells).unwrap());
+    let radius = KernelRadius { kernel: Kernel::Box, progressive: 1e-6, ceiling: 100.0, error: 0.01, grid };
+    assert_eq!(radius.at(Vec3::new(1.0, 0.5, 0.5), Vec3::Y).1, 3.0);
+}

@@ -1,5 +1,6 @@
 //! Pinhole camera.
 
+use covbeam::PixelStep;
 use glam::Vec3;
 
 /// Pinhole camera with square pixels.
@@ -28,6 +29,16 @@ impl Camera {
         let h = (x - 0.5 * self.width as f32) * scale;
         let v = (0.5 * self.height as f32 - y) * scale;
         (self.forward + h * self.right + v * self.up).normalize()
+    }
+
+    /// How the eye ray of this unit direction changes with a pixel to the right and a pixel down.
+    pub fn pixel_steps(&self, direction: Vec3) -> [PixelStep; 2] {
+        // The directions are normalised: at distance 1 along the axis a pixel is this large, here it is seen from further away.
+        let pixel = 2.0 * self.tan_half_height / self.height as f32 * direction.dot(self.forward);
+        [self.right, -self.up].map(|axis| {
+            let moved = pixel * axis;
+            PixelStep { origin: Vec3::ZERO, direction: moved - moved.dot(direction) * direction }
+        })
     }
 
     /// The picture point of a world point, with its importance: the solid angle of the pixel there is

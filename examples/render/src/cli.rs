@@ -47,6 +47,13 @@ pub(crate) struct RenderArgs {
     /// How the picture is made
     #[arg(long, value_enum, default_value_t)]
     pub(crate) method: MethodName,
+    /// Trace an eye ray through every pixel in each pass; without it, the methods adaptive and march trace few where the picture is smooth,
+    /// and filter between them
+    #[arg(long)]
+    pub(crate) every_pixel: bool,
+    /// Write maps of the eye rays beside the picture: NAME-density.png and NAME-filters.png
+    #[arg(long, conflicts_with = "every_pixel")]
+    pub(crate) maps: bool,
     /// Stop after this many passes [default: the scene's]
     #[arg(long, value_name = "N", conflicts_with = "time", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) passes: Option<u32>,
@@ -56,6 +63,10 @@ pub(crate) struct RenderArgs {
     /// Light paths a pass [default: the scene's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) photons: Option<u32>,
+    /// Shadow rays a pixel and pass of the method march, on average, for each light and each piece of an eye path
+    /// [default: 16]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub(crate) samples: Option<u32>,
     /// Another seed gives another noise, the same seed the same bits [default: the scene's]
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u32>,
@@ -77,6 +88,8 @@ pub(crate) enum MethodName {
     Adaptive,
     /// Unbiased connections to the camera: right in the mean, noisy, blind to what is behind glass
     LightTrace,
+    /// Light scattered once, by shadow rays from places along the eye rays
+    March,
 }
 
 impl MethodName {
@@ -85,6 +98,7 @@ impl MethodName {
             Self::Ppb => Method::Ppb,
             Self::Adaptive => Method::Adaptive,
             Self::LightTrace => Method::LightTrace,
+            Self::March => Method::March,
         }
     }
 
@@ -93,6 +107,7 @@ impl MethodName {
             Self::Ppb => "ppb",
             Self::Adaptive => "adaptive",
             Self::LightTrace => "light-trace",
+            Self::March => "march",
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Pictures as the bytes of an OpenEXR file.
 
-use crate::film::{Layers, Picture};
+use crate::film::{Layers, Maps, Picture};
 use crate::output::RenderInfo;
+use covbeam::ImageFilter;
 use exr::image::Blocks;
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Compression, Encoding, FlatSamples, Image, Layer,
@@ -13,6 +14,10 @@ use std::io::Cursor;
 /// Names of the channels of [`Layers`]: layer.channel, as Blender, Nuke and the OpenEXR tools understand it.
 const LAYER_CHANNELS: [&str; 3] = ["radius.Y", "sigma.Y", "samples.Y"];
 
+/// Names of the channels of [`Maps`].
+const MAP_CHANNELS: [&str; 7] =
+    ["volume.R", "volume.G", "volume.B", "filter.xx", "filter.xy", "filter.yy", "density.Y"];
+
 /// The picture as an EXR of one part, f32, ZIP; the same input gives the same bytes.
 pub(crate) fn encode(picture: &Picture, info: &RenderInfo) -> Result<Vec<u8>, String> {
     let size = Vec2(picture.width as usize, picture.height as usize);
@@ -23,6 +28,18 @@ pub(crate) fn encode(picture: &Picture, info: &RenderInfo) -> Result<Vec<u8>, St
         let samples = [&layers.radius, &layers.sigma, &layers.samples];
         channels
             .extend(LAYER_CHANNELS.iter().zip(samples).map(|(name, samples)| channel(name, samples.clone())));
+    }
+
+    if let Some(Maps { volume, filters, density }) = &picture.maps {
+        let numbers = volume.iter().zip(filters).zip(density);
+        let numbers = numbers.map(|((v, f), density)| [v.x, v.y, v.z, f.xx, f.xy, f.yy, *density]);
+        let numbers: Vec<[f32; 7]> = numbers.collect();
+        channels.extend(
+            MAP_CHANNELS
+                .iter()
+                .enumerate()
+                .map(|(index, name)| channel(name, numbers.iter().map(|numbers| numbers[index]).collect())),
+        );
     }
 
     let software = concat!("covbeam ", env!("CARGO_PKG_VERSION"));
@@ -117,7 +134,15 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Picture, String> {
         [Some(radius), Some(sigma), Some(samples)] => Some(Layers { radius, sigma, samples }),
         _ => None,
     };
-    Ok(Picture { width: layer.size.0 as u32, height: layer.size.1 as u32, radiance, layers })
+    let all = |names: &[&str]| names.iter().map(|name| find(name, layer)).collect::<Option<Vec<_>>>();
+    let maps = all(&MAP_CHANNELS).map(|found| Maps {
+        volume: (0..pixels).map(|i| Vec3::new(found[0][i], found[1][i], found[2][i])).collect(),
+        filters: (0..pixels)
+            .map(|i| ImageFilter { xx: found[3][i], xy: found[4][i], yy: found[5][i] })
+            .collect(),
+        density: found[6].clone(),
+    });
+    Ok(Picture { width: layer.size.0 as u32, height: layer.size.1 as u32, radiance, layers, maps })
 }
 
 #[cfg(test)]
@@ -137,7 +162,7 @@ mod tests {
         let radiance =
             (0..35 * 21).map(|i| Vec3::new(value(i), value(3 * i + 1), value(5 * i + 2))).collect();
         let layers = Layers { radius: many(9), sigma: many(99), samples: many(999) };
-        Picture { width: 35, height: 21, radiance, layers: Some(layers) }
+        Picture { width: 35, height: 21, radiance, layers: Some(layers), maps: None }
     }
 
     #[test]

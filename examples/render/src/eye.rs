@@ -3,6 +3,7 @@
 use crate::fog::Fog;
 use crate::geometry::Hit;
 use crate::optics::{Boundary, Interior, facing_normal, reflect};
+use crate::plan::Wanted;
 use crate::random::{Random, mix};
 use crate::scene::{Material, Scene};
 use crate::surface::SurfaceMap;
@@ -15,6 +16,9 @@ const SPLITS: u32 = 4;
 
 /// Paths lighter than this play roulette.
 const LIGHT_PATH: f32 = 0.02;
+
+/// Signature of paths that have met no surface.
+const FIRST: u64 = 0;
 
 /// A straight piece of an eye path inside a medium.
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +33,13 @@ pub struct EyeSegment {
     pub pixel: u32,
     /// Equal for paths that have met the same surfaces in the same way.
     pub signature: u64,
+}
+
+impl EyeSegment {
+    /// Whether it is the piece that starts at the camera.
+    pub fn is_first(&self) -> bool {
+        self.signature == FIRST
+    }
 }
 
 /// Follows eye paths of one scene.
@@ -54,6 +65,37 @@ struct Branch {
 }
 
 impl EyeTracer<'_> {
+    /// [`EyeTracer::trace`], of what is wanted from the eye ray only.
+    pub fn trace_wanted(
+        &self,
+        direction: Vec3,
+        pixel: u32,
+        wanted: Wanted,
+        random: &mut Random,
+        segments: &mut Vec<EyeSegment>,
+    ) -> Vec3 {
+        if !wanted.surfaces {
+            segments.extend(self.first_segment(direction, pixel));
+            return Vec3::ZERO;
+        }
+        let first = segments.len();
+        let radiance = self.trace(direction, pixel, random, segments);
+        if !wanted.volume && segments.get(first).is_some_and(EyeSegment::is_first) {
+            segments.swap_remove(first);
+        }
+        radiance
+    }
+
+    /// The piece of the path along `direction` that starts at the camera, if that is in a medium.
+    fn first_segment(&self, direction: Vec3, pixel: u32) -> Option<EyeSegment> {
+        let medium = self.interior.medium(self.scene)?;
+        let origin = self.scene.camera.position;
+        let hit = self.scene.intersect(origin, direction, f32::INFINITY);
+        let length = hit.map_or(f32::INFINITY, |hit| hit.distance);
+        let ray = EyeRay { origin, direction, length };
+        Some(EyeSegment { ray, medium, throughput: Vec3::ONE, pixel, signature: FIRST })
+    }
+
     /// Follows the path that starts along `direction`, appends its pieces in media to `segments` and returns the
     /// radiance that it sees on surfaces.
     pub fn trace(
@@ -73,7 +115,7 @@ impl EyeTracer<'_> {
             throughput: Vec3::ONE,
             interior: self.interior,
             depth: 0,
-            signature: 0,
+            signature: FIRST,
         });
         while let Some(mut branch) = branches.pop() {
             let weight = branch.throughput.max_element();

@@ -1,19 +1,54 @@
 //! What the passes add up to, with the same bits in whatever order they come.
 
+use crate::plan::{Plan, Wanted};
+use covbeam::{FilmNode, FilmSample, ImageFilter, Reconstruction};
 use glam::Vec3;
+use rayon::prelude::*;
 
 /// One pass' picture, row by row from the upper left pixel.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PassImage {
     /// Pixels across.
     pub width: u32,
     /// Pixels down.
     pub height: u32,
-    /// Estimate of radiance [W/(m² sr)].
+    /// Estimate of radiance [W/(m² sr)]; empty where not every pixel has an eye ray.
     pub radiance: Vec<Vec3>,
+    /// The eye rays, where not every pixel has one.
+    pub sparse: Option<SparseSamples>,
     /// Per pixel, over accepted pairs with contribution c (luminance): Σ c, Σ c·radius, Σ c·σ, number of pairs.
     /// Empty for methods that gather nothing (light-trace).
     pub gather: Vec<[f32; 4]>,
+}
+
+/// What few eye rays saw, one value a pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SparseSamples {
+    /// The fog before the first surface, which is filtered as `plan` says: radiance, and 1 if there was an eye ray.
+    pub volume: Vec<FilmSample>,
+    /// Surfaces, and all that is seen through and in them.
+    pub surfaces: Vec<FilmSample>,
+    /// Eye rays that were expected in the fog, in (0, 1].
+    pub density: Vec<f32>,
+    /// The plan that the eye rays were chosen by.
+    pub plan: Plan,
+}
+
+impl SparseSamples {
+    /// Without any eye rays yet.
+    pub fn new(plan: Plan) -> Self {
+        let density = plan.densities();
+        let none = vec![FilmSample::default(); density.len()];
+        Self { volume: none.clone(), surfaces: none, density, plan }
+    }
+
+    /// Sets what an eye ray through a pixel saw of what was wanted from it.
+    pub fn set(&mut self, pixel: usize, wanted: Wanted, volume: Vec3, surfaces: Vec3) {
+        let sample =
+            |radiance: Vec3, wanted: bool| FilmSample { radiance, weight: f32::from(u8::from(wanted)) };
+        self.volume[pixel] = sample(volume, wanted.volume);
+        self.surfaces[pixel] = sample(surfaces, wanted.surfaces);
+    }
 }
 
 /// A finished picture, row by row from the upper left pixel.
@@ -27,6 +62,8 @@ pub struct Picture {
     pub radiance: Vec<Vec3>,
     /// What the gather did; None for methods that gather nothing and for pictures of other programs.
     pub layers: Option<Layers>,
+    /// Where the eye rays were; None if every pixel had one in each pass.
+    pub maps: Option<Maps>,
 }
 
 /// How the beams around each pixel's eye ray were gathered; one value a pixel, 0 where no pair was accepted.
@@ -39,6 +76,17 @@ pub struct Layers {
     pub sigma: Vec<f32>,
     /// Accepted pairs of beam and eye ray a pass.
     pub samples: Vec<f32>,
+}
+
+/// How the eye rays of a picture were spread and its fog filtered: the thesis' Figure 5.20. One value a pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Maps {
+    /// The fog before the first surface, through the filters [W/(m² sr)].
+    pub volume: Vec<Vec3>,
+    /// The filters of the latest pass.
+    pub filters: Vec<ImageFilter>,
+    /// Eye rays a pixel in the latest pass.
+    pub density: Vec<f32>,
 }
 
 /// Why a pass cannot be added; the film is unchanged.
@@ -58,7 +106,7 @@ pub enum FilmError {
     },
     /// The pass is not a picture of this film.
     #[error(
-        "a pass of {width} x {height} pixels ({radiance} of radiance, {gather} of gather sums) does not fit a film of \
+        "a pass of {width} x {height} pixels ({radiance} of radiance, {sparse} of eye rays, {gather} of gather sums) does not fit a film of \
          {film_width} x {film_height}"
     )]
     Size {
@@ -68,6 +116,8 @@ pub enum FilmError {
         height: u32,
         /// Values of radiance it holds.
         radiance: usize,
+        /// Values of few eye rays it holds.
+        sparse: usize,
         /// Gather sums it holds.
         gather: usize,
         /// Pixels across, of the film.
@@ -82,7 +132,7 @@ pub enum FilmError {
 /// Every value is rounded once to a multiple of 2⁻⁸⁰ (8e-25) and summed as an integer of 128 bits, so the sum does not
 /// depend on the order of the passes. An f32 of 2⁻⁵⁶ (1.4e-17) or more is kept whole. Sums stop at 2⁴⁷ (1.4e14), which
 /// a picture in any sane unit does not reach; because no term is negative, that too is independent of the order.
-/// Costs 48 bytes a pixel, and 64 more where passes have gather sums.
+/// Costs 48 bytes a pixel, or 144 where not every pixel has an eye ray in each pass; and 64 more where passes have gather sums.
 #[derive(Clone, Debug)]
 pub struct Film {
     width: u32,
@@ -90,20 +140,40 @@ pub struct Film {
     passes: u32,
     radiance: Vec<[i128; 3]>,
     gather: Vec<[i128; 4]>,
+    volume: Vec<[i128; 4]>,
+    surfaces: Vec<[i128; 4]>,
+    density: Vec<[i128; 1]>,
+    /// Of the latest pass, in the order of their numbers.
+    plan: Option<Plan>,
 }
 
 /// 2⁸⁰: units of the fixed-point sums in 1.
 const UNITS: f64 = (1_u128 << 80) as f64;
 
 const RADIANCE_NAMES: [&str; 3] = ["red radiance", "green radiance", "blue radiance"];
+const FITS: &str = "the film's size is that of the plan";
+const SAMPLE_NAMES: [&str; 4] = ["red radiance", "green radiance", "blue radiance", "weight of eye rays"];
 const GATHER_NAMES: [&str; 4] =
     ["gathered contribution", "contribution x radius", "contribution x σ", "pairs"];
 
 impl Film {
     /// A film without passes, of `width` x `height` pixels.
     pub fn new(width: u32, height: u32) -> Self {
-        let pixels = width as usize * height as usize;
-        Self { width, height, passes: 0, radiance: vec![[0; 3]; pixels], gather: Vec::new() }
+        Self {
+            width,
+            height,
+            passes: 0,
+            radiance: Vec::new(),
+            gather: Vec::new(),
+            volume: Vec::new(),
+            surfaces: Vec::new(),
+            density: Vec::new(),
+            plan: None,
+        }
+    }
+
+    fn pixels(&self) -> usize {
+        self.width as usize * self.height as usize
     }
 
     /// Passes added so far.
@@ -118,43 +188,92 @@ impl Film {
     /// size or with gather sums where earlier ones had none; the film is then unchanged.
     pub fn add(&mut self, pass: &PassImage) -> Result<(), FilmError> {
         self.check(pass)?;
-        for (sums, value) in self.radiance.iter_mut().zip(&pass.radiance) {
-            add_exactly(sums, value.to_array());
-        }
-        self.gather.resize(pass.gather.len(), [0; 4]);
-        for (sums, value) in self.gather.iter_mut().zip(&pass.gather) {
-            add_exactly(sums, *value);
+        add_all(&mut self.radiance, pass.radiance.iter().map(Vec3::to_array));
+        add_all(&mut self.gather, pass.gather.iter().copied());
+        if let Some(SparseSamples { volume, surfaces, density, plan }) = &pass.sparse {
+            add_all(&mut self.volume, volume.iter().map(numbers));
+            add_all(&mut self.surfaces, surfaces.iter().map(numbers));
+            add_all(&mut self.density, density.iter().map(|density| [*density]));
+            if self.plan.as_ref().is_none_or(|latest| latest.pass() < plan.pass()) {
+                self.plan = Some(plan.clone());
+            }
         }
         self.passes += 1;
         Ok(())
     }
 
-    /// The mean of the passes; black without any.
+    /// The mean of the passes; black without any. Where not every pixel had an eye ray, the fog before the first surface is
+    /// reconstructed with the filters of the latest pass.
     pub fn picture(&self) -> Picture {
         let passes = f64::from(self.passes.max(1));
         let mean = |sum: &i128| (*sum as f64 / UNITS / passes) as f32;
         let share =
             |sum: i128, whole: i128| if whole == 0 { 0.0 } else { (sum as f64 / whole as f64) as f32 };
-        let radiance = self.radiance.iter().map(|s| Vec3::from(s.each_ref().map(mean))).collect();
+        let (radiance, maps) = match &self.plan {
+            Some(plan) => {
+                let (radiance, maps) = self.reconstruct(plan);
+                (radiance, Some(maps))
+            }
+            None if self.passes == 0 => (vec![Vec3::ZERO; self.pixels()], None),
+            None => (self.radiance.iter().map(|s| Vec3::from(s.each_ref().map(mean))).collect(), None),
+        };
         let layers = (!self.gather.is_empty()).then(|| Layers {
             radius: self.gather.iter().map(|s| share(s[1], s[0])).collect(),
             sigma: self.gather.iter().map(|s| share(s[2], s[0])).collect(),
             samples: self.gather.iter().map(|s| mean(&s[3])).collect(),
         });
-        Picture { width: self.width, height: self.height, radiance, layers }
+        Picture { width: self.width, height: self.height, radiance, layers, maps }
+    }
+
+    fn reconstruct(&self, plan: &Plan) -> (Vec<Vec3>, Maps) {
+        let (width, height) = (self.width, self.height);
+        let sums = self.volume.iter().zip(&self.density);
+        let samples: Vec<FilmSample> = sums.map(|(sums, [density])| expected(sums, *density)).collect();
+        let nodes_len = Reconstruction::node_count(width, height);
+        let mut nodes = vec![FilmNode::default(); nodes_len];
+        let regions = plan.surfaces().regions();
+        let volume = Reconstruction::new(width, height, &samples, regions, &mut nodes).expect(FITS);
+        // Without a filter a pixel keeps to its own eye rays, or takes the nearest ones as long as it has none.
+        let mut surface_nodes = vec![FilmNode::default(); nodes_len];
+        let surfaces: Vec<FilmSample> = self.surfaces.iter().map(|sums| expected(sums, sums[3])).collect();
+        let surfaces =
+            Reconstruction::new(width, height, &surfaces, regions, &mut surface_nodes).expect(FITS);
+        let pixels = (0..width * height).into_par_iter().map(|pixel| {
+            let (x, y) = (pixel % width, pixel / width);
+            let filter = plan.filter(x, y);
+            let fog = volume.pixel(x, y, &filter);
+            (fog + surfaces.pixel(x, y, &ImageFilter::NONE), (fog, filter))
+        });
+        let (radiance, (volume, filters)): (Vec<_>, (Vec<_>, Vec<_>)) = pixels.unzip();
+        let density = filters.iter().map(ImageFilter::density).collect();
+        (radiance, Maps { volume, filters, density })
     }
 
     fn check(&self, pass: &PassImage) -> Result<(), FilmError> {
-        let gather = if self.passes == 0 { pass.gather.len() } else { self.gather.len() };
+        let pixels = self.pixels();
+        let first = self.passes == 0;
+        let is_sparse = if first { pass.sparse.is_some() } else { self.plan.is_some() };
+        let gather = if first { pass.gather.len() } else { self.gather.len() };
+        let radiance = if is_sparse { 0 } else { pixels };
         let fits = (pass.width, pass.height) == (self.width, self.height)
-            && pass.radiance.len() == self.radiance.len()
+            && pass.radiance.len() == radiance
+            && pass.sparse.is_some() == is_sparse
+            && pass.sparse.as_ref().is_none_or(|sparse| {
+                [
+                    sparse.volume.len(),
+                    sparse.surfaces.len(),
+                    sparse.density.len(),
+                    sparse.plan.surfaces().regions().len(),
+                ] == [pixels; 4]
+            })
             && pass.gather.len() == gather
-            && (gather == 0 || gather == self.radiance.len());
+            && (gather == 0 || gather == pixels);
         if !fits {
             return Err(FilmError::Size {
                 width: pass.width,
                 height: pass.height,
                 radiance: pass.radiance.len(),
+                sparse: pass.sparse.as_ref().map_or(0, |sparse| sparse.volume.len()),
                 gather: pass.gather.len(),
                 film_width: self.width,
                 film_height: self.height,
@@ -162,6 +281,11 @@ impl Film {
         }
         let radiance = pass.radiance.iter().map(|v| v.to_array());
         self.check_values(radiance, RADIANCE_NAMES)?;
+        if let Some(SparseSamples { volume, surfaces, density, .. }) = &pass.sparse {
+            self.check_values(volume.iter().map(numbers), SAMPLE_NAMES)?;
+            self.check_values(surfaces.iter().map(numbers), SAMPLE_NAMES)?;
+            self.check_values(density.iter().map(|density| [*density]), ["density of eye rays"])?;
+        }
         self.check_values(pass.gather.iter().copied(), GATHER_NAMES)
     }
 
@@ -186,6 +310,28 @@ impl Film {
     }
 }
 
+fn numbers(sample: &FilmSample) -> [f32; 4] {
+    let [red, green, blue] = sample.radiance.to_array();
+    [red, green, blue, sample.weight]
+}
+
+/// A pixel's sums over their expected number of eye rays. A mean over the passes' densities, not each ray over its own: a ray from an
+/// early pass, when the grid knew little and wanted few, must not outweigh all later ones (the balance heuristic).
+fn expected([red, green, blue, rays]: &[i128; 4], density: i128) -> FilmSample {
+    if density == 0 {
+        return FilmSample::default();
+    }
+    let share = |sum: &i128| (*sum as f64 / density as f64) as f32;
+    FilmSample { radiance: Vec3::new(share(red), share(green), share(blue)), weight: share(rays) }
+}
+
+fn add_all<const N: usize>(sums: &mut Vec<[i128; N]>, values: impl ExactSizeIterator<Item = [f32; N]>) {
+    sums.resize(values.len(), [0; N]);
+    for (sums, values) in sums.iter_mut().zip(values) {
+        add_exactly(sums, values);
+    }
+}
+
 fn add_exactly<const N: usize>(sums: &mut [i128; N], values: [f32; N]) {
     for (sum, value) in sums.iter_mut().zip(values) {
         // The product is exact (a power of two, far from f64's limits); `as` stops at i128's limits.
@@ -199,7 +345,13 @@ mod tests {
     use super::*;
 
     fn one_pixel(value: f32, gather: [f32; 4]) -> PassImage {
-        PassImage { width: 1, height: 1, radiance: vec![Vec3::splat(value)], gather: vec![gather] }
+        PassImage {
+            width: 1,
+            height: 1,
+            radiance: vec![Vec3::splat(value)],
+            gather: vec![gather],
+            sparse: None,
+        }
     }
 
     #[test]
@@ -217,7 +369,7 @@ mod tests {
     #[test]
     fn a_bad_value_names_its_pixel_and_leaves_the_film_unchanged() {
         let mut film = Film::new(3, 2);
-        let good = PassImage { width: 3, height: 2, radiance: vec![Vec3::ONE; 6], gather: vec![] };
+        let good = PassImage { width: 3, height: 2, radiance: vec![Vec3::ONE; 6], ..PassImage::default() };
         film.add(&good).unwrap();
         let before = film.picture();
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0] {
@@ -239,7 +391,13 @@ mod tests {
     #[test]
     fn passes_of_another_size_are_refused() {
         let mut film = Film::new(2, 1);
-        let wide = PassImage { width: 2, height: 1, radiance: vec![Vec3::ONE; 2], gather: vec![[1.0; 4]; 2] };
+        let wide = PassImage {
+            width: 2,
+            height: 1,
+            radiance: vec![Vec3::ONE; 2],
+            gather: vec![[1.0; 4]; 2],
+            sparse: None,
+        };
         film.add(&wide).unwrap();
         assert!(matches!(film.add(&one_pixel(1.0, [1.0; 4])), Err(FilmError::Size { .. })));
         assert!(matches!(film.add(&PassImage { gather: vec![], ..wide }), Err(FilmError::Size { .. })));

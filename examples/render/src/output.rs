@@ -3,6 +3,7 @@
 use crate::compare::luminance;
 use crate::exr_format;
 use crate::film::Picture;
+use crate::maps::Bitmap;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
@@ -125,7 +126,8 @@ fn write_error(path: &Path, source: io::Error) -> OutputError {
 }
 
 /// Writes the picture as EXR: channels R, G, B (linear, Rec. 709 primaries, radiance in W/(m² sr)) and, where the
-/// picture has layers, `radius.Y`, `sigma.Y`, `samples.Y`; all f32, bit for bit, ZIP-compressed. The same picture and
+/// picture has layers, `radius.Y`, `sigma.Y`, `samples.Y`; where its eye rays were planned, `volume.R`, `volume.G`, `volume.B`,
+/// `filter.xx`, `filter.xy`, `filter.yy` \[pixels²\] and `density.Y` \[eye rays a pixel and pass\]; all f32, bit for bit, ZIP-compressed. The same picture and
 /// `info` give the same bytes.
 ///
 /// # Errors
@@ -154,14 +156,23 @@ pub fn read_picture(path: &Path) -> Result<Picture, OutputError> {
 /// # Errors
 /// As [`replace_file`].
 pub fn write_png(path: &Path, picture: &Picture) -> Result<(), OutputError> {
+    let bytes = preview(picture);
+    write_bitmap(path, &Bitmap { width: picture.width, height: picture.height, bytes })
+}
+
+/// Writes a bitmap as PNG.
+///
+/// # Errors
+/// As [`replace_file`].
+pub fn write_bitmap(path: &Path, bitmap: &Bitmap) -> Result<(), OutputError> {
     let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, picture.width, picture.height);
+    let mut encoder = png::Encoder::new(&mut bytes, bitmap.width, bitmap.height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     encoder
         .write_header()
-        .and_then(|mut writer| writer.write_image_data(&preview(picture)))
+        .and_then(|mut writer| writer.write_image_data(&bitmap.bytes))
         .map_err(|error| OutputError::Encode { path: path.to_owned(), message: error.to_string() })?;
     replace_file(path, |file| file.write_all(&bytes))
 }
@@ -204,7 +215,7 @@ mod tests {
     use glam::Vec3;
 
     fn picture(width: u32, radiance: Vec<Vec3>) -> Picture {
-        Picture { width, height: radiance.len() as u32 / width, radiance, layers: None }
+        Picture { width, height: radiance.len() as u32 / width, radiance, layers: None, maps: None }
     }
 
     #[test]

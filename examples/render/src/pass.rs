@@ -1,25 +1,26 @@
 //! Renders one pass: light paths, covariance grid, beams, eye rays.
 
-use crate::eye::{EyeSegment, EyeTracer};
+use crate::eye::EyeTracer;
 use crate::film::PassImage;
 use crate::fog::Fog;
+use crate::march::{Guide, Marcher, Marching, Placement};
 use crate::operators::Operator;
 use crate::optics::Interior;
 use crate::photon::{Energy, PhotonRecord, PhotonTracer, Record};
-use crate::random::{Emission, Random};
+use crate::plan::{FirstSurfaces, Plan};
+use crate::random::Emission;
 use crate::scene::Scene;
 use crate::surface::SurfaceMap;
+use crate::view::{View, pixel_offset};
 use covbeam::{
-    BeamMap, CovarianceGrid, FluenceCell, FluenceGrid, GatherScratch, Gathered, GridCell, KernelRadius,
-    error_bound, progressive_radius,
+    Beam, BeamMap, CovarianceGrid, FluenceCell, FluenceGrid, GridCell, KernelRadius, error_bound,
+    progressive_radius,
 };
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::AddAssign;
+use std::sync::Arc;
 use std::time::Instant;
-
-/// Pixels along the side of a tile, whose eye rays are gathered together.
-const TILE: u32 = 8;
 
 /// Light paths that one task traces.
 const CHUNK: u32 = 64;
@@ -42,6 +43,8 @@ pub enum Method {
     Adaptive,
     /// Unbiased connections of every path segment and diffuse vertex with the camera; blind to what is seen through glass.
     LightTrace,
+    /// Light scattered once, by shadow rays from places along the eye rays.
+    March,
 }
 
 /// Core-seconds by part, and what they bought.
@@ -55,16 +58,20 @@ pub struct PassTimes {
     pub grid: f64,
     /// Hierarchies over beams and surface photons.
     pub build: f64,
+    /// The spectrum of the picture.
+    pub plan: f64,
     /// Eye rays, gather and shading.
     pub gather: f64,
     /// Accepted beam-ray pairs.
     pub pairs: u64,
+    /// Shadow rays of the method `march`, and the rays from the lights that guide them.
+    pub shadow_rays: u64,
 }
 
 impl PassTimes {
     /// Core-seconds of all parts.
     pub fn total(&self) -> f64 {
-        self.trace + self.light_fields + self.grid + self.build + self.gather
+        self.trace + self.light_fields + self.grid + self.build + self.plan + self.gather
     }
 }
 
@@ -74,8 +81,10 @@ impl AddAssign for PassTimes {
         self.light_fields += other.light_fields;
         self.grid += other.grid;
         self.build += other.build;
+        self.plan += other.plan;
         self.gather += other.gather;
         self.pairs += other.pairs;
+        self.shadow_rays += other.shadow_rays;
     }
 }
 
@@ -91,6 +100,8 @@ pub struct Renderer<'a> {
     tracer: PhotonTracer<'a>,
     fogs: Vec<Fog<'a>>,
     camera: Interior,
+    marching: Marching,
+    surfaces: Option<Arc<FirstSurfaces>>,
     grid: Vec<GridCell>,
     deposited: u32,
     resolved: Vec<FluenceCell>,
@@ -111,7 +122,8 @@ impl<'a> Renderer<'a> {
         seed: u32,
         emission: Emission,
     ) -> Self {
-        let cells = if method == Method::Adaptive { scene.grid.cell_count() } else { 0 };
+        let has_grid = matches!(method, Method::Adaptive | Method::March);
+        let cells = if has_grid { scene.grid.cell_count() } else { 0 };
         Self {
             scene,
             method,
@@ -120,6 +132,8 @@ impl<'a> Renderer<'a> {
             tracer: PhotonTracer::new(scene, seed, emission),
             fogs: Fog::all(scene),
             camera: Interior::at(scene, scene.camera.position),
+            marching: Marching::default(),
+            surfaces: None,
             grid: vec![GridCell::default(); cells],
             deposited: 0,
             resolved: vec![FluenceCell::default(); cells],
@@ -130,6 +144,18 @@ impl<'a> Renderer<'a> {
     /// Leaves an operator out of all light fields, to see what it buys. For the first pass to see it, call it before.
     pub fn leave_out(&mut self, operator: Operator) {
         self.tracer.leave_out(operator);
+    }
+
+    /// From now on traces few eye rays where the covariance grid says that the picture is smooth, with filters between them (thesis
+    /// 5.3.2). Call it before the first pass. Methods without a grid, and a camera outside all media, go on with an eye ray
+    /// through every pixel.
+    pub fn plan_eye_rays(&mut self) {
+        self.surfaces = Some(Arc::new(FirstSurfaces::new(self.scene)));
+    }
+
+    /// How the method `march` chooses places. Call it before the first pass.
+    pub fn march_as(&mut self, marching: Marching) {
+        self.marching = marching;
     }
 
     /// Where the power of the latest pass' light paths went.
@@ -148,6 +174,7 @@ impl<'a> Renderer<'a> {
     ) -> Option<(PassImage, PassTimes)> {
         match self.method {
             Method::LightTrace => self.light_trace(index, cancelled),
+            Method::March => self.march(index, cancelled),
             Method::Ppb | Method::Adaptive => self.beams(index, cancelled),
         }
     }
@@ -220,7 +247,8 @@ impl<'a> Renderer<'a> {
     /// Traces and deposits the light fields of the next pass alone.
     fn add_light_fields(&mut self, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<()> {
         let (next, count) = (self.deposited + 1, self.field_photons());
-        let (record, _) = self.trace(FIELD_SEQUENCE, next, count, Record::Field, cancelled)?;
+        let record = if self.method == Method::March { Record::Direct } else { Record::Field };
+        let (record, _) = self.trace(FIELD_SEQUENCE, next, count, record, cancelled)?;
         self.deposit(&record);
         Some(())
     }
@@ -282,11 +310,13 @@ impl<'a> Renderer<'a> {
         for (medium, beam) in record.beams.drain(..) {
             by_medium[medium as usize].push(beam);
         }
-        let maps: Vec<BeamMap> = by_medium
-            .into_iter()
-            .zip(&self.fogs)
-            .map(|(beams, fog)| BeamMap::build(beams, radius.ceiling, fog.medium, &fog.density))
-            .collect();
+        let build = |beams: Vec<Vec<Beam>>, ceiling: f32| -> Vec<BeamMap> {
+            let beams = beams.into_iter().zip(&self.fogs);
+            beams.map(|(beams, fog)| BeamMap::build(beams, ceiling, fog.medium, &fog.density)).collect()
+        };
+        let beyond = self.surfaces.as_ref().is_some_and(|surfaces| surfaces.has_specular());
+        let narrow_maps = beyond.then(|| build(by_medium.clone(), progressive));
+        let maps = build(by_medium, radius.ceiling);
         // A photon's disk shrinks in area as a beam's kernel shrinks in width: r² ~ 1D schedule.
         let shrink = (progressive / settings.radius).sqrt();
         let radius_on_surfaces = settings.radius * shrink;
@@ -297,103 +327,70 @@ impl<'a> Renderer<'a> {
         );
         times.build = start.elapsed().as_secs_f64();
 
-        let image = self.gather(index, &maps, &surfaces, &radius, cancelled, &mut times)?;
+        let start = Instant::now();
+        let plan = radius.grid.as_ref().and_then(|grid| self.plan(index, radius.error, grid));
+        times.plan = start.elapsed().as_secs_f64();
+
+        let interior = self.camera;
+        let tracer = EyeTracer { scene: self.scene, fogs: &self.fogs, interior, surfaces: &surfaces };
+        let view = View {
+            scene: self.scene,
+            fogs: &self.fogs,
+            tracer,
+            maps: &maps,
+            narrow_maps: narrow_maps.as_deref(),
+            radius: &radius,
+            seed: self.seed,
+            pass: index,
+            plan,
+        };
+        let (image, cost) = view.image(cancelled)?;
+        (times.gather, times.pairs) = (cost.seconds, cost.pairs);
         Some((image, times))
     }
 
-    fn gather(
-        &self,
-        index: u32,
-        maps: &[BeamMap],
-        surfaces: &SurfaceMap,
-        radius: &KernelRadius,
-        cancelled: &(dyn Fn() -> bool + Sync),
-        times: &mut PassTimes,
-    ) -> Option<PassImage> {
-        let (width, height) = (self.scene.camera.width, self.scene.camera.height);
-        let (across, down) = (width.div_ceil(TILE), height.div_ceil(TILE));
-        let tracer = EyeTracer { scene: self.scene, fogs: &self.fogs, interior: self.camera, surfaces };
-        let tiles: Option<Vec<Tile>> = (0..across * down)
-            .into_par_iter()
-            .map_init(TileScratch::default, |scratch, tile| {
-                if cancelled() {
-                    return None;
-                }
-                let (x0, y0) = (tile % across * TILE, tile / across * TILE);
-                let (x1, y1) = ((x0 + TILE).min(width), (y0 + TILE).min(height));
-                Some(self.gather_tile(index, [x0, y0, x1, y1], &tracer, maps, radius, scratch))
-            })
-            .collect();
-        let pixels = (width * height) as usize;
-        let mut image =
-            PassImage { width, height, radiance: vec![Vec3::ZERO; pixels], gather: vec![[0.0; 4]; pixels] };
-        for (tile, result) in tiles?.into_iter().enumerate() {
-            let tile = tile as u32;
-            let (x0, y0) = (tile % across * TILE, tile / across * TILE);
-            let columns = TILE.min(width - x0);
-            times.gather += result.seconds;
-            times.pairs += result.pairs;
-            for (i, (radiance, gather)) in result.pixels.into_iter().enumerate() {
-                let (x, y) = (x0 + i as u32 % columns, y0 + i as u32 / columns);
-                let pixel = (y * width + x) as usize;
-                image.radiance[pixel] = radiance;
-                image.gather[pixel] = gather;
-            }
-        }
-        Some(image)
+    /// Where the pass needs eye rays; None: everywhere.
+    fn plan(&self, index: u32, error: f32, grid: &FluenceGrid) -> Option<Plan> {
+        let surfaces = Arc::clone(self.surfaces.as_ref()?);
+        let fog = &self.fogs[self.camera.medium(self.scene)? as usize];
+        Some(Plan::new(surfaces, index, error, grid, fog))
     }
 
-    fn gather_tile(
-        &self,
-        index: u32,
-        [x0, y0, x1, y1]: [u32; 4],
-        tracer: &EyeTracer,
-        maps: &[BeamMap],
-        radius: &KernelRadius,
-        scratch: &mut TileScratch,
-    ) -> Tile {
+    fn march(&mut self, index: u32, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<(PassImage, PassTimes)> {
+        let mut times = PassTimes::default();
+        let adaptive = self.marching.placement == Placement::Adaptive;
+        if adaptive {
+            let count = self.field_photons();
+            let (fields, seconds) = self.trace(FIELD_SEQUENCE, index, count, Record::Direct, cancelled)?;
+            times.light_fields = seconds;
+            let start = Instant::now();
+            self.update_grid(index, &fields, cancelled)?;
+            times.grid = start.elapsed().as_secs_f64();
+        }
+        let scene = self.scene;
+        let key = [self.seed, index];
         let start = Instant::now();
-        let camera = &self.scene.camera;
-        let [jx, jy] = pixel_offset(self.seed, index);
-        let mut pixels = Vec::with_capacity((TILE * TILE) as usize);
-        let TileScratch { segments, rays, gathered, gather } = scratch;
-        segments.clear();
-        for y in y0..y1 {
-            for x in x0..x1 {
-                let direction = camera.direction(x as f32 + jx, y as f32 + jy);
-                let mut random = Random::new([self.seed, index, y * camera.width + x, 0xe7e]);
-                let surface = tracer.trace(direction, pixels.len() as u32, &mut random, segments);
-                pixels.push((surface, [0.0; 4]));
-            }
-        }
-        // Paths that met the same surfaces run side by side.
-        segments.sort_by_key(|segment| (segment.medium, segment.signature));
-        let mut pairs = 0;
-        for group in segments.chunk_by(|a, b| (a.medium, a.signature) == (b.medium, b.signature)) {
-            let medium = group[0].medium as usize;
-            rays.clear();
-            rays.extend(group.iter().map(|segment| segment.ray));
-            gathered.clear();
-            gathered.resize(group.len(), Gathered::default());
-            let fog = &self.fogs[medium];
-            maps[medium].gather(rays, fog.medium, &fog.density, radius, gathered, gather);
-            for (segment, gathered) in group.iter().zip(gathered.iter()) {
-                let (radiance, sums) = &mut pixels[segment.pixel as usize];
-                *radiance += segment.throughput * gathered.radiance;
-                let seen = segment.throughput.element_sum() / 3.0;
-                let add = [
-                    seen * gathered.weight,
-                    seen * gathered.radius,
-                    seen * gathered.sigma,
-                    gathered.pairs as f32,
-                ];
-                for (sum, add) in sums.iter_mut().zip(add) {
-                    *sum += add;
-                }
-                pairs += u64::from(gathered.pairs);
-            }
-        }
-        Tile { pixels, pairs, seconds: start.elapsed().as_secs_f64() }
+        let guide = adaptive.then(|| {
+            let grid = FluenceGrid::new(scene.grid, &self.resolved).expect("as many cells as the grid has");
+            Guide::new(scene, grid, self.marching.samples, key)
+        });
+        let error = error_bound(scene.settings.error, index);
+        let plan = guide.as_ref().and_then(|guide| self.plan(index, error, &guide.grid));
+        times.plan = start.elapsed().as_secs_f64();
+        let marcher = Marcher {
+            scene,
+            fogs: &self.fogs,
+            interior: self.camera,
+            marching: self.marching,
+            plan,
+            guide: guide.as_ref(),
+            key,
+            offset: if self.marching.centred { [0.5; 2] } else { pixel_offset(self.seed, index) },
+        };
+        let (image, seconds, shadow_rays) = marcher.image(cancelled)?;
+        times.shadow_rays = shadow_rays;
+        times.gather = seconds;
+        Some((image, times))
     }
 
     fn light_trace(
@@ -410,30 +407,6 @@ impl<'a> Renderer<'a> {
             radiance[splat.pixel as usize] += splat.radiance;
         }
         let times = PassTimes { trace: seconds, ..PassTimes::default() };
-        Some((PassImage { width, height, radiance, gather: Vec::new() }, times))
+        Some((PassImage { width, height, radiance, ..PassImage::default() }, times))
     }
-}
-
-/// What a tile's eye rays saw.
-struct Tile {
-    pixels: Vec<(Vec3, [f32; 4])>,
-    pairs: u64,
-    seconds: f64,
-}
-
-/// Buffers that a thread keeps from tile to tile.
-#[derive(Default)]
-struct TileScratch {
-    segments: Vec<EyeSegment>,
-    rays: Vec<covbeam::EyeRay>,
-    gathered: Vec<Gathered>,
-    gather: GatherScratch,
-}
-
-/// Where in the pixel the eye rays of a pass start: Roberts' R2 sequence, which fills the pixel evenly over the passes.
-fn pixel_offset(seed: u32, index: u32) -> [f32; 2] {
-    let mut random = Random::new([seed, 0, 0, 0xca3e7a]);
-    let turn = |start: f32, step: f64| (f64::from(start) + step * f64::from(index)).fract() as f32;
-    [turn(random.uniform(), 0.754_877_666_246_692_7), turn(random.uniform(), 0.569_840_290_998_053_2)]
-        .map(|offset| offset.min(1.0 - f32::EPSILON))
 }

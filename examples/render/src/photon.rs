@@ -109,7 +109,8 @@ impl<'a> PhotonTracer<'a> {
         }
         let mut knots = Vec::new();
         for event in 1.. {
-            if !self.step(&mut photon, &mut sampler, record, out, &mut knots) {
+            let goes_on = self.step(&mut photon, &mut sampler, record, out, &mut knots);
+            if !goes_on || record == Record::Direct {
                 return;
             }
             if event > LONG_PATH {
@@ -137,9 +138,11 @@ impl<'a> PhotonTracer<'a> {
     }
 
     fn start_field(&self, light: usize, emitted: &EmittedPhoton, record: Record) -> Option<LightField> {
-        matches!(record, Record::BeamsAndField | Record::Field).then(|| match self.acts(Operator::Emission) {
-            true => self.scene.lights[light].light_field(emitted),
-            false => LightField::point(emitted.direction, 0.0),
+        matches!(record, Record::BeamsAndField | Record::Field | Record::Direct).then(|| {
+            match self.acts(Operator::Emission) {
+                true => self.scene.lights[light].light_field(emitted),
+                false => LightField::point(emitted.direction, 0.0),
+            }
         })
     }
 
@@ -165,7 +168,7 @@ impl<'a> PhotonTracer<'a> {
                     out.beams.extend(beam_of(photon, hit.as_ref(), fog, column).map(|beam| (*id, beam)));
                 }
                 Record::Connections => self.connect_segment(photon, reach, fog, column, sampler, out),
-                Record::Field => {}
+                Record::Field | Record::Direct => {}
             }
         }
         let edges = photon.field.map(|field| {

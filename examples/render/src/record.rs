@@ -102,6 +102,8 @@ pub enum Record {
     BeamsAndField,
     /// Deposits only: the path's beams were recorded before.
     Field,
+    /// Deposits of the light that comes straight from the lights alone.
+    Direct,
     /// Connections with the camera.
     Connections,
 }

@@ -111,11 +111,20 @@ mod tests {
     use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
     fn image(value: f32) -> PassImage {
-        PassImage { width: 1, height: 1, radiance: vec![Vec3::splat(value)], gather: vec![] }
+        PassImage { width: 1, height: 1, radiance: vec![Vec3::splat(value)], ..PassImage::default() }
     }
 
     fn times() -> PassTimes {
-        PassTimes { trace: 1.0, light_fields: 2.0, grid: 3.0, build: 4.0, gather: 5.0, pairs: 6 }
+        PassTimes {
+            trace: 1.0,
+            light_fields: 2.0,
+            grid: 3.0,
+            build: 4.0,
+            plan: 4.5,
+            gather: 5.0,
+            pairs: 6,
+            shadow_rays: 7,
+        }
     }
 
     fn quiet(_: &Progress, _: &Film) -> Result<(), Infallible> {
@@ -136,8 +145,16 @@ mod tests {
         assert_eq!(reports, [(1, 1), (2, 2), (3, 3), (4, 4)]);
         // (1 + 2 + 3 + 4) / 4
         assert_eq!(film.picture().radiance, [Vec3::splat(2.5)]);
-        let all =
-            PassTimes { trace: 4.0, light_fields: 8.0, grid: 12.0, build: 16.0, gather: 20.0, pairs: 24 };
+        let all = PassTimes {
+            trace: 4.0,
+            light_fields: 8.0,
+            grid: 12.0,
+            build: 16.0,
+            plan: 18.0,
+            gather: 20.0,
+            pairs: 24,
+            shadow_rays: 28,
+        };
         assert_eq!(progress.times, all);
     }
 

@@ -2,7 +2,9 @@
 
 use crate::cli::{MethodName, RenderArgs};
 use covbeam_render::film::Film;
-use covbeam_render::output::{OutputError, RenderInfo, check_writable, write_exr, write_png};
+use covbeam_render::maps::{density_map, filter_map};
+use covbeam_render::march::Marching;
+use covbeam_render::output::{OutputError, RenderInfo, check_writable, write_bitmap, write_exr, write_png};
 use covbeam_render::pass::Renderer;
 use covbeam_render::render::{End, Goal, Progress, RenderError, render};
 use covbeam_render::scene::Scene;
@@ -23,6 +25,7 @@ const DEFAULT_SCENE: &str = include_str!("../../scenes/glass-ball.toml");
 const DEFAULT_NAME: &str = "glass-ball";
 
 pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
+    check_flags(args)?;
     let (scene, name) = match &args.scene {
         Some(path) => {
             (Scene::load(path)?, path.file_stem().unwrap_or_default().to_string_lossy().into_owned())
@@ -38,9 +41,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
     let photons = args.photons.unwrap_or(scene.settings.photons);
     let seed = args.seed.unwrap_or(scene.settings.seed);
     let info = RenderInfo { method: method.to_owned(), passes: 0, photons, seed, scene: name };
-    let files = Files { png: exr.with_extension("png"), exr, info };
-    check_writable(&files.exr)?;
-    check_writable(&files.png)?;
+    let files = Files { exr, info, maps: args.maps };
+    files.all().iter().try_for_each(|path| check_writable(path))?;
 
     let stop = Arc::new(AtomicBool::new(false));
     let handler_stop = Arc::clone(&stop);
@@ -55,6 +57,11 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
         pool.current_num_threads()
     );
     let mut renderer = pool.install(|| Renderer::new(&scene, args.method.method(), photons, seed));
+    if !args.every_pixel {
+        pool.install(|| renderer.plan_eye_rays());
+    }
+    let marching = Marching::default();
+    renderer.march_as(Marching { samples: args.samples.unwrap_or(marching.samples), ..marching });
     let mut film = Film::new(width, height);
     let mut display = Display::new(goal);
     let mut autosave = Autosave::new();
@@ -78,30 +85,81 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
     // An output error came from saving this very film: trying again would fail again.
     if !matches!(rendered, Err(RenderError::Report(_))) {
         files.save(&film)?;
-        stdout().write_all(files.saved(film.passes()).as_bytes())?;
+        stdout().write_all(files.saved(&film).as_bytes())?;
     }
     let (end, progress) = rendered?;
     stdout().write_all((summary(&progress) + &files.hints(args)).as_bytes())?;
     Ok(if end == End::Cancelled { ExitCode::from(STOPPED) } else { ExitCode::SUCCESS })
 }
 
+/// Refuses flags that the method would ignore.
+fn check_flags(args: &RenderArgs) -> Result<(), String> {
+    let planned = matches!(args.method, MethodName::Adaptive | MethodName::March);
+    let march = matches!(args.method, MethodName::March);
+    for (given, flag, used, users) in [
+        (args.maps, "--maps", planned, "adaptive and march"),
+        (args.every_pixel, "--every-pixel", planned, "adaptive and march"),
+        (args.samples.is_some(), "--samples", march, "march"),
+    ] {
+        if given && !used {
+            let method = args.method.name();
+            return Err(format!(
+                "{flag} means nothing to the method {method}; leave it out, or choose {users}"
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// Where the pictures go.
 struct Files {
     exr: PathBuf,
-    png: PathBuf,
     info: RenderInfo,
+    maps: bool,
 }
 
 impl Files {
     fn save(&self, film: &Film) -> Result<(), OutputError> {
         let picture = film.picture();
         write_exr(&self.exr, &picture, &RenderInfo { passes: film.passes(), ..self.info.clone() })?;
-        write_png(&self.png, &picture)
+        write_png(&self.png(), &picture)?;
+        if let (true, Some(maps)) = (self.maps, &picture.maps) {
+            write_bitmap(&self.beside("density"), &density_map(&picture, maps))?;
+            write_bitmap(&self.beside("filters"), &filter_map(&picture, maps))?;
+        }
+        Ok(())
     }
 
-    fn saved(&self, passes: u32) -> String {
-        let (exr, png) = (self.exr.display(), self.png.display());
-        format!("wrote {exr} (linear radiance and layers) and {png} (preview), {passes} passes\n")
+    fn png(&self) -> PathBuf {
+        self.exr.with_extension("png")
+    }
+
+    /// NAME-map.png for NAME.exr.
+    fn beside(&self, map: &str) -> PathBuf {
+        let name = self.exr.file_stem().unwrap_or_default().to_string_lossy();
+        self.exr.with_file_name(format!("{name}-{map}.png"))
+    }
+
+    fn all(&self) -> Vec<PathBuf> {
+        let maps = self.maps.then(|| ["density", "filters"].map(|map| self.beside(map)));
+        [self.exr.clone(), self.png()].into_iter().chain(maps.into_iter().flatten()).collect()
+    }
+
+    fn saved(&self, film: &Film) -> String {
+        let (exr, png, passes) = (self.exr.display(), self.png(), film.passes());
+        let mut text = format!(
+            "wrote {exr} (linear radiance and layers) and {} (preview), {passes} passes\n",
+            png.display()
+        );
+        if self.maps {
+            let [density, filters] = ["density", "filters"].map(|map| self.beside(map));
+            text += &format!(
+                "wrote {} (eye rays a pixel, logarithmic) and {} (filters at one standard deviation)\n",
+                density.display(),
+                filters.display()
+            );
+        }
+        text
     }
 
     fn hints(&self, args: &RenderArgs) -> String {
@@ -110,7 +168,9 @@ impl Files {
         let scene = args.scene.as_deref().map_or(String::new(), |path| format!(" {}", quoted(path)));
         let (other, about) = match args.method {
             MethodName::Adaptive => ("ppb", "the same without frequency analysis"),
-            MethodName::Ppb | MethodName::LightTrace => ("adaptive", "the same with frequency analysis"),
+            MethodName::Ppb | MethodName::LightTrace | MethodName::March => {
+                ("adaptive", "the same with frequency analysis")
+            }
         };
         let picture = quoted(&self.exr);
         format!(
@@ -210,6 +270,7 @@ fn summary(progress: &Progress) -> String {
         ("light fields", times.light_fields),
         ("grid", times.grid),
         ("build", times.build),
+        ("plan", times.plan),
         ("gather", times.gather),
     ];
     let whole = times.total();
@@ -225,6 +286,9 @@ fn summary(progress: &Progress) -> String {
             "{:.1} million accepted pairs, {speed:.2} million a core-second of gather\n",
             pairs / 1e6
         );
+    }
+    if times.shadow_rays > 0 {
+        text += &format!("{:.1} million shadow rays\n", times.shadow_rays as f64 / 1e6);
     }
     if let (Some(cpu), Some(megabytes)) = (cpu_seconds(), peak_memory_mb()) {
         text += &format!("the system counts {cpu:.2} s of CPU time and a peak memory of {megabytes:.0} MB\n");
@@ -280,8 +344,10 @@ mod tests {
             light_fields: 0.5,
             grid: 0.5,
             build: 2.0,
+            plan: 0.0,
             gather: 4.0,
             pairs: 24_000_000,
+            shadow_rays: 0,
         };
         let progress = Progress { passes: 2, elapsed: Duration::from_secs(4), times, ..Progress::default() };
         let text = summary(&progress);

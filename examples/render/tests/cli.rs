@@ -19,7 +19,7 @@ fn folder() -> TempDir {
     let small = GLASS_BALL
         .replace("width = 256", "width = 24")
         .replace("height = 256", "height = 16")
-        .replace("passes = 64", "passes = 3")
+        .replace("passes = 256", "passes = 3")
         .replace("photons = 5000", "photons = 200");
     assert!(small.contains("width = 24") && small.contains("passes = 3") && small.contains("photons = 200"));
     fs::write(folder.path().join("ball.toml"), small).unwrap();
@@ -35,7 +35,7 @@ fn names(folder: &Path) -> Vec<String> {
 
 fn write_grey(path: &Path, width: u32, values: &[f32]) {
     let radiance = values.iter().map(|v| Vec3::splat(*v)).collect();
-    let picture = Picture { width, height: values.len() as u32 / width, radiance, layers: None };
+    let picture = Picture { width, height: values.len() as u32 / width, radiance, layers: None, maps: None };
     let info = RenderInfo { method: "ppb".into(), passes: 1, photons: 1, seed: 1, scene: "test".into() };
     write_exr(path, &picture, &info).unwrap();
 }
@@ -53,6 +53,40 @@ fn a_render_writes_both_pictures_and_says_what_to_do_next() {
     assert_eq!((picture.width, picture.height), (24, 16));
     assert!(picture.radiance.iter().any(|v| v.x > 0.0));
     assert!(picture.layers.unwrap().samples.iter().any(|n| *n > 0.0));
+}
+
+#[test]
+fn maps_of_the_eye_rays_are_written_beside_the_picture() {
+    let folder = folder();
+    let text = said(folder.path(), &["render", "ball.toml", "--maps"], 0);
+    assert_contains(&text, &["ball-adaptive-density.png", "ball-adaptive-filters.png"]);
+    let files = [
+        "ball-adaptive-density.png",
+        "ball-adaptive-filters.png",
+        "ball-adaptive.exr",
+        "ball-adaptive.png",
+        "ball.toml",
+    ];
+    assert_eq!(names(folder.path()), files);
+    let maps =
+        read_picture(&folder.path().join("ball-adaptive.exr")).unwrap().maps.expect("planned eye rays");
+    assert!(maps.density.iter().all(|density| *density > 0.0 && *density <= 1.0));
+
+    said(folder.path(), &["render", "ball.toml", "--every-pixel", "--out", "all.exr"], 0);
+    assert!(read_picture(&folder.path().join("all.exr")).unwrap().maps.is_none());
+}
+
+#[test]
+fn flags_that_a_method_has_no_use_for_are_refused() {
+    let folder = folder();
+    let refused = |flags: &[&str], words: &[&str]| {
+        let text = said(folder.path(), &[&["render", "ball.toml"], flags].concat(), 1);
+        assert_contains(&text, words);
+        assert_eq!(names(folder.path()), ["ball.toml"]);
+    };
+    refused(&["--method", "ppb", "--maps"], &["--maps", "ppb", "adaptive"]);
+    refused(&["--method", "light-trace", "--every-pixel"], &["--every-pixel", "light-trace", "adaptive"]);
+    refused(&["--samples", "8"], &["--samples", "adaptive", "march"]);
 }
 
 #[test]

@@ -180,6 +180,7 @@ static size_t array_shape(struct prepared *call, int index, const struct fault *
             call->arguments[p->count].size = counts[faults[i].variant % 4];
             call->arguments[p->stride].size = strides[faults[i].variant % 4];
             must(call, COVBEAM_INVALID_ARRAY);
+            if (call->whole) may(call, COVBEAM_SHORT_BUFFER);
             return 1;
         }
     }
@@ -248,6 +249,11 @@ static void pointer_argument(struct prepared *call, int index, const struct faul
                 sound_element(call, p, element);
                 memcpy(b->first + i * stride, element, p->type->size);
             }
+        if (is(p->type, "place") && p->kind == '<')
+            for (size_t i = 0; i < count; i++) {
+                const float distance = 0.25f * (float)i;
+                memcpy(b->first + i * stride, &distance, sizeof distance);
+            }
         if (p->kind == '<' && is(p->type, "knot")) {
             covbeam_knot *table = new_table(count, 0, true);
             if (count > 0) memcpy(b->first, table, count * sizeof *table);
@@ -310,6 +316,30 @@ static void pointer_argument(struct prepared *call, int index, const struct faul
     if (is(p->type, "kernel")) memcpy(&call->ceiling, b->first + 12, 4);
 }
 
+/* The arrays of the call must have so many elements; now and then they have one more. */
+static void whole_picture(struct prepared *call, uint32_t pixels) {
+    bool arrays = false;
+    for (int i = 0; i < call->function->parameter_count; i++) arrays |= call->function->parameters[i].kind == 'n';
+    if (!arrays || pixels > 100) return;
+    call->whole = true;
+    call->count = pixels;
+    if (chance(16)) {
+        call->count++;
+        must(call, COVBEAM_SHORT_BUFFER);
+    }
+}
+
+/* Numbers of a march that must go together. */
+static void march_rules(struct prepared *call) {
+    const char *name = call->function->name;
+    const bool lay = strcmp(name, "covbeam_march_lay") == 0;
+    if (!lay && strcmp(name, "covbeam_march_update") != 0) return;
+    if (call->count < 2) must(call, COVBEAM_SHORT_BUFFER);
+    if (lay && !(call->arguments[3].number >= call->arguments[2].number)) must(call, COVBEAM_INVALID_VALUE);
+    /* What is far away has no angle in floats. */
+    if (lay && !call->tame) call->unsure = true;
+}
+
 void prepare(struct prepared *call, const struct function *function, const struct fault *faults, int fault_count) {
     static const struct fault none = { NO_FAULT, -1, 0, 0 };
     memset(call, 0, sizeof *call);
@@ -341,6 +371,19 @@ void prepare(struct prepared *call, const struct function *function, const struc
             break;
         }
         case '#':
+            if (strcmp(p->word, "any") == 0) {
+                a->word = (uint32_t)(draw() >> 32);
+                break;
+            }
+            if (strcmp(p->word, "extent") == 0) {
+                a->word = 1 + below(9);
+                if (fault->kind == WORD) {
+                    a->word = fault->number % 3 == 0 ? 0 : fault->number % 3 == 1 ? 65537 : 0xffffffffu;
+                    must(call, COVBEAM_INVALID_VALUE);
+                }
+                if (i == 1) whole_picture(call, call->arguments[0].word * a->word);
+                break;
+            }
             a->word = strcmp(p->name, "pass") == 0 ? (chance(4) ? (uint32_t)draw() | 1 : 1 + below(99)) : below(3);
             if (fault->kind == WORD) {
                 a->word = strcmp(p->name, "pass") == 0 ? 0 : fault->number % 2 ? 3 : 0xffffffffu;
@@ -360,11 +403,16 @@ void prepare(struct prepared *call, const struct function *function, const struc
             if (fault->kind == CALLBACK || chance(6)) callbacks.refuse_shade = 1 + fault->variant / 2 % 3;
             break;
         case 'u': a->pointer = &callbacks; break;
-        case '@': case '!': case '+': handle_argument(call, i, fault); break;
+        case '@': case '!': case '+':
+            handle_argument(call, i, fault);
+            if (p->kind == '!' && call->handles[i] >= 0 && pool[call->handles[i]].kind == PICTURE)
+                whole_picture(call, pool[call->handles[i]].width * pool[call->handles[i]].height);
+            break;
         case '<': case '>': case '=': pointer_argument(call, i, fault, faults, fault_count); break;
         default: break; /* strides and lengths are set with their arrays */
         }
     }
+    march_rules(call);
     const int map = call->handles[0];
     if (map >= 0 && function->parameters[0].committed && pool[map].committed && call->ceiling > pool[map].ceiling)
         must(call, COVBEAM_MISMATCH);

@@ -46,6 +46,7 @@ struct prepared {
     bool meaningless;   /* tables out of order, NaN from a callback: results mean nothing */
     int faulty;         /* the one parameter with a fault, or -1 */
     int layout;         /* of the grid that is made */
+    bool whole;         /* the arrays have an element a pixel of a picture */
     uint32_t density_kind;
     float ceiling;
     int handles[PARAMETERS]; /* slots of the pool, or -1 */

@@ -3,8 +3,8 @@
  * make of each entry what is needed: CALL for functions that return a status, FREE for those that free, OTHER for the rest.
  *
  * A parameter is its name in the header and its kind:
- *   n count of the arrays; s stride of the array before; k number of elements of the packed array before
- *   $R a float under rule R; #shape, #pass an integer; poll, shade, user
+ *   n count of the arrays after it; s stride of the array before; k number of elements of the packed array before
+ *   $R a float under rule R; #shape, #pass, #extent (of a picture), #any an integer; poll, shade, user
  *   @KIND a handle that is looked at, !KIND one that is changed, +KIND place for a new one; .STATE it must be in
  *   <TYPE read, >TYPE written, =TYPE both; TYPE a struct of types.c, or f:RULES floats
  *   ? may be NULL
@@ -380,5 +380,75 @@ CALL(covbeam_spectra_add_along,
     "count n; spectra =spectrum; spectrum_stride s; axes <f:uuu; axis_stride s; variances <f:q; "
     "variance_stride s",
     SIZE(0), POINTER(1), SIZE(2), POINTER(3), SIZE(4), POINTER(5), SIZE(6))
+CALL(covbeam_image_spectrum_along,
+    "grid @grid.resolved; medium <medium; ray <ray; steps <steps; spectrum >image",
+    POINTER(0), POINTER(1), POINTER(2), POINTER(3), POINTER(4))
+CALL(covbeam_image_spectra_along,
+    "grid @grid.resolved; medium <medium; count n; rays <ray; ray_stride s; steps <steps; step_stride s; "
+    "spectra >image; spectrum_stride s",
+    POINTER(0), POINTER(1), SIZE(2), POINTER(3), SIZE(4), POINTER(5), SIZE(6), POINTER(7), SIZE(8))
+CALL(covbeam_image_spectrum_filter,
+    "spectrum <image; error $+; widest $+; filter >filter",
+    POINTER(0), NUMBER(1), NUMBER(2), POINTER(3))
+CALL(covbeam_image_spectra_filter,
+    "count n; spectra <image; spectrum_stride s; errors <f:+; error_stride s; widests <f:+; "
+    "widest_stride s; filters >filter; filter_stride s",
+    SIZE(0), POINTER(1), SIZE(2), POINTER(3), SIZE(4), POINTER(5), SIZE(6), POINTER(7), SIZE(8))
+CALL(covbeam_image_filter_density,
+    "filter <filter; density >f:l",
+    POINTER(0), POINTER(1))
+CALL(covbeam_image_filters_density,
+    "count n; filters <filter; filter_stride s; densities >f:l; density_stride s",
+    SIZE(0), POINTER(1), SIZE(2), POINTER(3), SIZE(4))
+CALL(covbeam_pixel_threshold,
+    "pass #any; seed #any; pixel <f:ii; threshold >f:r",
+    WORD(0), WORD(1), POINTER(2), POINTER(3))
+CALL(covbeam_pixel_threshold_many,
+    "pass #any; seed #any; count n; pixels <f:ii; pixel_stride s; thresholds >f:r; threshold_stride s",
+    WORD(0), WORD(1), SIZE(2), POINTER(3), SIZE(4), POINTER(5), SIZE(6))
+CALL(covbeam_film_regions,
+    "width #extent; height #extent; count n; depths <f:*; depth_stride s; labels >f:i; label_stride s",
+    WORD(0), WORD(1), SIZE(2), POINTER(3), SIZE(4), POINTER(5), SIZE(6))
+CALL(covbeam_reconstruction_new,
+    "width #extent; height #extent; out +picture",
+    WORD(0), WORD(1), POINTER(2))
+FREE(covbeam_reconstruction_free,
+    "reconstruction !picture",
+    POINTER(0))
+CALL(covbeam_reconstruction_update,
+    "reconstruction !picture; count n; samples <sample; sample_stride s; regions <f:i?; region_stride s",
+    POINTER(0), SIZE(1), POINTER(2), SIZE(3), POINTER(4), SIZE(5))
+CALL(covbeam_reconstruction_pixel,
+    "reconstruction @picture; pixel <pixel; filter <filter; radiance >f:fff",
+    POINTER(0), POINTER(1), POINTER(2), POINTER(3))
+CALL(covbeam_reconstruction_pixel_many,
+    "reconstruction @picture; count n; pixels <pixel; pixel_stride s; filters <filter; filter_stride s; "
+    "radiances >f:fff; radiance_stride s",
+    POINTER(0), SIZE(1), POINTER(2), SIZE(3), POINTER(4), SIZE(5), POINTER(6), SIZE(7))
+CALL(covbeam_march_lay,
+    "origin <f:fff; direction <f:uuu; from $f; to $N; light <f:fff; count n; knots >place; knot_stride s",
+    POINTER(0), POINTER(1), NUMBER(2), NUMBER(3), POINTER(4), SIZE(5), POINTER(6), SIZE(7))
+CALL(covbeam_march_new,
+    "out +march",
+    POINTER(0))
+FREE(covbeam_march_free,
+    "march !march",
+    POINTER(0))
+CALL(covbeam_march_update,
+    "march !march; count n; knots <place; knot_stride s",
+    POINTER(0), SIZE(1), POINTER(2), SIZE(3))
+CALL(covbeam_march_get_expected,
+    "march @march.resolved; expected >f:qq",
+    POINTER(0), POINTER(1))
+CALL(covbeam_march_get_first_round,
+    "march @march.resolved; rays #any; first >size",
+    POINTER(0), SIZE(1), POINTER(2))
+CALL(covbeam_march_place,
+    "march !march.resolved; count n; jitters <f:r; jitter_stride s; samples >aim; sample_stride s",
+    POINTER(0), SIZE(1), POINTER(2), SIZE(3), POINTER(4), SIZE(5))
+CALL(covbeam_march_refine,
+    "march !march.resolved; first_count n; firsts <aim; first_stride s; count n; jitters <f:r; "
+    "jitter_stride s; samples >aim; sample_stride s",
+    POINTER(0), SIZE(1), POINTER(2), SIZE(3), SIZE(4), POINTER(5), SIZE(6), POINTER(7), SIZE(8))
 OTHER(covbeam_status_name)
 OTHER(covbeam_last_error)

@@ -21,7 +21,7 @@ size_t layout_cells(const covbeam_grid_layout *layout) {
 }
 
 enum kind kind_named(const char *name) {
-    static const char *const names[KINDS] = { "grid", "map", "density", "scratch" };
+    static const char *const names[KINDS] = { "grid", "map", "density", "scratch", "picture", "march" };
     for (int kind = 0; kind < KINDS; kind++)
         if (strcmp(names[kind], name) == 0) return (enum kind)kind;
     fprintf(stderr, "calls.h: no kind of handle is called %s\n", name);
@@ -36,7 +36,8 @@ int pick(enum kind kind) {
 }
 
 void pool_start(void) {
-    static const enum kind kinds[SLOTS] = { GRID, GRID, GRID, GRID, MAP, MAP, MAP, DENSITY, DENSITY, SCRATCH, SCRATCH };
+    static const enum kind kinds[SLOTS] = { GRID, GRID, GRID, GRID, MAP, MAP, MAP, DENSITY, DENSITY, SCRATCH, SCRATCH,
+                                           PICTURE, PICTURE, MARCH, MARCH };
     for (int i = 0; i < SLOTS; i++) {
         memset(&pool[i], 0, sizeof pool[i]);
         pool[i].kind = kinds[i];
@@ -53,6 +54,8 @@ void slot_free(struct slot *slot) {
     case GRID: covbeam_grid_free(slot->handle); break;
     case MAP: covbeam_beam_map_free(slot->handle); break;
     case DENSITY: covbeam_density_free(slot->handle); break;
+    case PICTURE: covbeam_reconstruction_free(slot->handle); break;
+    case MARCH: covbeam_march_free(slot->handle); break;
     default: covbeam_scratch_free(slot->handle); break;
     }
     free(slot->cells);
@@ -136,12 +139,31 @@ static uint64_t density_digest(const struct slot *slot) {
     return hash(0xcbf29ce484222325u, densities, sizeof densities);
 }
 
+static uint64_t picture_digest(const struct slot *slot) {
+    const uint32_t pixels[2][2] = { { 0, 0 }, { slot->width - 1, slot->height - 1 } };
+    const covbeam_image_filter filter = { 4, 0, 4 };
+    float radiances[2][3];
+    if (covbeam_reconstruction_pixel_many(slot->handle, 2, pixels[0], sizeof *pixels, &filter, 0, radiances[0],
+                                          sizeof *radiances) != COVBEAM_OK)
+        abort();
+    return hash(0xcbf29ce484222325u, radiances, sizeof radiances);
+}
+
+static uint64_t march_digest(const struct slot *slot) {
+    covbeam_march_expected expected = { 0, 0 };
+    int32_t status = covbeam_march_get_expected(slot->handle, &expected);
+    if ((status == COVBEAM_OK) != slot->resolved) abort();
+    return hash(0xcbf29ce484222325u, &expected, sizeof expected);
+}
+
 uint64_t digest(const struct slot *slot) {
     if (!slot->handle) return 0;
     switch (slot->kind) {
     case GRID: return grid_digest(slot);
     case MAP: return map_digest(slot);
     case DENSITY: return density_digest(slot);
+    case PICTURE: return picture_digest(slot);
+    case MARCH: return march_digest(slot);
     default: return 1;
     }
 }

@@ -4,8 +4,8 @@
 
 #include "arguments.h"
 
-enum kind { GRID, MAP, DENSITY, SCRATCH, KINDS };
-enum { SLOTS = 11 };
+enum kind { GRID, MAP, DENSITY, SCRATCH, PICTURE, MARCH, KINDS };
+enum { SLOTS = 15 };
 
 struct slot {
     enum kind kind;
@@ -13,6 +13,7 @@ struct slot {
     bool resolved, committed, tame, scribbled;
     covbeam_grid_layout layout;
     float ceiling;
+    uint32_t width, height; /* of a picture */
     covbeam_grid_cell *cells;   /* memory of the host's, or NULL */
     covbeam_fluence_cell *means;
 };

@@ -22,6 +22,7 @@ bool chance(uint32_t in) { return below(in) == 0; }
  * Rules, a letter for each 32-bit word:
  *   f finite; F finite, and more is asked of it; p >= 0; q finite, >= 0; k the same, and so is the sum of all k
  *   + finite, > 0; m the same, and more is asked of it; P > 0
+ *   * any number, NaN too; o NaN or in [0, 1]
  *   r in [0, 1); c in [-1, 1]; t in [0, 1]; a in (-1, 1); l in (0, 1]; N not NaN
  *   u of a unit vector; v of a unit vector or 0; d of a vector that is not 0
  *   S struct_size; e an enumeration of three; b 0 or 1; z a number of voxels; i any integer; - not looked at as a number
@@ -45,6 +46,13 @@ static const struct type types[] = {
     { "crossing", sizeof(covbeam_crossing), 4, "ffqufff" },
     { "cell", sizeof(covbeam_grid_cell), 8, "--------------" },
     { "mean", sizeof(covbeam_fluence_cell), 4, "-------" },
+    { "steps", 2 * sizeof(covbeam_pixel_step), 4, "ffffffffffff" },
+    { "image", sizeof(covbeam_image_spectrum), 4, "fffq" },
+    { "filter", sizeof(covbeam_image_filter), 4, "qfq" },
+    { "sample", sizeof(covbeam_film_sample), 4, "****" },
+    { "pixel", 2 * sizeof(uint32_t), 4, "ii" },
+    { "place", sizeof(covbeam_march_knot), 4, "F***" },
+    { "aim", sizeof(covbeam_march_sample), 8, "fqoi--" },
     { "size", sizeof(size_t), 8, "--" },
     { "pointer", sizeof(void *), 8, "--" },
     { "grids", sizeof(void *), 8, "--" },
@@ -118,6 +126,8 @@ bool number_fits(char rule, float v) {
     case 'a': return v > -1 && v < 1;
     case 'l': return v > 0 && v <= 1;
     case 'N': return !isnan(v);
+    case '*': return true;
+    case 'o': return isnan(v) || (v >= 0 && v <= 1);
     case 'u': case 'v': return fabsf(v) < 1.001f;
     default: return isfinite(v);
     }
@@ -153,7 +163,7 @@ float sound_number(char rule, bool tame) {
     switch (rule) {
     case 'f': case 'F': return uniform(-1, 1.5f);
     case 'p': case 'P': return chance(12) ? INFINITY : uniform(0.01f, 2);
-    case 'r': case 't': return uniform(0, 0.999f);
+    case 'r': case 't': case 'o': return uniform(0, 0.999f);
     case 'c': case 'a': return uniform(-0.95f, 0.95f);
     case 'l': return uniform(0.05f, 1);
     default: return uniform(0.01f, 2);

@@ -31,6 +31,8 @@ extern covbeam_density *density;
 extern covbeam_grid *grid;
 extern covbeam_beam_map *map;
 extern covbeam_scratch *scratch;
+extern covbeam_reconstruction *picture;
+extern covbeam_march *march;
 
 char *contents(const char *path);
 void read_lines(char *text);
@@ -121,5 +123,19 @@ void beam_map_clear(struct call *c);
 void beam_map_add(struct call *c);
 void beam_map_commit(struct call *c);
 void beam_map_gather(struct call *c);
+void image_spectrum_along(struct call *c);
+void image_spectrum_filter(struct call *c);
+void image_filter_density(struct call *c);
+void pixel_threshold(struct call *c);
+void film_regions(struct call *c);
+void reconstruction_new(struct call *c);
+void reconstruction_update(struct call *c);
+void reconstruction_pixel(struct call *c);
+void march_lay(struct call *c);
+void march_update(struct call *c);
+void march_get_expected(struct call *c);
+void march_get_first_round(struct call *c);
+void march_place(struct call *c);
+void march_refine(struct call *c);
 
 #endif

@@ -54,6 +54,8 @@ MANY(light_fields_fluence, (n, A3))
 MANY(light_fields_variance_along_ray, (n, A3))
 MANY(spectra_variance_along, (n, A3))
 MANY(spectra_add_along, (n, A3))
+MANY(image_spectra_filter, (n, A4))
+MANY(image_filters_density, (n, A2))
 MANY(phase_evaluate_many, (common, n, A2))
 MANY(phase_sample_many, (common, n, A3))
 MANY(phase_sample_cosine_many, (common, n, A2))
@@ -92,6 +94,9 @@ static const struct plural plurals[] = {
     { "spectrum_variance_along", NONE, 0, { { 0, -1, 6 }, { 6, -1, 3 }, { -1, 0, 1 } },
       many_spectra_variance_along },
     { "spectrum_add_along", NONE, 0, { { 0, 0, 6 }, { 6, -1, 3 }, { 9, -1, 1 } }, many_spectra_add_along },
+    { "image_spectrum_filter", NONE, 0, { { 0, -1, 4 }, { 4, -1, 1 }, { 5, -1, 1 }, { -1, 0, 3 } },
+      many_image_spectra_filter },
+    { "image_filter_density", NONE, 0, { { 0, -1, 3 }, { -1, 0, 1 } }, many_image_filters_density },
     { "phase_evaluate", PHASE, 0, { { 2, -1, 1 }, { -1, 0, 1 } }, many_phase_evaluate_many },
     { "phase_sample", PHASE, 0, { { 2, -1, 3 }, { 5, -1, 2 }, { -1, 0, 3 } }, many_phase_sample_many },
     { "phase_sample_cosine", PHASE, 0, { { 2, -1, 1 }, { -1, 0, 1 } }, many_phase_sample_cosine_many },

@@ -15,6 +15,8 @@ covbeam_density *density;
 covbeam_grid *grid;
 covbeam_beam_map *map;
 covbeam_scratch *scratch;
+covbeam_reconstruction *picture;
+covbeam_march *march;
 
 void fail(const char *what)
 {

@@ -1,8 +1,9 @@
 //! Values as words, and the lines of the file.
 
 use covbeam::{
-    Beam, Crossing, Curvature, Derivatives, EyeRay, FluenceSpectrum, Gathered, GridLayout, Kernel,
-    KernelRadius, Knot, LightField, PhaseFunction, PhaseKind, Vec3,
+    Beam, Crossing, Curvature, Derivatives, EyeRay, FilmSample, FluenceSpectrum, Gathered, GridLayout,
+    ImageFilter, ImageSpectrum, Kernel, KernelRadius, Knot, LightField, MarchKnot, MarchSample,
+    PhaseFunction, PhaseKind, PixelStep, Vec3,
 };
 use std::fmt::Write;
 
@@ -156,6 +157,45 @@ impl Words for Crossing {
 impl Words for Gathered {
     fn append(&self, line: &mut String) {
         append_all(&[&self.radiance, &self.pairs, &self.weight, &self.radius, &self.sigma], line);
+    }
+}
+
+impl Words for PixelStep {
+    fn append(&self, line: &mut String) {
+        append_all(&[&self.origin, &self.direction], line);
+    }
+}
+
+impl Words for ImageSpectrum {
+    fn append(&self, line: &mut String) {
+        append_all(&[&self.xx, &self.xy, &self.yy, &self.weight], line);
+    }
+}
+
+impl Words for ImageFilter {
+    fn append(&self, line: &mut String) {
+        append_all(&[&self.xx, &self.xy, &self.yy], line);
+    }
+}
+
+impl Words for FilmSample {
+    fn append(&self, line: &mut String) {
+        append_all(&[&self.radiance, &self.weight], line);
+    }
+}
+
+impl Words for MarchKnot {
+    fn append(&self, line: &mut String) {
+        append_all(&[&self.distance, &self.radiance, &self.deviation, &self.visibility], line);
+    }
+}
+
+/// As it lies in memory: 0, and the mass as two words, the lower first.
+impl Words for MarchSample {
+    fn append(&self, line: &mut String) {
+        let mass = self.mass.to_bits();
+        let (low, high) = (mass as u32, (mass >> 32) as u32);
+        append_all(&[&self.distance, &self.weight, &self.visibility, &0_u32, &low, &high], line);
     }
 }
 

@@ -6,12 +6,12 @@ light_field.travel, covbeam_beam_map_gather is BeamMap.gather. covbeam.h is the 
 - Arrays are passed by address and stride, never copied: views work, and what cannot be passed is refused with TypeError or
   ValueError. The dtypes (LIGHT_FIELD, BEAM, EYE_RAY, SEGMENT, ...) are the C structs; numbers are float32.
 - A call that fails raises Error, with its status and a message, and has changed nothing.
-- Objects (Grid, Density, BeamMap, Scratch) close at the end of a `with`, by close(), or with their last reference.
+- Objects (Grid, Density, BeamMap, Scratch, Reconstruction, March) close at the end of a `with`, by close(), or with their last reference.
 - Threads: several may read an object at once, one may change it; a call that would break this raises Error. The library runs
   without the interpreter's lock.
 """
 
-from . import dtypes, kernel, light_field, spectrum
+from . import dtypes, image, kernel, light_field, march, spectrum
 from ._abi import ABI_VERSION
 from ._library import version as __version__
 from .beams import BeamMap, Scratch
@@ -23,17 +23,25 @@ from .dtypes import (
     CURVATURE,
     DERIVATIVES,
     EYE_RAY,
+    FILM_SAMPLE,
     FLUENCE_CELL,
     GATHERED,
     GRID_CELL,
+    IMAGE_FILTER,
+    IMAGE_SPECTRUM,
     KNOT,
     LIGHT_FIELD,
+    MARCH_KNOT,
+    MARCH_SAMPLE,
+    PIXEL_STEP,
     SEGMENT,
     SPECTRUM,
 )
 from .errors import Cancelled, Error, Status
 from .grid import Grid
+from .image import Reconstruction
 from .kernel import Kernel, KernelShape, Schedule
+from .march import March
 from .media import Density, Exponential, GridLayout, Medium
 from .pairs import cross, filter_beams, gather_pair
 from .phase import Phase

@@ -61,6 +61,10 @@ class Schedule(ctypes.Structure):
     ]
 
 
+class MarchExpected(ctypes.Structure):
+    _fields_ = [("radiance", ctypes.c_float), ("error", ctypes.c_float)]
+
+
 Poll = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p)
 # The user pointer is a number here: see _callbacks.
 Shade = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p)
@@ -82,6 +86,8 @@ RESULTS = {
     "covbeam_density_free": None,
     "covbeam_grid_free": None,
     "covbeam_scratch_free": None,
+    "covbeam_reconstruction_free": None,
+    "covbeam_march_free": None,
 }
 
 #: Parameters of every function that the module calls. One that has a form for arrays is called in that form only: a single
@@ -165,4 +171,21 @@ PROTOTYPES = {
     "covbeam_cross_many": "pz" + "pz" * 3,
     "covbeam_gather_pairs": "pz" + "pz" * 3 + "pp" + "pz" + "ppp" + "pz",
     "covbeam_filter_beams": "pz" + "pz" + "f" + "pz",
+    "covbeam_image_spectra_along": "ppz" + "pz" * 3,
+    "covbeam_image_spectra_filter": "z" + "pz" * 4,
+    "covbeam_image_filters_density": "z" + "pz" * 2,
+    "covbeam_pixel_threshold_many": "uuz" + "pz" * 2,
+    "covbeam_film_regions": "uuz" + "pz" * 2,
+    "covbeam_reconstruction_new": "uup",
+    "covbeam_reconstruction_free": "p",
+    "covbeam_reconstruction_update": "pz" + "pz" * 2,
+    "covbeam_reconstruction_pixel_many": "pz" + "pz" * 3,
+    "covbeam_march_lay": "ppffp" + "zpz",
+    "covbeam_march_new": "p",
+    "covbeam_march_free": "p",
+    "covbeam_march_update": "pzpz",
+    "covbeam_march_get_expected": "pp",
+    "covbeam_march_get_first_round": "pzp",
+    "covbeam_march_place": "pz" + "pz" * 2,
+    "covbeam_march_refine": "pzpz" + "z" + "pz" * 2,
 }

@@ -26,6 +26,8 @@ PAIR = Kind(np.dtype(np.float32), 2)
 VECTOR = Kind(np.dtype(np.float32), 3)
 HESSIAN = Kind(np.dtype(np.float32), 6)
 FLAG = Kind(np.dtype(np.bool_))
+WORD = Kind(np.dtype(np.uint32))
+PIXEL = Kind(np.dtype(np.uint32), 2)
 
 #: Stands for the number of elements among the arguments of `elementwise`.
 COUNT = object()

@@ -77,3 +77,26 @@ CONTACT = _struct(
 
 #: Derivatives of a relative density, in world axes: gradient [1/m], hessian xx, yy, zz, xy, xz, yz [1/m^2].
 DERIVATIVES = _struct(("gradient", _f4, (3,)), ("hessian", _f4, (6,)))
+
+#: How much an eye ray changes from one pixel to the next: its origin [m/pixel], 0 for a pinhole, and its unit direction [1/pixel].
+PIXEL_STEP = _struct(("origin", _f4, (3,)), ("direction", _f4, (3,)))
+
+#: Covariance of the spectrum of the in-scattered light around a pixel [cycles^2/pixel^2], x to the right, y down; and the light on
+#: the way, in the grid's relative unit: 0 = the grid has no opinion.
+IMAGE_SPECTRUM = _struct(*((name, _f4) for name in ("xx", "xy", "yy", "weight")))
+
+#: Covariance of a Gaussian reconstruction filter [pixels^2], x to the right, y down; all 0 is no filter.
+IMAGE_FILTER = _struct(*((name, _f4) for name in ("xx", "xy", "yy")))
+
+#: What the eye rays of one pixel saw: sum of radiance / density, and sum of 1 / density.
+FILM_SAMPLE = _struct(("radiance", _f4, (3,)), ("weight", _f4))
+
+#: One knot of the table along an eye ray: distance from its origin [m], light scattered to the eye a metre if nothing is in the way
+#: [W/(m^3 sr)], deviation of the fluence's spectrum along the ray [cycles/m], share of the light that is expected to arrive. NaN:
+#: not known.
+MARCH_KNOT = _struct(*((name, _f4) for name in ("distance", "radiance", "deviation", "visibility")))
+
+#: A place for a shadow ray: distance [m], weight [m] (0: no ray is needed), the visibility found; `mass` is the library's.
+MARCH_SAMPLE = _struct(
+    ("distance", _f4), ("weight", _f4), ("visibility", _f4), ("reserved", np.uint32), ("mass", np.float64)
+)

@@ -4,8 +4,11 @@ mod ablation;
 mod convergence;
 mod cost;
 mod emission;
+mod equal_time;
 mod grids;
+mod marching;
 mod means;
+mod planned;
 mod reference;
 mod rendering;
 mod scenes;
@@ -111,6 +114,59 @@ enum Measurement {
         #[command(flatten)]
         size: Size,
     },
+    /// Adaptive beams with planned eye rays: error over passes with its slope, and what planning and reconstruction cost.
+    Planned {
+        /// The scene.
+        scene: PathBuf,
+        /// Its reference.
+        reference: PathBuf,
+        /// Passes, a power of two.
+        #[arg(long, default_value_t = 512, value_parser = power_of_two)]
+        passes: u32,
+        /// Seed.
+        #[arg(long, default_value_t = 1)]
+        seed: u32,
+        #[command(flatten)]
+        size: Size,
+    },
+    /// Plain beams against adaptive ones with planned eye rays at equal CPU time: error by region, reference's noise taken off where its first run is
+    /// kept beside it.
+    EqualTime {
+        /// The scenes.
+        #[arg(required = true)]
+        scenes: Vec<PathBuf>,
+        /// Folder of the references: NAME.exr for NAME.toml.
+        #[arg(long)]
+        references: PathBuf,
+        /// CPU-seconds, rising.
+        #[arg(long, value_delimiter = ',', default_values_t = [20.0, 60.0, 240.0])]
+        seconds: Vec<f64>,
+        /// Independent runs to average over.
+        #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+        seeds: u32,
+        #[command(flatten)]
+        size: Size,
+    },
+    /// Shadow rays along eye rays, for light scattered once: error over shadow rays of the ways to choose their places; writes a log-log plot.
+    Marching {
+        /// The scenes.
+        #[arg(required = true)]
+        scenes: Vec<PathBuf>,
+        /// Places a piece of an eye path.
+        #[arg(long, value_delimiter = ',', default_values_t = [4, 8, 16, 32, 64, 128])]
+        budgets: Vec<u32>,
+        /// Independent runs to average over.
+        #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u32).range(2..))]
+        seeds: u32,
+        /// Places of each of the two runs of the reference.
+        #[arg(long, default_value_t = 2048)]
+        reference: u32,
+        /// The plot (SVG).
+        #[arg(long)]
+        plot: Option<PathBuf>,
+        #[command(flatten)]
+        size: Size,
+    },
     /// Each operator on light fields left out in turn: truth of the predicted spectra, image error, time.
     Ablation {
         /// The scene.
@@ -178,6 +234,15 @@ fn main() -> Outcome<()> {
         Measurement::Cost { scene, passes, size } => cost::run(&scene, passes, size),
         Measurement::Scenes { scenes, references, passes, seeds, size } => {
             scenes::run(&scenes, &references, passes, seeds, size)
+        }
+        Measurement::Planned { scene, reference, passes, seed, size } => {
+            planned::run(&scene, &reference, passes, seed, size)
+        }
+        Measurement::EqualTime { scenes, references, seconds, seeds, size } => {
+            equal_time::run(&scenes, &references, &seconds, seeds, size)
+        }
+        Measurement::Marching { scenes, budgets, seeds, reference, plot, size } => {
+            marching::run(&scenes, &budgets, seeds, reference, plot.as_deref(), size)
         }
         Measurement::Ablation { scene, reference, effort, size } => {
             ablation::run(&scene, reference.as_deref(), effort, size)

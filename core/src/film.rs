@@ -1,0 +1,55 @@
+//! Image space: how many eye rays the in-scattered light needs where, and the picture from the rays that were traced.
+//!
+//! The grid knows how fast the light varies across the picture ([`ImageSpectrum`]); where it varies slowly, a few rays under a
+//! wide filter ([`ImageFilter`]) tell as much as one a pixel. A pass of a host:
+//!
+//! 1. [`ImageSpectrum::along`] the eye rays of some pixels, [`ImageSpectrum::filter`] and [`ImageFilter::density`];
+//! 2. an eye ray through each pixel whose [`pixel_threshold`] is below its density; the host adds up the radiance, the number of rays and
+//!    the densities of all passes, pixel by pixel;
+//! 3. whenever a picture is wanted, [`Reconstruction`] of the radiance and the number of rays, both over the sum of the densities
+//!    ([`FilmSample`]): filters that do not reach across silhouettes ([`film_regions`]).
+//!
+//! Surfaces have spectra that the grid does not know: a host samples them on their own and adds them to the picture.
+
+mod filter;
+mod mask;
+mod reconstruction;
+mod regions;
+mod spectrum;
+
+pub use filter::ImageFilter;
+pub use mask::pixel_threshold;
+pub use reconstruction::{FilmNode, FilmSample, Reconstruction};
+pub use regions::film_regions;
+pub use spectrum::{ImageSpectrum, PixelStep};
+
+use core::fmt;
+
+/// Largest number of pixels across or down.
+pub(crate) const MOST_PIXELS: u32 = 1 << 16;
+
+/// A slice whose length is not the one that the picture asks for, or a picture of more than 65536 pixels across or down, or 2³¹
+/// in all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FilmSizeError;
+
+impl fmt::Display for FilmSizeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(
+            "the length of a slice is not the one that the picture asks for, or the picture has more than 65536 pixels \
+             across or down, or 2^31 in all",
+        )
+    }
+}
+
+impl core::error::Error for FilmSizeError {}
+
+/// Number of pixels of a picture that is not too large.
+pub(crate) fn pixel_count(width: u32, height: u32) -> Result<usize, FilmSizeError> {
+    let count = u64::from(width) * u64::from(height);
+    if width <= MOST_PIXELS && height <= MOST_PIXELS && count <= 1 << 31 {
+        Ok(count as usize)
+    } else {
+        Err(FilmSizeError)
+    }
+}

@@ -1,0 +1,173 @@
+//! Error at equal CPU time.
+
+use crate::rendering::{ball_regions, cpu_seconds, first_run, in_region, load, load_reference, name};
+use crate::{Outcome, Size};
+use covbeam_render::film::{Film, Picture};
+use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::scene::Scene;
+use covbeam_tests::regions::{Region, by_sharpness};
+use std::path::{Path, PathBuf};
+
+/// What is compared: with whether the eye rays are planned.
+const METHODS: [(&str, Method, bool); 2] =
+    [("plain", Method::Ppb, false), ("adaptive, planned", Method::Adaptive, true)];
+
+/// One method when a budget was spent, mean over the runs.
+#[derive(Clone, Default)]
+struct Point {
+    passes: f64,
+    seconds: f64,
+    /// Without the reference's noise, by region.
+    rel_mse: Vec<f64>,
+}
+
+pub(crate) fn run(
+    paths: &[PathBuf],
+    references: &Path,
+    budgets: &[f64],
+    seeds: u32,
+    size: Size,
+) -> Outcome<()> {
+    let mut scenes = Vec::new();
+    for path in paths {
+        let scene = load(path, size)?;
+        let reference = Reference::load(path, &references.join(name(path) + ".exr"), &scene)?;
+        scenes.push((name(path), scene, reference));
+    }
+    for (name, scene, reference) in &scenes {
+        let mut curves = Vec::new();
+        for (label, method, planned) in METHODS {
+            let mut points = vec![Point::default(); budgets.len()];
+            for seed in 1..=seeds {
+                let found = spend(scene, reference, (method, planned), seed, budgets)?;
+                eprintln!("{name}, {label}: run {seed} of {seeds} done");
+                for (point, found) in points.iter_mut().zip(found) {
+                    let share = 1.0 / f64::from(seeds);
+                    point.passes += share * found.passes;
+                    point.seconds += share * found.seconds;
+                    point.rel_mse.resize(found.rel_mse.len(), 0.0);
+                    point
+                        .rel_mse
+                        .iter_mut()
+                        .zip(found.rel_mse)
+                        .for_each(|(sum, error)| *sum += share * error);
+                }
+            }
+            curves.push((label, points));
+        }
+        print_table(name, scene, reference, seeds, &curves);
+    }
+    Ok(())
+}
+
+/// Renders until the last budget is spent; a pass is not begun that would end after a budget, if it took as long as the last.
+fn spend(
+    scene: &Scene,
+    reference: &Reference,
+    (method, planned): (Method, bool),
+    seed: u32,
+    budgets: &[f64],
+) -> Outcome<Vec<Point>> {
+    let mut points = Vec::new();
+    let mut spent = 0.0;
+    let mut timed = |work: &mut dyn FnMut() -> Outcome<()>| -> Outcome<f64> {
+        let start = cpu_seconds()?;
+        work()?;
+        spent += cpu_seconds()? - start;
+        Ok(spent)
+    };
+    let mut renderer = None;
+    timed(&mut || {
+        let mut new = Renderer::new(scene, method, scene.settings.photons, seed);
+        if planned {
+            new.plan_eye_rays();
+        }
+        renderer = Some(new);
+        Ok(())
+    })?;
+    let mut renderer = renderer.expect("made above");
+    let mut film = Film::new(scene.camera.width, scene.camera.height);
+    let mut before = 0.0;
+    for pass in 1.. {
+        let now = timed(&mut || {
+            let (image, _) = renderer.pass(pass, &|| false).expect("never cancelled");
+            Ok(film.add(&image)?)
+        })?;
+        while points.len() < budgets.len() && 2.0 * now - before > budgets[points.len()] {
+            let start = cpu_seconds()?;
+            let picture = film.picture();
+            let seconds = now + cpu_seconds()? - start;
+            points.push(Point { passes: f64::from(pass), seconds, rel_mse: reference.errors(&picture)? });
+        }
+        if points.len() == budgets.len() {
+            break;
+        }
+        before = now;
+    }
+    Ok(points)
+}
+
+struct Reference {
+    picture: Picture,
+    regions: Vec<Region>,
+    noise: Option<Vec<f64>>,
+}
+
+impl Reference {
+    fn load(scene_path: &Path, path: &Path, scene: &Scene) -> Outcome<Self> {
+        let picture = load_reference(path, scene)?;
+        let mut regions = by_sharpness(&picture).to_vec();
+        if let Some(ball) = ball_regions(scene_path, scene) {
+            // `whole` and `smooth` are in both; the ball's `smooth` is named in other tables.
+            regions.extend(ball.into_iter().filter(|region| !["whole", "smooth"].contains(&region.name)));
+        }
+        let half = first_run(path);
+        let mut noise = None;
+        if half.exists() {
+            let half = load_reference(&half, scene)?;
+            // With R the mean of two runs, (I - R1)(I - R2) = (I - R)² - (R1 - R)² is free of their noise.
+            let of = |region: &Region| Ok(in_region(&half, &picture, region)?.rel_mse);
+            noise = Some(regions.iter().map(of).collect::<Outcome<Vec<f64>>>()?);
+        }
+        Ok(Self { picture, regions, noise })
+    }
+
+    fn errors(&self, picture: &Picture) -> Outcome<Vec<f64>> {
+        let noise = |index: usize| self.noise.as_ref().map_or(0.0, |noise| noise[index]);
+        let error = |(index, region): (usize, &Region)| {
+            Ok(in_region(picture, &self.picture, region)?.rel_mse - noise(index))
+        };
+        self.regions.iter().enumerate().map(error).collect()
+    }
+}
+
+fn print_table(name: &str, scene: &Scene, reference: &Reference, seeds: u32, curves: &[(&str, Vec<Point>)]) {
+    let noise = match &reference.noise {
+        Some(noise) => format!("without the reference's noise of {:.1e} over the whole", noise[0]),
+        None => "with the reference's noise".to_owned(),
+    };
+    println!(
+        "\n{name}: relMSE at equal CPU time, {} x {} pixels, {} light paths a pass, mean of {seeds} runs; {noise}\n",
+        scene.camera.width, scene.camera.height, scene.settings.photons
+    );
+    let names: Vec<&str> = reference.regions.iter().map(|region| region.name).collect();
+    println!("| CPU-s | method | passes | {} |", names.join(" | "));
+    println!("|---|---|---|{}", "---|".repeat(names.len()));
+    let row = |values: &[f64]| values.iter().map(|e| format!("{e:.2e}")).collect::<Vec<_>>().join(" | ");
+    for budget in 0..curves[0].1.len() {
+        let plain = &curves[0].1[budget];
+        for (label, points) in curves {
+            let point = &points[budget];
+            println!("| {:.1} | {label} | {:.0} | {} |", point.seconds, point.passes, row(&point.rel_mse));
+        }
+        for (label, points) in &curves[1..] {
+            let ratio: Vec<String> = points[budget]
+                .rel_mse
+                .iter()
+                .zip(&plain.rel_mse)
+                .map(|(e, p)| format!("{:.3}", e / p))
+                .collect();
+            println!("| | {label} / plain | | {} |", ratio.join(" | "));
+        }
+    }
+}

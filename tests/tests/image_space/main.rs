@@ -1,0 +1,9 @@
+//! Image space: the picture's spectrum, its filters, which pixels get rays, regions, and the picture from the rays.
+
+mod filter;
+mod hostile;
+mod mask;
+mod reconstruction;
+mod regions;
+mod spectrum;
+mod structure;
