@@ -172,15 +172,11 @@ fn a_budget_below_one_ray_a_tile_still_makes_a_picture() {
     assert!((8..=24).contains(&count) && empty > 32, "{count} rays, {empty} passes without");
 }
 
-/// A strip of the largest picture asked for, 8192 x 8192: that takes 1.8 GB, of which 0.7 GB are written.
-#[test]
-fn a_picture_8192_pixels_wide_with_a_handful_of_rays_is_filled_in_no_time() {
-    let start = std::time::Instant::now();
-    let (width, height) = (8192, 64);
+fn a_picture_with_a_handful_of_rays_is_filled(width: u32, height: u32) {
     let mut rays = Rays::none(width, height);
     let mut stream = Stream::new(8);
     for _ in 0..5 {
-        let at = (stream.uniform() * f64::from(width * height)) as usize;
+        let at = (stream.uniform() * f64::from(width) * f64::from(height)) as usize;
         rays.samples[at] = FilmSample { radiance: Vec3::splat(8.0), weight: 2.0 };
     }
     rays.reconstruct(|from| {
@@ -193,7 +189,15 @@ fn a_picture_8192_pixels_wide_with_a_handful_of_rays_is_filled_in_no_time() {
             }
         }
     });
-    println!("{:?}", start.elapsed());
-    // 0.1 s when it was written.
-    assert!(start.elapsed().as_secs() < 10);
+}
+
+#[test]
+fn a_picture_8192_pixels_wide_with_a_handful_of_rays_is_filled() {
+    a_picture_with_a_handful_of_rays_is_filled(8192, 64);
+}
+
+#[test]
+#[ignore = "takes 1.8 GB of memory"]
+fn a_picture_of_8192_by_8192_pixels_with_a_handful_of_rays_is_filled() {
+    a_picture_with_a_handful_of_rays_is_filled(8192, 8192);
 }

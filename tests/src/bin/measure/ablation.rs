@@ -9,7 +9,7 @@ use std::path::Path;
 
 pub(crate) fn run(path: &Path, reference: Option<&Path>, effort: Effort, size: Size) -> Outcome<()> {
     let scene = load(path, size)?;
-    let reference = reference.map(|reference| Reference::load(reference, &scene)).transpose()?;
+    let reference = reference.map(|reference| Reference::load(reference, &scene, Vec::new())).transpose()?;
     let (settings, passes) = (&scene.settings, effort.passes);
     let noise = reference.as_ref().map_or_else(|| "No reference".to_owned(), Reference::about_noise);
     let test = Test::new(&scene, effort);

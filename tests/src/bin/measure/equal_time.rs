@@ -1,11 +1,11 @@
 //! Error at equal CPU time.
 
-use crate::rendering::{ball_regions, cpu_seconds, first_run, in_region, load, load_reference, name};
+use crate::rendering::{Reference, SHARPNESS, ball_regions, cpu_seconds, load, name};
 use crate::{Outcome, Size};
-use covbeam_render::film::{Film, Picture};
+use covbeam_render::film::Film;
 use covbeam_render::pass::{Method, Renderer};
 use covbeam_render::scene::Scene;
-use covbeam_tests::regions::{Region, by_sharpness};
+use covbeam_tests::regions::Region;
 use std::path::{Path, PathBuf};
 
 /// What is compared: with whether the eye rays are planned.
@@ -31,7 +31,8 @@ pub(crate) fn run(
     let mut scenes = Vec::new();
     for path in paths {
         let scene = load(path, size)?;
-        let reference = Reference::load(path, &references.join(name(path) + ".exr"), &scene)?;
+        let others = named_regions(path, &scene);
+        let reference = Reference::load(&references.join(name(path) + ".exr"), &scene, others)?;
         scenes.push((name(path), scene, reference));
     }
     for (name, scene, reference) in &scenes {
@@ -97,7 +98,7 @@ fn spend(
             let start = cpu_seconds()?;
             let picture = film.picture();
             let seconds = now + cpu_seconds()? - start;
-            points.push(Point { passes: f64::from(pass), seconds, rel_mse: reference.errors(&picture)? });
+            points.push(Point { passes: f64::from(pass), seconds, rel_mse: reference.rel_mse(&picture)? });
         }
         if points.len() == budgets.len() {
             break;
@@ -107,45 +108,14 @@ fn spend(
     Ok(points)
 }
 
-struct Reference {
-    picture: Picture,
-    regions: Vec<Region>,
-    noise: Option<Vec<f64>>,
-}
-
-impl Reference {
-    fn load(scene_path: &Path, path: &Path, scene: &Scene) -> Outcome<Self> {
-        let picture = load_reference(path, scene)?;
-        let mut regions = by_sharpness(&picture).to_vec();
-        if let Some(ball) = ball_regions(scene_path, scene) {
-            // `whole` and `smooth` are in both; the ball's `smooth` is named in other tables.
-            regions.extend(ball.into_iter().filter(|region| !["whole", "smooth"].contains(&region.name)));
-        }
-        let half = first_run(path);
-        let mut noise = None;
-        if half.exists() {
-            let half = load_reference(&half, scene)?;
-            // With R the mean of two runs, (I - R1)(I - R2) = (I - R)² - (R1 - R)² is free of their noise.
-            let of = |region: &Region| Ok(in_region(&half, &picture, region)?.rel_mse);
-            noise = Some(regions.iter().map(of).collect::<Outcome<Vec<f64>>>()?);
-        }
-        Ok(Self { picture, regions, noise })
-    }
-
-    fn errors(&self, picture: &Picture) -> Outcome<Vec<f64>> {
-        let noise = |index: usize| self.noise.as_ref().map_or(0.0, |noise| noise[index]);
-        let error = |(index, region): (usize, &Region)| {
-            Ok(in_region(picture, &self.picture, region)?.rel_mse - noise(index))
-        };
-        self.regions.iter().enumerate().map(error).collect()
-    }
+/// The named regions of the ball scenes, without those that go by the same name everywhere.
+fn named_regions(path: &Path, scene: &Scene) -> Vec<Region> {
+    let named = ball_regions(path, scene).into_iter().flatten();
+    named.filter(|region| !SHARPNESS.contains(&region.name)).collect()
 }
 
 fn print_table(name: &str, scene: &Scene, reference: &Reference, seeds: u32, curves: &[(&str, Vec<Point>)]) {
-    let noise = match &reference.noise {
-        Some(noise) => format!("without the reference's noise of {:.1e} over the whole", noise[0]),
-        None => "with the reference's noise".to_owned(),
-    };
+    let noise = reference.about_noise();
     println!(
         "\n{name}: relMSE at equal CPU time, {} x {} pixels, {} light paths a pass, mean of {seeds} runs; {noise}\n",
         scene.camera.width, scene.camera.height, scene.settings.photons

@@ -11,7 +11,7 @@ const CELLS: [u32; 3] = [16, 32, 64];
 
 pub(crate) fn run(path: &Path, reference: &Path, effort: Effort, size: Size) -> Outcome<()> {
     let mut scene = load(path, size)?;
-    let reference = Reference::load(reference, &scene)?;
+    let reference = Reference::load(reference, &scene, Vec::new())?;
     let passes = effort.passes;
     println!(
         "{}: shares of the photons that carry a light field, and voxels of the covariance grid; {passes} passes of {} light \

@@ -118,46 +118,53 @@ pub(crate) fn in_region(picture: &Picture, reference: &Picture, region: &Region)
     Ok(compare(picture, reference, |x, y| region.contains(x, y))?)
 }
 
-/// A reference with its regions.
+/// A reference with its regions: those of [`by_sharpness`], then others.
 pub(crate) struct Reference {
     picture: Picture,
-    regions: [Region; 3],
-    /// Expected relMSE that the noise of the reference adds to that of a picture; None = not known.
-    noise: Option<[f64; 3]>,
+    pub(crate) regions: Vec<Region>,
+    /// Expected relMSE that the noise of the reference adds to that of a picture, by region; None = not known.
+    noise: Option<Vec<f64>>,
 }
 
 impl Reference {
-    /// Reads a reference, and the first of its two runs if that is kept beside it.
-    pub(crate) fn load(path: &Path, scene: &Scene) -> Outcome<Self> {
+    /// Reads a reference, and the first of its two runs if that is kept beside it. `others`: regions besides those by sharpness.
+    pub(crate) fn load(path: &Path, scene: &Scene, others: Vec<Region>) -> Outcome<Self> {
         let picture = load_reference(path, scene)?;
-        let regions = by_sharpness(&picture);
+        let mut regions = by_sharpness(&picture).to_vec();
+        regions.extend(others);
         let half = first_run(path);
         let mut noise = None;
         if half.exists() {
             // With R the mean of two runs, (I - R1)(I - R2) = (I - R)² - (R1 - R)² is free of their noise.
             let half = load_reference(&half, scene)?;
-            let mut found = [0.0; 3];
-            for (found, region) in found.iter_mut().zip(&regions) {
-                *found = in_region(&half, &picture, region)?.rel_mse;
-            }
-            noise = Some(found);
+            let of = |region: &Region| Ok(in_region(&half, &picture, region)?.rel_mse);
+            noise = Some(regions.iter().map(of).collect::<Outcome<Vec<f64>>>()?);
         }
         Ok(Self { picture, regions, noise })
     }
 
+    /// Of a picture, by region, without the reference's noise where that is known.
+    pub(crate) fn rel_mse(&self, picture: &Picture) -> Outcome<Vec<f64>> {
+        let of = |(index, region): (usize, &Region)| {
+            let noise = self.noise.as_ref().map_or(0.0, |noise| noise[index]);
+            Ok(in_region(picture, &self.picture, region)?.rel_mse - noise)
+        };
+        self.regions.iter().enumerate().map(of).collect()
+    }
+
     pub(crate) fn errors(&self, picture: &Picture) -> Outcome<Errors> {
         let mut errors = Errors::default();
-        for (index, region) in self.regions.iter().enumerate() {
-            let found = in_region(picture, &self.picture, region)?;
-            errors.rel_mse[index] = found.rel_mse - self.noise.map_or(0.0, |noise| noise[index]);
-            errors.bias[index] = found.bias;
+        let rel_mse = self.rel_mse(picture)?;
+        for (index, region) in self.regions.iter().enumerate().take(SHARPNESS.len()) {
+            errors.rel_mse[index] = rel_mse[index];
+            errors.bias[index] = in_region(picture, &self.picture, region)?.bias;
         }
         Ok(errors)
     }
 
     /// For the line above a table.
     pub(crate) fn about_noise(&self) -> String {
-        match self.noise {
+        match &self.noise {
             Some(noise) => format!(
                 "relMSE is without that of the reference's noise (whole {:.1e}, smooth {:.1e}, sharp {:.1e})",
                 noise[0], noise[1], noise[2]

@@ -19,7 +19,7 @@ pub(crate) fn run(paths: &[PathBuf], references: &Path, passes: u32, seeds: u32,
     let mut scenes = Vec::new();
     for path in paths {
         let scene = load(path, size)?;
-        let reference = Reference::load(&references.join(name(path) + ".exr"), &scene)?;
+        let reference = Reference::load(&references.join(name(path) + ".exr"), &scene, Vec::new())?;
         scenes.push((name(path), scene, reference));
     }
     let mut last = Vec::new();
