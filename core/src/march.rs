@@ -160,10 +160,17 @@ impl MarchKnot {
             let distance = if angular {
                 foot + height * tanf(low + share * (high - low))
             } else {
-                from + share * (to - from)
+                // In f64: the length of a stretch may be beyond what `f32` holds.
+                (f64::from(from) + f64::from(share) * (f64::from(to) - f64::from(from))) as f32
             };
-            // Rounding neither turns the order nor leaves the stretch.
-            before = if index == last { to } else { distance.clamp(before, to) };
+            // Rounding neither turns the order nor leaves the stretch; NaN, of an angle that overflowed, stays where it is.
+            before = if index == last {
+                to
+            } else if distance > before {
+                distance.min(to)
+            } else {
+                before
+            };
             *knot = Self { distance: before, ..Self::default() };
         }
         Ok(())

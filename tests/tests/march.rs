@@ -463,3 +463,25 @@ fn a_cancelled_march_returns_nothing() {
     let scene = room("kind = \"point\"\nposition = [0.9, 1.8, -0.4]\nintensity = 1.0\n");
     assert!(Renderer::new(&scene, Method::March, 300, 1).pass(1, &|| true).is_none());
 }
+
+#[test]
+fn knots_are_laid_in_order_over_stretches_as_long_as_numbers_go() {
+    let lights =
+        [Vec3::new(1.0, 1.2, -0.7), Vec3::splat(1e18), Vec3::splat(-1e-30), Vec3::new(0.0, 0.0, 3.0)];
+    let ends = [-f32::MAX, -1e30, -1.0, -1e-38, 0.0, 1e-38, 1.0, 1e30, f32::MAX];
+    for light in lights {
+        for (index, from) in ends.into_iter().enumerate() {
+            for to in ends[index..].iter().copied() {
+                let mut knots = [MarchKnot::default(); 7];
+                let origin = Vec3::new(0.17, -0.0, -1e-38);
+                MarchKnot::lay(origin, Vec3::Z, from, to, light, &mut knots).expect("a sound stretch");
+                let distances = knots.map(|knot| knot.distance);
+                assert!(
+                    distances.is_sorted() && distances.iter().all(|d| d.is_finite()),
+                    "{from} to {to}: {distances:?}"
+                );
+                assert!(distances[0] >= from && distances[6] == to, "{from} to {to}: {distances:?}");
+            }
+        }
+    }
+}
