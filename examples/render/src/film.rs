@@ -28,8 +28,6 @@ pub struct SparseSamples {
     pub volume: Vec<FilmSample>,
     /// Surfaces, and all that is seen through and in them.
     pub surfaces: Vec<FilmSample>,
-    /// Eye rays that were expected in the fog, in (0, 1].
-    pub density: Vec<f32>,
     /// The plan that the eye rays were chosen by.
     pub plan: Plan,
 }
@@ -37,9 +35,8 @@ pub struct SparseSamples {
 impl SparseSamples {
     /// Without any eye rays yet.
     pub fn new(plan: Plan) -> Self {
-        let density = plan.densities();
-        let none = vec![FilmSample::default(); density.len()];
-        Self { volume: none.clone(), surfaces: none, density, plan }
+        let none = vec![FilmSample::default(); plan.filters().len()];
+        Self { volume: none.clone(), surfaces: none, plan }
     }
 
     /// Sets what an eye ray through a pixel saw of what was wanted from it.
@@ -190,10 +187,10 @@ impl Film {
         self.check(pass)?;
         add_all(&mut self.radiance, pass.radiance.iter().map(Vec3::to_array));
         add_all(&mut self.gather, pass.gather.iter().copied());
-        if let Some(SparseSamples { volume, surfaces, density, plan }) = &pass.sparse {
+        if let Some(SparseSamples { volume, surfaces, plan }) = &pass.sparse {
             add_all(&mut self.volume, volume.iter().map(numbers));
             add_all(&mut self.surfaces, surfaces.iter().map(numbers));
-            add_all(&mut self.density, density.iter().map(|density| [*density]));
+            add_all(&mut self.density, plan.filters().iter().map(|filter| [filter.density()]));
             if self.plan.as_ref().is_none_or(|latest| latest.pass() < plan.pass()) {
                 self.plan = Some(plan.clone());
             }
@@ -238,15 +235,15 @@ impl Film {
         let surfaces: Vec<FilmSample> = self.surfaces.iter().map(|sums| expected(sums, sums[3])).collect();
         let surfaces =
             Reconstruction::new(width, height, &surfaces, regions, &mut surface_nodes).expect(FITS);
-        let pixels = (0..width * height).into_par_iter().map(|pixel| {
-            let (x, y) = (pixel % width, pixel / width);
-            let filter = plan.filter(x, y);
-            let fog = volume.pixel(x, y, &filter);
-            (fog + surfaces.pixel(x, y, &ImageFilter::NONE), (fog, filter))
+        let filters = plan.filters();
+        let pixels = filters.par_iter().enumerate().map(|(pixel, filter)| {
+            let (x, y) = (pixel as u32 % width, pixel as u32 / width);
+            let fog = volume.pixel(x, y, filter);
+            (fog + surfaces.pixel(x, y, &ImageFilter::NONE), fog)
         });
-        let (radiance, (volume, filters)): (Vec<_>, (Vec<_>, Vec<_>)) = pixels.unzip();
+        let (radiance, volume): (Vec<_>, Vec<_>) = pixels.unzip();
         let density = filters.iter().map(ImageFilter::density).collect();
-        (radiance, Maps { volume, filters, density })
+        (radiance, Maps { volume, filters: filters.to_vec(), density })
     }
 
     fn check(&self, pass: &PassImage) -> Result<(), FilmError> {
@@ -259,12 +256,7 @@ impl Film {
             && pass.radiance.len() == radiance
             && pass.sparse.is_some() == is_sparse
             && pass.sparse.as_ref().is_none_or(|sparse| {
-                [
-                    sparse.volume.len(),
-                    sparse.surfaces.len(),
-                    sparse.density.len(),
-                    sparse.plan.surfaces().regions().len(),
-                ] == [pixels; 4]
+                [sparse.volume.len(), sparse.surfaces.len(), sparse.plan.filters().len()] == [pixels; 3]
             })
             && pass.gather.len() == gather
             && (gather == 0 || gather == pixels);
@@ -281,10 +273,9 @@ impl Film {
         }
         let radiance = pass.radiance.iter().map(|v| v.to_array());
         self.check_values(radiance, RADIANCE_NAMES)?;
-        if let Some(SparseSamples { volume, surfaces, density, .. }) = &pass.sparse {
+        if let Some(SparseSamples { volume, surfaces, .. }) = &pass.sparse {
             self.check_values(volume.iter().map(numbers), SAMPLE_NAMES)?;
             self.check_values(surfaces.iter().map(numbers), SAMPLE_NAMES)?;
-            self.check_values(density.iter().map(|density| [*density]), ["density of eye rays"])?;
         }
         self.check_values(pass.gather.iter().copied(), GATHER_NAMES)
     }

@@ -9,8 +9,8 @@ use covbeam::{EyeRay, FluenceGrid, ImageFilter, ImageSpectrum, film_regions, pix
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// The picture's spectrum is found for every fourth pixel across and down, and interpolated between them.
-const LATTICE: u32 = 4;
+/// The picture's spectrum is found for every sixth pixel across and down, and interpolated between them: voxels are larger.
+const SPACING: u32 = 6;
 
 /// Largest standard deviation of a filter, as a share of the side of a square as large as the picture.
 const WIDEST_SHARE: f32 = 1.0 / 16.0;
@@ -106,8 +106,14 @@ fn middle(camera: &Camera, x: u32, y: u32) -> glam::Vec3 {
 pub struct Plan {
     surfaces: Arc<FirstSurfaces>,
     pass: u32,
-    error: f32,
-    widest: f32,
+    /// One a pixel.
+    filters: Arc<Vec<ImageFilter>>,
+}
+
+/// The picture's spectrum at some pixels.
+struct Lattice<'a> {
+    surfaces: &'a FirstSurfaces,
+    /// Number of them across.
     across: u32,
     spectra: Vec<ImageSpectrum>,
 }
@@ -119,7 +125,7 @@ impl Plan {
     /// - `fog`: what the camera is in.
     pub fn new(surfaces: Arc<FirstSurfaces>, pass: u32, error: f32, grid: &FluenceGrid, fog: &Fog) -> Self {
         let camera = &surfaces.camera;
-        let (across, down) = (camera.width.div_ceil(LATTICE), camera.height.div_ceil(LATTICE));
+        let (across, down) = (camera.width.div_ceil(SPACING), camera.height.div_ceil(SPACING));
         let spectra = (0..across * down)
             .into_par_iter()
             .map_init(Vec::new, |knots, node| {
@@ -131,7 +137,13 @@ impl Plan {
             })
             .collect();
         let widest = WIDEST_SHARE * (camera.width as f32 * camera.height as f32).sqrt();
-        Self { pass, error, widest, across, spectra, surfaces }
+        let lattice = Lattice { surfaces: &surfaces, across, spectra };
+        let filters = (0..camera.width * camera.height).into_par_iter().map(|pixel| {
+            let spectrum = lattice.spectrum(pixel % camera.width, pixel / camera.width);
+            spectrum.map_or(ImageFilter::NONE, |spectrum| spectrum.filter(error, widest))
+        });
+        let filters = Arc::new(filters.collect());
+        Self { pass, filters, surfaces }
     }
 
     /// The pass whose grid this was read from.
@@ -144,41 +156,32 @@ impl Plan {
         &self.surfaces
     }
 
-    /// The filter of pixel (x, y); none next to a silhouette, and where the grid has no opinion.
-    pub fn filter(&self, x: u32, y: u32) -> ImageFilter {
-        self.spectrum(x, y).map_or(ImageFilter::NONE, |spectrum| spectrum.filter(self.error, self.widest))
-    }
-
-    /// Eye rays through pixel (x, y) a pass, in (0, 1].
-    pub fn density(&self, x: u32, y: u32) -> f32 {
-        self.filter(x, y).density()
-    }
-
-    /// [`Plan::density`] of all pixels, row by row.
-    pub fn densities(&self) -> Vec<f32> {
-        let Camera { width, height, .. } = self.surfaces.camera;
-        (0..width * height).into_par_iter().map(|pixel| self.density(pixel % width, pixel / width)).collect()
+    /// The filter of each pixel, row by row: none next to a silhouette, and where the grid has no opinion.
+    pub fn filters(&self) -> &[ImageFilter] {
+        &self.filters
     }
 
     /// What the pass asks pixel (x, y) for: each pass of a seed asks others.
     pub fn wanted(&self, x: u32, y: u32, seed: u32) -> Wanted {
+        let pixel = (y * self.surfaces.camera.width + x) as usize;
         let chosen = |density: f32, purpose: u64| {
             let shift = mix(u64::from(seed) ^ purpose) as u32;
             pixel_threshold(x, y, self.pass, shift) < density
         };
         Wanted {
-            volume: chosen(self.density(x, y), VOLUME_PURPOSE),
-            surfaces: chosen(self.surface_density(x, y), SURFACE_PURPOSE),
+            volume: chosen(self.filters[pixel].density(), VOLUME_PURPOSE),
+            surfaces: chosen(self.surface_density(pixel), SURFACE_PURPOSE),
         }
     }
 
     /// How often a pass looks at what is beyond that fog, in (0, 1]: always where there is something to see; a quarter of the passes, for
     /// what is smaller than a pixel, where the middle of the pixel sees black or nothing.
-    fn surface_density(&self, x: u32, y: u32) -> f32 {
-        let black = self.surfaces.black[(y * self.surfaces.camera.width + x) as usize];
-        if black { BLACK_DENSITY } else { 1.0 }
+    fn surface_density(&self, pixel: usize) -> f32 {
+        if self.surfaces.black[pixel] { BLACK_DENSITY } else { 1.0 }
     }
+}
 
+impl Lattice<'_> {
     /// Bilinear between the lattice's pixels that lie in the same region.
     fn spectrum(&self, x: u32, y: u32) -> Option<ImageSpectrum> {
         let camera = &self.surfaces.camera;
@@ -190,7 +193,7 @@ impl Plan {
         let down = self.spectra.len() as u32 / self.across;
         let along = |at: u32, count: u32| {
             let position =
-                ((at as f32 - (LATTICE / 2) as f32) / LATTICE as f32).clamp(0.0, (count - 1) as f32);
+                ((at as f32 - (SPACING / 2) as f32) / SPACING as f32).clamp(0.0, (count - 1) as f32);
             let low = (position as u32).min(count.saturating_sub(2));
             (low, position - low as f32)
         };
@@ -222,6 +225,6 @@ impl Plan {
 
 /// The pixel that a point of the lattice stands for.
 fn place(camera: &Camera, [i, j]: [u32; 2]) -> [u32; 2] {
-    let at = |i: u32, count: u32| (i * LATTICE + LATTICE / 2).min(count - 1);
+    let at = |i: u32, count: u32| (i * SPACING + SPACING / 2).min(count - 1);
     [at(i, camera.width), at(j, camera.height)]
 }
