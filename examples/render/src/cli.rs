@@ -102,6 +102,11 @@ impl MethodName {
         }
     }
 
+    /// Whether it traces few eye rays where the picture is smooth.
+    pub(crate) fn plans_eye_rays(self) -> bool {
+        matches!(self, Self::Adaptive | Self::March)
+    }
+
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Ppb => "ppb",

@@ -293,7 +293,6 @@ impl<'a> Renderer<'a> {
             times.grid = start.elapsed().as_secs_f64();
         }
 
-        let start = Instant::now();
         record.append(fields);
         self.energy = record.energy;
         let progressive = progressive_radius(settings.radius, settings.alpha, index);
@@ -306,6 +305,11 @@ impl<'a> Renderer<'a> {
                 FluenceGrid::new(self.scene.grid, &self.resolved).expect("as many cells as the grid has")
             }),
         };
+        let start = Instant::now();
+        let plan = radius.grid.as_ref().and_then(|grid| self.plan(index, radius.error, grid));
+        times.plan = start.elapsed().as_secs_f64();
+
+        let start = Instant::now();
         let mut by_medium = vec![Vec::new(); self.scene.media.len()];
         for (medium, beam) in record.beams.drain(..) {
             by_medium[medium as usize].push(beam);
@@ -314,7 +318,7 @@ impl<'a> Renderer<'a> {
             let beams = beams.into_iter().zip(&self.fogs);
             beams.map(|(beams, fog)| BeamMap::build(beams, ceiling, fog.medium, &fog.density)).collect()
         };
-        let beyond = self.surfaces.as_ref().is_some_and(|surfaces| surfaces.has_specular());
+        let beyond = plan.as_ref().is_some_and(|plan| plan.surfaces().has_specular());
         let narrow_maps = beyond.then(|| build(by_medium.clone(), progressive));
         let maps = build(by_medium, radius.ceiling);
         // A photon's disk shrinks in area as a beam's kernel shrinks in width: r² ~ 1D schedule.
@@ -326,10 +330,6 @@ impl<'a> Renderer<'a> {
             CAUSTIC_RADIUS_FACTOR * radius_on_surfaces,
         );
         times.build = start.elapsed().as_secs_f64();
-
-        let start = Instant::now();
-        let plan = radius.grid.as_ref().and_then(|grid| self.plan(index, radius.error, grid));
-        times.plan = start.elapsed().as_secs_f64();
 
         let interior = self.camera;
         let tracer = EyeTracer { scene: self.scene, fogs: &self.fogs, interior, surfaces: &surfaces };

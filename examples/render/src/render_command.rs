@@ -57,7 +57,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
         pool.current_num_threads()
     );
     let mut renderer = pool.install(|| Renderer::new(&scene, args.method.method(), photons, seed));
-    if !args.every_pixel {
+    if args.method.plans_eye_rays() && !args.every_pixel {
         pool.install(|| renderer.plan_eye_rays());
     }
     let marching = Marching::default();
@@ -94,7 +94,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
 
 /// Refuses flags that the method would ignore.
 fn check_flags(args: &RenderArgs) -> Result<(), String> {
-    let planned = matches!(args.method, MethodName::Adaptive | MethodName::March);
+    let planned = args.method.plans_eye_rays();
     let march = matches!(args.method, MethodName::March);
     for (given, flag, used, users) in [
         (args.maps, "--maps", planned, "adaptive and march"),
