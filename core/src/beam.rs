@@ -1,8 +1,8 @@
 //! Photon beams, eye rays, where they cross, and what one crossing contributes.
 
+use crate::functions::sqrt;
 use crate::{Column, Density, KernelRadius, Medium};
 use glam::Vec3;
-use libm::{fabsf, sqrtf};
 
 /// Pairs whose directions differ by less than this sine are skipped.
 ///
@@ -84,22 +84,33 @@ pub struct Crossing {
 /// Works for square-on pairs, where the form that divides by the cosine fails.
 #[inline]
 pub fn cross(ray: &EyeRay, beam: &Beam) -> Option<Crossing> {
-    let normal = ray.direction.cross(beam.direction);
+    let Approach { sin2, crossing } = approach(ray, beam.origin, beam.direction);
+    (sin2 >= PARALLEL_SINE * PARALLEL_SINE).then_some(crossing)
+}
+
+/// A crossing of lines that may be parallel: then it is no number.
+pub(crate) struct Approach {
+    pub(crate) sin2: f32,
+    pub(crate) crossing: Crossing,
+}
+
+/// [`cross`] before it asks how parallel the lines are: without a branch.
+#[inline(always)]
+pub(crate) fn approach(ray: &EyeRay, origin: Vec3, direction: Vec3) -> Approach {
+    let normal = ray.direction.cross(direction);
     let sin2 = normal.length_squared();
-    if !(sin2 >= PARALLEL_SINE * PARALLEL_SINE) {
-        return None;
-    }
-    let offset = beam.origin - ray.origin;
+    let offset = origin - ray.origin;
     let inverse = 1.0 / sin2;
-    let sin_theta = sqrtf(sin2);
-    let axis = normal / sin_theta;
-    Some(Crossing {
-        ray_distance: offset.cross(beam.direction).dot(normal) * inverse,
+    let sin_theta = sqrt(sin2);
+    let inverse_sin = 1.0 / sin_theta;
+    let crossing = Crossing {
+        ray_distance: offset.cross(direction).dot(normal) * inverse,
         beam_distance: offset.cross(ray.direction).dot(normal) * inverse,
-        gap: fabsf(offset.dot(axis)),
+        gap: offset.dot(normal).abs() * inverse_sin,
         sin_theta,
-        axis,
-    })
+        axis: normal * inverse_sin,
+    };
+    Approach { sin2, crossing }
 }
 
 /// What an eye ray has gathered so far. Start from `default()`.
@@ -157,8 +168,15 @@ pub(crate) fn meet(ray: &EyeRay, beam: &Beam, from: f32, to: f32, radius: &Kerne
     if !(gap < r) {
         return None;
     }
+    inside(beam, from, to, point, s, gap, r).then_some(Meeting { point, crossing, radius: r, sigma })
+}
+
+/// Whether a point on an eye ray, `gap` from `beam` and beside its distance `s`, lies beside the part `[from, to)` of the beam; at its ends: on the
+/// medium's side of the surface.
+#[inline]
+pub(crate) fn inside(beam: &Beam, from: f32, to: f32, point: Vec3, s: f32, gap: f32, r: f32) -> bool {
     // Within `slack` of its ends the kernel's cap lies inside the capsule of radius r around the beam.
-    let slack = sqrtf(r * r - gap * gap);
+    let slack = sqrt(r * r - gap * gap);
     let on_start = beam.start_normal != Vec3::ZERO;
     let on_end = beam.end_normal != Vec3::ZERO;
     let first = if from > 0.0 {
@@ -170,24 +188,24 @@ pub(crate) fn meet(ray: &EyeRay, beam: &Beam, from: f32, to: f32, radius: &Kerne
     };
     let inside = if to < beam.length { s < to } else { s <= beam.length + if on_end { slack } else { 0.0 } };
     if !(s >= first && inside) {
-        return None;
+        return false;
     }
     if on_start && s < slack && (point - beam.origin).dot(beam.start_normal) < 0.0 {
-        return None;
+        return false;
     }
     if on_end && s > beam.length - slack {
         let end = beam.origin + beam.length * beam.direction;
         if (point - end).dot(beam.end_normal) < 0.0 {
-            return None;
+            return false;
         }
     }
-    Some(Meeting { point, crossing, radius: r, sigma })
+    true
 }
 
-/// Cosine of the angle by which light of `beam` turns into the eye ray: what a phase function is evaluated at.
-#[inline]
-pub(crate) fn cos_theta(ray: &EyeRay, beam: &Beam) -> f32 {
-    -beam.direction.dot(ray.direction)
+/// Cosine of the angle by which light that propagates along `direction` turns into the eye ray: what a phase function is evaluated at.
+#[inline(always)]
+pub(crate) fn cos_theta(ray: &EyeRay, direction: Vec3) -> f32 {
+    -direction.dot(ray.direction)
 }
 
 /// The column along a beam up to `distance` \[m\]. Within the slack of a cut end that may be negative: as far before the surface as the
@@ -241,7 +259,8 @@ pub fn gather_pair(
     let Some(meeting) = meet(ray, beam, from, to, radius) else { return false };
     let Crossing { ray_distance: t, beam_distance: s, gap, sin_theta, .. } = meeting.crossing;
     let column = along_beam(&passage.beam, s) + passage.ray.at(t);
-    let product = product(passage.medium, &passage.density, meeting.point, cos_theta(ray, beam), column);
+    let product =
+        product(passage.medium, &passage.density, meeting.point, cos_theta(ray, beam.direction), column);
     let kernel = radius.kernel.evaluate(gap, meeting.radius) / sin_theta;
     gathered.add(product * beam.power * kernel, meeting.radius, meeting.sigma)
 }

@@ -1,25 +1,30 @@
 //! All beams of a pass that a packet of eye rays may touch, found through a bounding volume hierarchy.
 
 mod columns;
+mod lanes;
 mod meter;
 mod packet;
 mod pieces;
 mod rays;
+mod reach;
 mod search;
+mod settle;
 mod tree;
+mod wide;
 
 pub use meter::Stop;
 
-use crate::beam::{Beam, EyeRay, Gathered, product};
-use crate::{Column, Density, KernelRadius, Medium};
+use crate::beam::{Beam, EyeRay, Gathered};
+use crate::{Density, KernelRadius, Medium};
 use columns::BeamColumns;
 use glam::Vec3;
 use meter::Meter;
 use pieces::{PIECES_PER_BEAM, Piece, tickets};
 use rays::RayTables;
-use search::Search;
+use search::{Search, Settle};
+use settle::{HostMedium, OurMedium};
 use std::vec::Vec;
-use tree::{Node, Tree};
+use tree::{Tree, WideNode};
 
 /// The most beams that a [`BeamMap`] takes, 2²⁸: their pieces, and the nodes over these, are counted in 32 bits.
 pub const MAX_BEAMS: usize = 1 << 28;
@@ -28,7 +33,7 @@ pub const MAX_BEAMS: usize = 1 << 28;
 const _: () = assert!(2 * (PIECES_PER_BEAM + 1) * MAX_BEAMS <= 1 << 31);
 
 /// Eye rays that share a walk through the hierarchy.
-const PACKET: usize = 64;
+const PACKET: usize = 256;
 
 /// The beams of one medium and one pass.
 ///
@@ -85,6 +90,7 @@ pub struct Contact {
 pub struct GatherScratch {
     search: Search,
     tables: RayTables,
+    contacts: Vec<Contact>,
     products: Vec<Vec3>,
 }
 
@@ -153,7 +159,7 @@ impl BeamMap {
     pub fn memory(&self) -> usize {
         self.beams.capacity() * size_of::<Beam>()
             + self.tree.pieces.capacity() * size_of::<Piece>()
-            + self.tree.nodes.capacity() * size_of::<Node>()
+            + self.tree.nodes.capacity() * size_of::<WideNode>()
             + self.columns.memory()
     }
 
@@ -201,38 +207,9 @@ impl BeamMap {
         assert_eq!(rays.len(), gathered.len());
         let GatherScratch { search, tables, .. } = scratch;
         tables.clear();
-        let mut settle = |contacts: &[Contact], meter: &mut Meter| {
-            for contacts in contacts.chunk_by(|a, b| a.ray == b.ray) {
-                let index = contacts[0].ray as usize;
-                let (ray, gathered) = (&rays[index], &mut gathered[index]);
-                let knots = tables.of(index, ray, medium, density);
-                let along_ray = density.column(ray.origin, ray.direction, knots);
-                meter.spend(knots.len() + contacts.len(), 100)?;
-                self.shade(contacts, medium, density, &along_ray, gathered);
-            }
-            Ok(())
-        };
+        let mut settle =
+            OurMedium { beams: &self.beams, columns: &self.columns, rays, medium, density, gathered, tables };
         self.search(rays, radius, search, go_on, &mut settle)
-    }
-
-    /// Adds the pairs of one ray in a medium of the core's.
-    #[inline(never)] // The two hot loops, this and the search, compile to fewer instructions each on its own.
-    fn shade(
-        &self,
-        contacts: &[Contact],
-        medium: &Medium,
-        density: &Density,
-        along_ray: &Column,
-        gathered: &mut Gathered,
-    ) {
-        for contact in contacts {
-            let index = contact.beam as usize;
-            let beam = &self.beams[index];
-            let along_beam = self.columns.up_to(contact.beam_distance, index, beam, density);
-            let column = along_beam + along_ray.at(contact.ray_distance);
-            let product = product(medium, density, contact.position, contact.cos_theta, column);
-            gathered.add(product * beam.power * contact.kernel, contact.radius, contact.sigma);
-        }
     }
 
     /// Adds to `gathered[i]` what ray `rays[i]` gathers from all beams in a medium that only the host knows. Returns
@@ -262,20 +239,9 @@ impl BeamMap {
         go_on: &mut dyn FnMut() -> bool,
     ) -> bool {
         assert_eq!(rays.len(), gathered.len());
-        let GatherScratch { search, products, .. } = scratch;
-        let mut settle = |contacts: &[Contact], meter: &mut Meter| {
-            products.clear();
-            products.resize(contacts.len(), Vec3::ZERO);
-            if !shade(contacts, products) {
-                return Err(Stop::Cancelled);
-            }
-            for (contact, product) in contacts.iter().zip(products.iter()) {
-                let radiance = *product * self.beams[contact.beam as usize].power * contact.kernel;
-                gathered[contact.ray as usize].add(radiance, contact.radius, contact.sigma);
-            }
-            // What the host does for a pair is taken to cost about a microsecond.
-            meter.spend(contacts.len(), 1000)
-        };
+        let GatherScratch { search, contacts, products, .. } = scratch;
+        contacts.clear();
+        let mut settle = HostMedium { beams: &self.beams, shade, gathered, contacts, products };
         self.search(rays, radius, search, go_on, &mut settle)
     }
 
@@ -286,7 +252,7 @@ impl BeamMap {
         radius: &KernelRadius,
         search: &mut Search,
         go_on: &mut dyn FnMut() -> bool,
-        settle: &mut impl FnMut(&[Contact], &mut Meter) -> Result<(), Stop>,
+        settle: &mut impl Settle,
     ) -> bool {
         let radius = KernelRadius { ceiling: radius.ceiling.min(self.ceiling), ..*radius };
         let found = Meter::new(go_on)

@@ -10,9 +10,11 @@ pub(crate) struct Centres {
     /// Voxels per metre.
     pub(crate) scale: Vec3,
     /// Index of the last voxel on each axis.
-    last: Vec3,
+    pub(crate) last: Vec3,
     /// Steps to the next voxel on each axis; 0 where there is but one.
     pub(crate) strides: [usize; 3],
+    /// Steps from the lowest of the eight voxels around a point to each of them: x first, then y, then z.
+    pub(crate) corners: [usize; 8],
 }
 
 impl Centres {
@@ -24,12 +26,9 @@ impl Centres {
         }
         let [nx, ny, nz] = layout.cells.map(|n| n as usize);
         let stride = |count: usize, stride: usize| if count > 1 { stride } else { 0 };
-        Ok(Self {
-            layout,
-            scale,
-            last: layout.resolution() - 1.0,
-            strides: [stride(nx, 1), stride(ny, nx), stride(nz, nx * ny)],
-        })
+        let strides @ [dx, dy, dz] = [stride(nx, 1), stride(ny, nx), stride(nz, nx * ny)];
+        let corners = [0, dx, dy, dx + dy, dz, dx + dz, dy + dz, dx + dy + dz];
+        Ok(Self { layout, scale, last: layout.resolution() - 1.0, strides, corners })
     }
 
     /// Index of the lowest of the eight voxels around a point, and the share of the next one on each axis, in \[0, 1\].

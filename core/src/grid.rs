@@ -5,7 +5,7 @@
 
 use core::fmt;
 
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 use libm::expf;
 
 use crate::centres::Centres;
@@ -362,8 +362,8 @@ fn attenuate(depth: f32) -> (f32, f32) {
 /// The look-up side of a grid, over resolved cells.
 #[derive(Clone, Copy, Debug)]
 pub struct FluenceGrid<'a> {
-    centres: Centres,
-    cells: &'a [FluenceCell],
+    pub(crate) centres: Centres,
+    pub(crate) cells: &'a [FluenceCell],
 }
 
 impl<'a> FluenceGrid<'a> {
@@ -415,25 +415,41 @@ impl<'a> FluenceGrid<'a> {
     #[inline(always)]
     pub(crate) fn around(&self, position: Vec3) -> Option<Surroundings> {
         let (base, high) = self.centres.around(position)?;
-        let low = Vec3::ONE - high;
-        let [dx, dy, dz] = self.centres.strides;
-        let mut sum = Sum { first: Vec4::ZERO, last: Vec4::ZERO };
-        let (mut shares, mut weights) = ([0.0; 8], [0.0; 8]);
-        let mut corner = 0;
-        for (plane, wz) in [(base, low.z), (base + dz, high.z)] {
-            for (row, wyz) in [(plane, low.y * wz), (plane + dy, high.y * wz)] {
-                for (index, share) in [(row, low.x * wyz), (row + dx, high.x * wyz)] {
-                    let cell = &self.cells[index];
-                    sum.add(cell, share);
-                    (shares[corner], weights[corner]) = (share, cell.weight);
-                    corner += 1;
-                }
+        let shares = shares(Vec3::ONE - high, high);
+        let mut sum = [0.0; 6];
+        let (mut flux, mut share_sum, mut inverse) = (0.0, 0.0, 0.0);
+        for (corner, share) in shares.into_iter().enumerate() {
+            let cell = &self.cells[base + self.centres.corners[corner]];
+            // A weight that is NaN or negative is none.
+            let weight = if cell.weight > 0.0 { cell.weight } else { 0.0 };
+            let factor = share * weight;
+            for (sum, value) in sum.iter_mut().zip(cell.spectrum.to_array()) {
+                *sum += value * factor;
+            }
+            flux += factor;
+            if weight > 0.0 {
+                share_sum += share;
+                inverse += share / weight;
             }
         }
-        let (spectrum, flux) = sum.mean()?;
-        // Beside voxels without data it is larger.
-        Some(Surroundings { spectrum, flux, dimmest: harmonic_mean(&shares, &weights).min(flux) })
+        // Beside voxels without data the harmonic mean is larger.
+        (flux > 0.0).then(|| Surroundings {
+            spectrum: FluenceSpectrum::from_array(sum.map(|sum| sum / flux)),
+            flux,
+            dimmest: (share_sum / inverse).min(flux),
+        })
     }
+}
+
+/// The trilinear shares of the eight voxels around a point, in the order of [`crate::centres::Centres::corners`].
+#[inline(always)]
+fn shares(low: Vec3, high: Vec3) -> [f32; 8] {
+    let plane = |z: f32| {
+        let row = |yz: f32| [low.x * yz, high.x * yz];
+        [row(low.y * z), row(high.y * z)]
+    };
+    let [[[a, b], [c, d]], [[e, f], [g, h]]] = [plane(low.z), plane(high.z)];
+    [a, b, c, d, e, f, g, h]
 }
 
 /// What a grid says about a point.
@@ -442,50 +458,7 @@ pub(crate) struct Surroundings {
     pub(crate) spectrum: FluenceSpectrum,
     /// The trilinear mean of the voxels' weights, > 0.
     pub(crate) flux: f32,
-    /// Their harmonic mean, near that of the dimmest voxel, > 0 and at most `flux` where all voxels have data. Voxels do not tell on which side of
+    /// The harmonic mean of those above 0, near that of the dimmest voxel, > 0 and at most `flux`. Voxels do not tell on which side of
     /// a shadow's border inside them a point lies: this is the fluence if it is the dark side.
     pub(crate) dimmest: f32,
-}
-
-/// Of the weights above 0.
-#[inline(always)]
-fn harmonic_mean(shares: &[f32; 8], weights: &[f32; 8]) -> f32 {
-    let (mut share, mut inverse) = (Vec4::ZERO, Vec4::ZERO);
-    for half in [0, 4] {
-        let weights = Vec4::from_slice(&weights[half..]);
-        let has_data = weights.cmpgt(Vec4::ZERO);
-        let shares = Vec4::select(has_data, Vec4::from_slice(&shares[half..]), Vec4::ZERO);
-        share += shares;
-        inverse += shares / Vec4::select(has_data, weights, Vec4::ONE);
-    }
-    share.element_sum() / inverse.element_sum()
-}
-
-/// Running sum of weighted cells: (xx, yy, zz, xy) and (xz, yz, weight, 0), as two SIMD registers.
-struct Sum {
-    first: Vec4,
-    last: Vec4,
-}
-
-impl Sum {
-    #[inline(always)]
-    fn add(&mut self, cell: &FluenceCell, weight: f32) {
-        // A weight that is NaN or negative is none.
-        let weight = weight * cell.weight.max(0.0);
-        let s = &cell.spectrum;
-        self.first += Vec4::new(s.xx, s.yy, s.zz, s.xy) * weight;
-        self.last += Vec4::new(s.xz, s.yz, 1.0, 0.0) * weight;
-    }
-
-    #[inline(always)]
-    fn mean(self) -> Option<(FluenceSpectrum, f32)> {
-        let weight = self.last.z;
-        if weight > 0.0 {
-            let [xx, yy, zz, xy] = (self.first / weight).to_array();
-            let [xz, yz, ..] = (self.last / weight).to_array();
-            Some((FluenceSpectrum { xx, yy, zz, xy, xz, yz }, weight))
-        } else {
-            None
-        }
-    }
 }

@@ -3,9 +3,10 @@
 use core::f32::consts::PI;
 
 use glam::Vec3;
-use libm::{pow, sqrtf};
+use libm::pow;
 
 use crate::FluenceGrid;
+use crate::functions::sqrt;
 
 /// Shape of the one-dimensional blur kernel K_r(d), normalised: its integral over [-r, r] is 1. With q = d/r:
 #[repr(u32)]
@@ -72,7 +73,12 @@ impl Kernel {
     /// ```
     #[inline]
     pub fn radius_from_error(self, error: f32, variance: f32) -> f32 {
-        sqrtf(error / (2.0 * PI * PI * self.second_moment()) / variance)
+        sqrt(self.error_over_moment(error) / variance)
+    }
+
+    #[inline(always)]
+    fn error_over_moment(self, error: f32) -> f32 {
+        error / (2.0 * PI * PI * self.second_moment())
     }
 }
 
@@ -162,8 +168,14 @@ impl KernelRadius<'_> {
             return (self.progressive, 0.0);
         };
         let variance = found.spectrum.variance_along(axis) * (found.flux / found.dimmest);
-        let wanted = self.kernel.radius_from_error(self.error, variance);
-        (wanted.min(self.ceiling).max(self.progressive), sqrtf(variance))
+        let wanted = sqrt(self.error_over_moment() / variance);
+        (wanted.min(self.ceiling).max(self.progressive), sqrt(variance))
+    }
+
+    /// ε / (2π² μ₂), which over σ² is the square of r_σ.
+    #[inline(always)]
+    pub(crate) fn error_over_moment(&self) -> f32 {
+        self.kernel.error_over_moment(self.error)
     }
 }
 

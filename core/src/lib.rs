@@ -29,6 +29,7 @@ mod density;
 mod film;
 mod fluence;
 mod frame;
+mod functions;
 mod grid;
 mod kernel;
 mod light_field;

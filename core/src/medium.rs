@@ -3,7 +3,9 @@
 use core::f32::consts::{PI, TAU};
 
 use glam::Vec3;
-use libm::{cbrtf, expf, sincosf, sqrtf};
+use libm::{cbrtf, sincosf, sqrtf};
+
+use crate::functions::{exp, sqrt};
 
 /// The |g| that stands for all larger ones: the largest f32 below 1.
 const LARGEST_ASYMMETRY: f32 = 1.0 - f32::EPSILON / 2.0;
@@ -64,7 +66,7 @@ impl PhaseFunction {
                 // 1 + g² - 2 g cos θ as a sum of positive terms.
                 let versine = if g < 0.0 { 1.0 + cos_theta } else { 1.0 - cos_theta };
                 let square = width * width + 2.0 * strength * versine;
-                width * (1.0 + strength) / (4.0 * PI * square * sqrtf(square))
+                width * (1.0 + strength) / (4.0 * PI * square * sqrt(square))
             }
             PhaseKind::Rayleigh => 3.0 / (16.0 * PI) * (1.0 + cos_theta * cos_theta),
         }
@@ -216,8 +218,8 @@ impl Medium {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn attenuation(extinction: f32, distance: f32) -> f32 {
     // 0 · ∞ would be NaN.
-    if extinction == 0.0 { 1.0 } else { expf(-extinction * distance) }
+    if extinction == 0.0 { 1.0 } else { exp(-extinction * distance) }
 }

@@ -254,7 +254,7 @@ fn a_build_stopped_at_any_question_gives_the_beams_back_as_they_were() {
 
 #[test]
 fn a_gather_stopped_at_any_question_says_so() {
-    let (rays, radius) = (rays(150), plain(0.2));
+    let (rays, radius) = (rays(600), plain(0.2));
     let map = BeamMap::build(random_beams(60_000), 0.2, &FOG, &Density::Uniform);
     let whole = gather(&map, &rays, &Density::Uniform, &radius);
     let scratch = &mut GatherScratch::default();

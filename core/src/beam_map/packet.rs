@@ -1,9 +1,11 @@
 //! Eye rays side by side, and what all of them miss.
 
-use super::pieces::Piece;
-use super::tree::Node;
+use super::lanes::Lines;
+use super::tree::WideNode;
+use super::wide::{Wide, load};
 use crate::EyeRay;
-use glam::{Vec3, Vec3A};
+use fearless_simd::{Simd, SimdBase, SimdMask, f32x8};
+use glam::Vec3;
 
 /// A packet whose rays spread more than this (chord between unit directions) is gathered ray by ray.
 const WIDEST_PACKET: f32 = 0.5;
@@ -14,10 +16,12 @@ pub(super) struct Packet {
     origin: Vec3,
     axis: Vec3,
     tangents: [Vec3; 2],
-    inverse_axis: Vec3A,
+    inverse_axis: Vec3,
     length: f32,
     spread: f32,
     slope: f32,
+    /// The most distance along a ray per axial coordinate.
+    stretch: f32,
 }
 
 impl Packet {
@@ -35,56 +39,68 @@ impl Packet {
         let tangents = axis.any_orthonormal_pair();
         // Rounding of origins far from the world's origin and of the axis.
         let scale = origin.abs().max_element();
+        let slope = slope + 4.0 * f32::EPSILON;
         Some(Self {
             origin,
             axis,
             tangents: [tangents.0, tangents.1],
-            inverse_axis: Vec3A::from(axis.to_array().map(|a| if a.abs() < 1e-20 { 1e20 } else { 1.0 / a })),
+            inverse_axis: Vec3::from(axis.to_array().map(|a| if a.abs() < 1e-20 { 1e20 } else { 1.0 / a })),
             length,
             spread: spread + 4.0 * f32::EPSILON * scale,
-            slope: slope + 4.0 * f32::EPSILON,
+            slope,
+            stretch: 1.000_001 / (1.0 - 0.5 * slope * slope),
         })
     }
 
     /// Half-width of the hull where the axial coordinate is `depth` or less.
     ///
     /// The point at distance t of a ray has an axial coordinate of at least `t (1 - slope²/2) - spread`.
-    fn width(&self, depth: f32) -> f32 {
-        let farthest = (depth + self.spread).max(0.0) / (1.0 - 0.5 * self.slope * self.slope);
-        self.spread + self.slope * farthest.min(self.length)
+    #[inline(always)]
+    fn widths<S: Simd>(&self, simd: S, depth: f32x8<S>) -> f32x8<S> {
+        let farthest = (depth + self.spread).max(f32x8::splat(simd, 0.0)) * self.stretch;
+        farthest.min(f32x8::splat(simd, self.length)) * self.slope + self.spread
     }
 
-    #[inline]
-    pub(super) fn touches_box(&self, node: &Node) -> bool {
-        let origin = Vec3A::from(self.origin);
-        let axis = Vec3A::from(self.axis);
-        let (low, high) = (node.low(), node.high());
-        let half = 0.5 * (high - low);
-        let center = 0.5 * (high + low) - origin;
-        let (along, extent) = (center.dot(axis), half.dot(axis.abs()));
-        let depth = along + extent;
-        let width = self.width(depth);
-        let grown = half + Vec3A::splat(width);
+    /// A bit for each of eight boxes that some ray may touch.
+    #[inline(always)]
+    pub(super) fn touches_boxes<S: Simd>(&self, simd: S, node: &WideNode) -> u32 {
+        let (low, high) = (Wide::load(simd, &node.low), Wide::load(simd, &node.high));
+        let two = f32x8::splat(simd, 0.5);
+        let half = (high - low) * two;
+        let center = (high + low) * two - Wide::splat(simd, self.origin);
+        let along = center.dot(Wide::splat(simd, self.axis));
+        let extent = half.dot(Wide::splat(simd, self.axis.abs()));
+        let width = self.widths(simd, along + extent);
+        let grown = half + Wide::<S> { x: width, y: width, z: width };
         // Slabs of the grown box against the axis.
-        let near = (center - grown) * self.inverse_axis;
-        let far = (center + grown) * self.inverse_axis;
-        let enter = near.min(far).max_element();
-        let leave = near.max(far).min_element();
-        enter.max(-width) <= leave.min(self.length + width)
+        let inverse = Wide::splat(simd, self.inverse_axis);
+        let (a, b) = ((center - grown) * inverse, (center + grown) * inverse);
+        let enter = a.x.min(b.x).max(a.y.min(b.y)).max(a.z.min(b.z));
+        let leave = a.x.max(b.x).min(a.y.max(b.y)).min(a.z.max(b.z));
+        let touched = enter.max(-width).simd_le(leave.min(width + self.length));
+        touched.to_bitmask() as u32 & node.lanes
     }
 
-    #[inline]
-    pub(super) fn touches_piece(&self, piece: &Piece, radius: f32) -> bool {
-        let (a, b) = (piece.start - self.origin, piece.end - self.origin);
-        let (depth_a, depth_b) = (a.dot(self.axis), b.dot(self.axis));
-        let [e, f] = self.tangents;
-        let (ax, ay) = (a.dot(e), a.dot(f));
-        let (ux, uy) = (b.dot(e) - ax, b.dot(f) - ay);
-        let length2 = ux * ux + uy * uy;
-        let s = if length2 > 0.0 { (-(ax * ux + ay * uy) / length2).clamp(0.0, 1.0) } else { 0.0 };
-        let (x, y) = (ax + s * ux, ay + s * uy);
-        let (nearest, farthest) = (depth_a.min(depth_b) - radius, depth_a.max(depth_b) + radius);
-        let width = self.width(farthest) + radius;
-        x * x + y * y <= width * width && farthest >= -self.spread && nearest <= self.length + self.spread
+    /// A bit for each of eight pieces that may come within `radius` of a ray.
+    #[inline(always)]
+    pub(super) fn touches<S: Simd>(&self, simd: S, lines: &Lines, radius: f32) -> u32 {
+        let (e, f) = (Wide::splat(simd, self.tangents[0]), Wide::splat(simd, self.tangents[1]));
+        let axis = Wide::splat(simd, self.axis);
+        let offset = Wide::load(simd, &lines.origin) - Wide::splat(simd, self.origin);
+        let direction = Wide::load(simd, &lines.direction);
+        let (from, to) = (load(simd, &lines.from), load(simd, &lines.to));
+        let (ox, oy, depth) = (offset.dot(e), offset.dot(f), offset.dot(axis));
+        let (dx, dy, slope) = (direction.dot(e), direction.dot(f), direction.dot(axis));
+        // The point of the piece that is closest to the axis; of one along the axis, any.
+        let length2 = (dx * dx + dy * dy).max(f32x8::splat(simd, f32::MIN_POSITIVE));
+        let closest = (-(ox * dx + oy * dy) / length2).max(from).min(to);
+        let (x, y) = (ox + closest * dx, oy + closest * dy);
+        let (a, b) = (depth + from * slope, depth + to * slope);
+        let (nearest, farthest) = (a.min(b) - radius, a.max(b) + radius);
+        let width = self.widths(simd, farthest) + radius;
+        let near = (x * x + y * y).simd_le(width * width);
+        let along = farthest.simd_ge(f32x8::splat(simd, -self.spread))
+            & nearest.simd_le(f32x8::splat(simd, self.length + self.spread));
+        (near & along).to_bitmask() as u32
     }
 }

@@ -11,14 +11,22 @@ pub(super) const PIECES_PER_BEAM: usize = 3;
 /// Bits of a piece's place on each axis.
 const PLACE_BITS: u32 = 21;
 
-/// A part `[from, to]` of a beam, with its end points.
+/// The part `[from, to]` of a beam, with the beam's line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
-    pub(super) start: Vec3,
-    pub(super) end: Vec3,
-    pub(super) beam: u32,
+    pub(super) origin: Vec3,
     pub(super) from: f32,
+    pub(super) direction: Vec3,
     pub(super) to: f32,
+    pub(super) beam: u32,
+}
+
+impl Piece {
+    /// Its two ends.
+    #[inline]
+    pub(super) fn ends(&self) -> [Vec3; 2] {
+        [self.from, self.to].map(|distance| self.origin + distance * self.direction)
+    }
 }
 
 /// One piece among many: which part of which beam, and its place on a curve that fills space (Morton's).
@@ -63,9 +71,13 @@ impl Cut {
     fn part(&self, beam: &Beam, index: u32, part: u32) -> Piece {
         let count = self.parts(beam);
         let at = |i: u32| if i == count { beam.length } else { beam.length * (i as f32 / count as f32) };
-        let (from, to) = (at(part), at(part + 1));
-        let [start, end] = [from, to].map(|distance| beam.origin + distance * beam.direction);
-        Piece { start, end, beam: index, from, to }
+        Piece {
+            origin: beam.origin,
+            from: at(part),
+            direction: beam.direction,
+            to: at(part + 1),
+            beam: index,
+        }
     }
 }
 
@@ -96,9 +108,9 @@ pub(super) fn tickets(beams: &[Beam], meter: &mut Meter) -> Result<(Cut, Vec<Tic
         tickets.try_reserve(parts as usize).map_err(|_| Stop::OutOfMemory)?;
         for part in 0..parts {
             meter.spend(1, 20)?;
-            let piece = cut.part(beam, index, part);
+            let [start, end] = cut.part(beam, index, part).ends();
             let [x, y, z] = [0, 1, 2].map(|axis| {
-                let middle = 0.5 * (f64::from(piece.start[axis]) + f64::from(piece.end[axis]));
+                let middle = 0.5 * (f64::from(start[axis]) + f64::from(end[axis]));
                 spread(((middle - f64::from(low[axis])) * scale[axis]) as u32)
             });
             tickets.push(Ticket { place: x | y << 1 | z << 2, beam: index, part });

@@ -2,15 +2,16 @@
 
 use super::PACKET;
 use crate::{Density, EyeRay, Knot, Medium};
+use core::ops::Range;
 use std::vec::Vec;
 
-/// Tables of the rays of one packet, one after the other; empty unless the density is a grid.
+/// Tables of the rays of one packet that met a beam; empty unless the density is a grid.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RayTables {
     packet: usize,
     knots: Vec<Knot>,
-    /// Where the table of each ray ends.
-    ends: Vec<usize>,
+    /// Where the table of each ray lies, if it was asked for.
+    tables: Vec<Option<Range<usize>>>,
 }
 
 impl RayTables {
@@ -22,25 +23,27 @@ impl RayTables {
     fn begin(&mut self, packet: usize) {
         self.packet = packet;
         self.knots.clear();
-        self.ends.clear();
+        self.tables.clear();
+        self.tables.resize(PACKET, None);
     }
 
-    /// The table of the call's ray `index`. Rays are asked for in order; those of the latest packet again and again.
+    /// Knots of all tables so far.
+    pub(super) fn knots(&self) -> usize {
+        self.knots.len()
+    }
+
+    /// The table of the call's ray `index`. Packets are asked for in order; the rays of the latest one in any order, again and again.
     pub(super) fn of(&mut self, index: usize, ray: &EyeRay, medium: &Medium, density: &Density) -> &[Knot] {
         let (packet, slot) = (index / PACKET, index % PACKET);
         if packet != self.packet {
             self.begin(packet);
         }
-        // Rays that touch nothing are not asked for: empty tables.
-        while self.ends.len() < slot {
-            self.ends.push(self.knots.len());
-        }
-        if self.ends.len() == slot {
-            let knots = &mut self.knots;
+        let Self { knots, tables, .. } = self;
+        let table = tables[slot].get_or_insert_with(|| {
+            let first = knots.len();
             density.tabulate(medium, ray.origin, ray.direction, ray.length, &mut |knot| knots.push(knot));
-            self.ends.push(self.knots.len());
-        }
-        let start = slot.checked_sub(1).map_or(0, |before| self.ends[before]);
-        &self.knots[start..self.ends[slot]]
+            first..knots.len()
+        });
+        &knots[table.clone()]
     }
 }

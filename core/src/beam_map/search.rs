@@ -1,13 +1,15 @@
-//! Which beams the eye rays meet: the walk of packets through the tree, and the test of rays against what it finds.
+//! Which beams the eye rays meet: the walk of packets through the tree, and packets halved until few rays test few pieces.
 
+use super::PACKET;
+use super::lanes::{Block, LANES, Lanes, Lines, Ray, bits};
 use super::meter::{Meter, Stop};
 use super::packet::Packet;
 use super::pieces::Piece;
 use super::tree::Tree;
-use super::{Contact, PACKET};
 use crate::KernelRadius;
-use crate::beam::{BLOCK, Beam, BeamBlock, EyeRay, Meeting, cos_theta, meet};
+use crate::beam::{Beam, EyeRay};
 use core::ops::Range;
+use fearless_simd::{Level, Simd, dispatch};
 use std::vec::Vec;
 
 /// Pieces that are gathered at a time: with the blocks made of them, what a processor's own cache holds.
@@ -16,26 +18,45 @@ const BATCH: usize = 1 << 14;
 /// Nodes visited between two questions to the host, where few are found on the way.
 const VISITS: usize = 1 << 14;
 
-/// Contacts that are settled at a time.
-const CONTACTS: usize = 256;
+/// Eye rays that test each other's pieces: fewer are not worth a packet of their own.
+const FEW: usize = 16;
+
+/// What is done with the pairs.
+pub(super) trait Settle {
+    /// Some pairs of ray `ray`.
+    fn pairs<S: Simd>(
+        &mut self,
+        simd: S,
+        ray: usize,
+        pairs: &Lanes<S>,
+        meter: &mut Meter,
+    ) -> Result<(), Stop>;
+
+    /// The rays of a packet have met all their beams.
+    fn packet(&mut self, meter: &mut Meter) -> Result<(), Stop>;
+}
 
 /// Buffers of a search.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Search {
     stack: Vec<u32>,
-    candidates: Candidates,
-    contacts: Vec<Contact>,
+    /// Pieces that some ray of a packet may touch; then those that its halves may touch, and so on.
+    pieces: Vec<Piece>,
+    blocks: Vec<Block>,
 }
 
-/// Pieces that some ray of a packet may touch, and the same in blocks.
-#[derive(Clone, Debug, Default)]
-struct Candidates {
-    pieces: Vec<Piece>,
-    blocks: Vec<BeamBlock>,
+/// What does not change during a search.
+#[derive(Clone, Copy)]
+struct Query<'a> {
+    level: Level,
+    beams: &'a [Beam],
+    tree: &'a Tree,
+    rays: &'a [EyeRay],
+    radius: &'a KernelRadius<'a>,
 }
 
 impl Search {
-    /// Gives `settle` the contacts of all rays: up to 256 at a time, all of one packet, those of a ray in the order of the tree.
+    /// Gives `settle` the pairs of all rays, packet after packet, those of a ray in the order of the tree.
     pub(super) fn all(
         &mut self,
         beams: &[Beam],
@@ -43,152 +64,200 @@ impl Search {
         rays: &[EyeRay],
         radius: &KernelRadius,
         meter: &mut Meter,
-        settle: &mut impl FnMut(&[Contact], &mut Meter) -> Result<(), Stop>,
+        settle: &mut impl Settle,
     ) -> Result<(), Stop> {
-        self.contacts.clear();
+        if tree.nodes.is_empty() {
+            return Ok(());
+        }
+        let query = Query { level: Level::new(), beams, tree, rays, radius };
         for first in (0..rays.len()).step_by(PACKET) {
-            let all = first..(first + PACKET).min(rays.len());
-            if let Some(packet) = Packet::new(&rays[all.clone()]) {
-                self.packet(beams, tree, &packet, rays, all, radius, meter, settle)?;
-            } else {
-                for index in all {
-                    if let Some(packet) = Packet::new(&rays[index..=index]) {
-                        self.packet(beams, tree, &packet, rays, index..index + 1, radius, meter, settle)?;
-                    }
+            self.packet(&query, first..(first + PACKET).min(rays.len()), meter, settle)?;
+            settle.packet(meter)?;
+        }
+        Ok(())
+    }
+
+    /// The pairs of some rays, side by side or not.
+    fn packet(
+        &mut self,
+        query: &Query,
+        rays: Range<usize>,
+        meter: &mut Meter,
+        settle: &mut impl Settle,
+    ) -> Result<(), Stop> {
+        let Some(packet) = Packet::new(&query.rays[rays.clone()]) else {
+            if rays.len() > 1 {
+                for half in halves(rays) {
+                    self.packet(query, half, meter, settle)?;
                 }
             }
-            if !self.contacts.is_empty() {
-                settle(&self.contacts, meter)?;
-                self.contacts.clear();
+            return Ok(());
+        };
+        self.stack.clear();
+        self.stack.push(0);
+        while !self.stack.is_empty() {
+            self.collect(query, &packet, meter)?;
+            if !self.pieces.is_empty() {
+                self.halve(query, rays.clone(), 0, meter, settle)?;
             }
         }
         Ok(())
     }
 
-    /// The contacts of the rays of one packet; less than a batch of them is left in `contacts`.
-    #[allow(clippy::too_many_arguments)] // Each is another thing; none has a home in another.
-    fn packet(
+    /// Goes on with the walk that `stack` is in the middle of, until there is a batch or the walk is at its end.
+    fn collect(&mut self, query: &Query, packet: &Packet, meter: &mut Meter) -> Result<(), Stop> {
+        let Self { stack, pieces, .. } = self;
+        pieces.clear();
+        let (tree, radius) = (query.tree, query.radius.ceiling);
+        let visits = dispatch!(query.level, simd => walk(simd, tree, packet, radius, stack, pieces, meter))?;
+        meter.spend(visits + pieces.len(), 20)
+    }
+
+    /// Halves a packet until few rays are left; each half with those of the pieces from `first` on that it may touch.
+    fn halve(
         &mut self,
-        beams: &[Beam],
-        tree: &Tree,
-        packet: &Packet,
-        rays: &[EyeRay],
-        indices: Range<usize>,
-        radius: &KernelRadius,
+        query: &Query,
+        rays: Range<usize>,
+        first: usize,
         meter: &mut Meter,
-        settle: &mut impl FnMut(&[Contact], &mut Meter) -> Result<(), Stop>,
+        settle: &mut impl Settle,
     ) -> Result<(), Stop> {
-        let Self { stack, candidates, contacts } = self;
-        stack.clear();
-        if !tree.nodes.is_empty() {
-            stack.push(0);
+        if rays.len() <= FEW {
+            return self.few(query, rays, first, meter, settle);
         }
-        while !stack.is_empty() {
-            candidates.collect(tree, packet, radius.ceiling, stack, meter)?;
-            if candidates.pieces.is_empty() {
-                continue;
+        let end = self.pieces.len();
+        for half in halves(rays) {
+            if let Some(packet) = Packet::new(&query.rays[half.clone()]) {
+                self.append_touched(query, &packet, first..end);
+                meter.spend(end - first, 3)?;
+            } else {
+                // Rays apart, or one that is no ray.
+                self.pieces.extend_from_within(first..end);
             }
-            candidates.fill_blocks(beams);
-            for index in indices.clone() {
-                // Each ray tests each block.
-                meter.spend(candidates.blocks.len(), 20)?;
-                let mut found = |contact: Contact| {
-                    contacts.push(contact);
-                    if contacts.len() < CONTACTS {
-                        return Ok(());
-                    }
-                    settle(contacts, meter)?;
-                    contacts.clear();
-                    Ok(())
-                };
-                let tested = candidates.meet(beams, &rays[index], index as u32, radius, &mut found)?;
-                meter.spend(tested, 100)?;
-            }
+            self.halve(query, half, end, meter, settle)?;
+            self.pieces.truncate(end);
         }
         Ok(())
+    }
+
+    /// Appends those of the pieces `from` that a packet may touch, in their order.
+    fn append_touched(&mut self, query: &Query, packet: &Packet, from: Range<usize>) {
+        let pieces = &mut self.pieces;
+        pieces.reserve(from.len());
+        dispatch!(query.level, simd => append_touched(simd, packet, query.radius.ceiling, pieces, from));
+    }
+
+    /// Each of a few rays tests each piece from `first` on.
+    fn few(
+        &mut self,
+        query: &Query,
+        rays: Range<usize>,
+        first: usize,
+        meter: &mut Meter,
+        settle: &mut impl Settle,
+    ) -> Result<(), Stop> {
+        let Self { pieces, blocks, .. } = self;
+        let pieces = &pieces[first..];
+        if pieces.is_empty() {
+            return Ok(());
+        }
+        blocks.clear();
+        blocks.resize(pieces.len().div_ceil(LANES), Block::EMPTY);
+        for (block, pieces) in blocks.iter_mut().zip(pieces.chunks(LANES)) {
+            block.fill(query.beams, pieces);
+        }
+        dispatch!(query.level, simd => meet(simd, query, rays, blocks, meter, settle))
     }
 }
 
-impl Candidates {
-    /// Goes on with the walk that `stack` is in the middle of, until there is a batch or the walk is at its end.
-    fn collect(
-        &mut self,
-        tree: &Tree,
-        packet: &Packet,
-        radius: f32,
-        stack: &mut Vec<u32>,
-        meter: &mut Meter,
-    ) -> Result<(), Stop> {
-        let pieces = &mut self.pieces;
-        pieces.clear();
-        let mut visits = 0;
-        while pieces.len() < BATCH
-            && let Some(index) = stack.pop()
-        {
-            visits += 1;
-            if visits == VISITS {
-                meter.spend(VISITS, 30)?;
-                visits = 0;
-            }
-            let node = &tree.nodes[index as usize];
-            if !packet.touches_box(node) {
-                continue;
-            }
-            if node.count == 0 {
-                stack.extend([node.first + 1, node.first]);
+/// See [`Search::collect`]. Returns how many nodes it visited since it last told the meter.
+#[inline(always)]
+fn walk<S: Simd>(
+    simd: S,
+    tree: &Tree,
+    packet: &Packet,
+    radius: f32,
+    stack: &mut Vec<u32>,
+    pieces: &mut Vec<Piece>,
+    meter: &mut Meter,
+) -> Result<usize, Stop> {
+    let mut visits = 0;
+    while pieces.len() < BATCH
+        && let Some(index) = stack.pop()
+    {
+        visits += 1;
+        if visits == VISITS {
+            meter.spend(VISITS, 30)?;
+            visits = 0;
+        }
+        let node = &tree.nodes[index as usize];
+        let before = stack.len();
+        for lane in bits(packet.touches_boxes(simd, node)) {
+            let first = node.first[lane];
+            if node.count[lane] == 0 {
+                stack.push(first);
             } else {
-                let first = node.first as usize;
-                let leaf = &tree.pieces[first..first + node.count as usize];
-                pieces.extend(leaf.iter().filter(|piece| packet.touches_piece(piece, radius)));
+                let first = first as usize;
+                let leaf = &tree.pieces[first..first + node.count[lane] as usize];
+                let mut lines = Lines::EMPTY;
+                lines.fill(leaf);
+                for lane in bits(packet.touches(simd, &lines, radius)) {
+                    pieces.push(leaf[lane]);
+                }
             }
         }
-        meter.spend(visits + pieces.len(), 30)
+        stack[before..].reverse();
     }
+    Ok(visits)
+}
 
-    fn fill_blocks(&mut self, beams: &[Beam]) {
-        self.blocks.clear();
-        for pieces in self.pieces.chunks(BLOCK) {
-            let mut block = BeamBlock::EMPTY;
-            for (slot, piece) in pieces.iter().enumerate() {
-                block.set(slot, &beams[piece.beam as usize], piece.from, piece.to);
-            }
-            self.blocks.push(block);
+/// See [`Search::append_touched`].
+#[inline(always)]
+fn append_touched<S: Simd>(
+    simd: S,
+    packet: &Packet,
+    radius: f32,
+    pieces: &mut Vec<Piece>,
+    from: Range<usize>,
+) {
+    let mut first = from.start;
+    while first < from.end {
+        let count = (from.end - first).min(LANES);
+        let mut lines = Lines::EMPTY;
+        lines.fill(&pieces[first..first + count]);
+        for lane in bits(packet.touches(simd, &lines, radius)) {
+            pieces.push(pieces[first + lane]);
         }
+        first += count;
     }
+}
 
-    /// Gives `found` the contacts of one ray, and returns how many pieces came near it.
-    #[inline(never)] // The hot loop compiles to fewer instructions on its own.
-    fn meet(
-        &self,
-        beams: &[Beam],
-        ray: &EyeRay,
-        index: u32,
-        radius: &KernelRadius,
-        found: &mut impl FnMut(Contact) -> Result<(), Stop>,
-    ) -> Result<usize, Stop> {
-        let mut tested = 0;
-        for (block, pieces) in self.blocks.iter().zip(self.pieces.chunks(BLOCK)) {
-            let mut mask = block.test(ray, radius.ceiling);
-            while mask != 0 {
-                let piece = &pieces[mask.trailing_zeros() as usize];
-                mask &= mask - 1;
-                tested += 1;
-                let beam = &beams[piece.beam as usize];
-                let Some(meeting) = meet(ray, beam, piece.from, piece.to, radius) else { continue };
-                let Meeting { point, crossing, radius: r, sigma } = meeting;
-                found(Contact {
-                    position: point,
-                    ray: index,
-                    beam: piece.beam,
-                    ray_distance: crossing.ray_distance,
-                    beam_distance: crossing.beam_distance,
-                    cos_theta: cos_theta(ray, beam),
-                    kernel: radius.kernel.evaluate(crossing.gap, r) / crossing.sin_theta,
-                    radius: r,
-                    sigma,
-                })?;
+/// Each of some rays meets each of some blocks.
+#[inline(always)]
+fn meet<S: Simd>(
+    simd: S,
+    query: &Query,
+    rays: Range<usize>,
+    blocks: &[Block],
+    meter: &mut Meter,
+    settle: &mut impl Settle,
+) -> Result<(), Stop> {
+    for index in rays {
+        let ray = Ray::new(simd, &query.rays[index]);
+        let mut met = 0;
+        for block in blocks {
+            if let Some(pairs) = Lanes::new(simd, &ray, block, query.beams, query.radius) {
+                met += 1;
+                settle.pairs(simd, index, &pairs, meter)?;
             }
         }
-        Ok(tested)
+        meter.spend(blocks.len() + 20 * met, 5)?;
     }
+    Ok(())
+}
+
+/// In the middle, which for the rays of square tiles is where the curve through them crosses it.
+fn halves(rays: Range<usize>) -> [Range<usize>; 2] {
+    let middle = rays.start + rays.len().div_ceil(2);
+    [rays.start..middle, middle..rays.end]
 }

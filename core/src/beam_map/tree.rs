@@ -1,7 +1,9 @@
-//! A binary tree of boxes over the pieces of beams, built in slices of bounded work.
+//! A tree of boxes over the pieces of beams, eight to a node, made from a binary one; built in slices of bounded work.
 
+use super::lanes::LANES;
 use super::meter::{Meter, Stop, with_room};
 use super::pieces::{Cut, Piece, Ticket};
+use super::wide::Vectors;
 use crate::{BLOCK, Beam};
 use glam::{Vec3, Vec3A};
 use std::vec::Vec;
@@ -11,11 +13,11 @@ const CHUNK: usize = 1 << 14;
 
 /// A box, and what is in it: the pieces `first..first + count`, or with `count` 0 the nodes `first` and `first + 1`.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Node {
+struct Node {
     low: Vec3,
-    pub(super) first: u32,
+    first: u32,
     high: Vec3,
-    pub(super) count: u32,
+    count: u32,
 }
 
 impl Node {
@@ -25,17 +27,18 @@ impl Node {
 
     fn around(piece: &Piece, reach: f32, first: u32) -> Self {
         // An accepted eye point lies within the radius of the segment, caps included (see `gather_pair`).
-        let (low, high) = (piece.start.min(piece.end), piece.start.max(piece.end));
+        let [start, end] = piece.ends();
+        let (low, high) = (start.min(end), start.max(end));
         Self { low: low - reach, first, high: high + reach, count: 1 }
     }
 
     #[inline]
-    pub(super) fn low(&self) -> Vec3A {
+    fn low(&self) -> Vec3A {
         self.low.into()
     }
 
     #[inline]
-    pub(super) fn high(&self) -> Vec3A {
+    fn high(&self) -> Vec3A {
         self.high.into()
     }
 
@@ -55,19 +58,66 @@ fn half_area((low, high): (Vec3A, Vec3A)) -> f32 {
     (extent * Vec3A::new(extent.y, extent.z, extent.x)).element_sum()
 }
 
-/// The nodes, root first (none over no pieces), and the pieces in the order of the leaves: a leaf's are neighbours in
+/// Up to eight boxes side by side, and what is in each: the pieces `first..first + count`, or with `count` 0 the node `first`.
+#[derive(Clone, Copy)]
+pub(super) struct WideNode {
+    pub(super) low: Vectors,
+    pub(super) high: Vectors,
+    pub(super) first: [u32; LANES],
+    pub(super) count: [u32; LANES],
+    /// A bit for each lane that holds a box.
+    pub(super) lanes: u32,
+}
+
+impl WideNode {
+    const EMPTY: Self = Self {
+        low: [[0.0; LANES]; 3],
+        high: [[0.0; LANES]; 3],
+        first: [0; LANES],
+        count: [0; LANES],
+        lanes: 0,
+    };
+
+    fn set(&mut self, lane: usize, node: &Node) {
+        for axis in 0..3 {
+            self.low[axis][lane] = node.low[axis];
+            self.high[axis][lane] = node.high[axis];
+        }
+        (self.first[lane], self.count[lane]) = (node.first, node.count);
+        self.lanes |= 1 << lane;
+    }
+}
+
+/// The nodes, root first (none over no pieces), and the pieces in the order in which a walk meets them: a leaf's are neighbours in
 /// memory, and so are those of a subtree.
 #[derive(Clone)]
 pub(super) struct Tree {
-    pub(super) nodes: Vec<Node>,
+    pub(super) nodes: Vec<WideNode>,
     pub(super) pieces: Vec<Piece>,
 }
 
 impl Tree {
-    /// Chunks of neighbouring pieces become subtrees, and these the leaves of one more tree, that at the top.
-    ///
     /// - `reach`: what each box is grown by \[m\].
     pub(super) fn new(
+        beams: &[Beam],
+        cut: &Cut,
+        tickets: &[Ticket],
+        reach: f32,
+        meter: &mut Meter,
+    ) -> Result<Self, Stop> {
+        BinaryTree::new(beams, cut, tickets, reach, meter)?.widen(meter)
+    }
+}
+
+/// The nodes, root first (none over no pieces), and the pieces in the order of the leaves.
+struct BinaryTree {
+    nodes: Vec<Node>,
+    pieces: Vec<Piece>,
+}
+
+impl BinaryTree {
+    /// Chunks of neighbouring pieces become subtrees, and these the leaves of one more tree, that at the top.
+    fn new(
         beams: &[Beam],
         cut: &Cut,
         tickets: &[Ticket],
@@ -98,8 +148,53 @@ impl Tree {
         for (node, top) in tree.nodes.iter_mut().zip(&clusters.tree) {
             *node = if top.count == 0 { *top } else { roots[top.first as usize] };
         }
-        tree.nodes.shrink_to_fit();
         Ok(tree)
+    }
+
+    /// Gives each node the eight largest boxes below it.
+    fn widen(self, meter: &mut Meter) -> Result<Tree, Stop> {
+        let mut wide = Tree { nodes: Vec::new(), pieces: with_room(self.pieces.len())? };
+        // Nodes still to be made: of which subtree, and where they go.
+        let mut stack = Vec::new();
+        if let Some(root) = self.nodes.first() {
+            wide.nodes.push(WideNode::EMPTY);
+            stack.push((*root, 0));
+        }
+        while let Some((root, slot)) = stack.pop() {
+            meter.spend(1, 400)?;
+            let mut children = [root; LANES];
+            let mut count = 1;
+            while count < LANES {
+                let inner = (0..count).filter(|i| children[*i].count == 0);
+                let largest =
+                    inner.max_by(|a, b| children[*a].half_area().total_cmp(&children[*b].half_area()));
+                let Some(largest) = largest else { break };
+                // Neighbours in space stay neighbours.
+                children.copy_within(largest + 1..count, largest + 2);
+                let pair = children[largest].first as usize;
+                children[largest..largest + 2].copy_from_slice(&self.nodes[pair..pair + 2]);
+                count += 1;
+            }
+            let mut node = WideNode::EMPTY;
+            for (lane, child) in children[..count].iter_mut().enumerate() {
+                let first = child.first as usize;
+                if child.count > 0 {
+                    child.first = wide.pieces.len() as u32;
+                    wide.pieces.extend_from_slice(&self.pieces[first..first + child.count as usize]);
+                }
+                node.set(lane, child);
+            }
+            // The last is taken from the stack first: a walk and this loop meet the nodes in the same order.
+            for lane in (0..count).rev().filter(|lane| children[*lane].count == 0) {
+                node.first[lane] = u32::try_from(wide.nodes.len()).map_err(|_| Stop::TooMany)?;
+                wide.nodes.try_reserve(1).map_err(|_| Stop::OutOfMemory)?;
+                stack.push((children[lane], wide.nodes.len()));
+                wide.nodes.push(WideNode::EMPTY);
+            }
+            wide.nodes[slot] = node;
+        }
+        wide.nodes.shrink_to_fit();
+        Ok(wide)
     }
 
     /// Appends what is below the root of a chunk's tree, depth first, and returns the root.
@@ -200,21 +295,13 @@ impl Clusters {
         Ok(())
     }
 
-    /// Makes a leaf of every node over at most [`BLOCK`] leaves that costs less to test as one: its `count` becomes that of
-    /// the leaves below it.
+    /// Makes a leaf of every node over at most [`BLOCK`] leaves: these are tested together. Its `count` becomes that of the leaves below it.
     fn collapse(&mut self) {
         for i in (0..self.tree.len()).rev() {
-            let node = self.tree[i];
-            if node.count > 0 {
-                continue;
-            }
-            let [a, b] = [0, 1].map(|side| self.tree[node.first as usize + side]);
-            let count = a.count + b.count;
-            let apart = a.half_area() * a.count as f32 + b.half_area() * b.count as f32;
-            // The walk to a node costs as much as the test of a piece.
-            let together = node.half_area() * (count as f32 - 1.0);
-            if a.count > 0 && b.count > 0 && count <= BLOCK as u32 && together <= apart {
-                self.tree[i].count = count;
+            let Node { first, count: 0, .. } = self.tree[i] else { continue };
+            let [a, b] = [0, 1].map(|side| self.tree[first as usize + side].count);
+            if a > 0 && b > 0 && a + b <= BLOCK as u32 {
+                self.tree[i].count = a + b;
             }
         }
     }

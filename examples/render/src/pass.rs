@@ -8,6 +8,7 @@ use crate::operators::Operator;
 use crate::optics::Interior;
 use crate::photon::{Energy, PhotonRecord, PhotonTracer, Record};
 use crate::plan::{FirstSurfaces, Plan};
+use crate::radius::{BeamVoxels, Radii, RadiusRule};
 use crate::random::Emission;
 use crate::scene::Scene;
 use crate::surface::SurfaceMap;
@@ -102,6 +103,8 @@ pub struct Renderer<'a> {
     camera: Interior,
     marching: Marching,
     surfaces: Option<Arc<FirstSurfaces>>,
+    /// None: [`RadiusRule::Bias`].
+    radii: Option<Radii>,
     grid: Vec<GridCell>,
     deposited: u32,
     resolved: Vec<FluenceCell>,
@@ -134,6 +137,7 @@ impl<'a> Renderer<'a> {
             camera: Interior::at(scene, scene.camera.position),
             marching: Marching::default(),
             surfaces: None,
+            radii: None,
             grid: vec![GridCell::default(); cells],
             deposited: 0,
             resolved: vec![FluenceCell::default(); cells],
@@ -151,6 +155,14 @@ impl<'a> Renderer<'a> {
     /// through every pixel.
     pub fn plan_eye_rays(&mut self) {
         self.surfaces = Some(Arc::new(FirstSurfaces::new(self.scene)));
+    }
+
+    /// What the adaptive method's kernel radii come from; other methods go on as they are. Call it before the first pass.
+    ///
+    /// With a rule other than [`RadiusRule::Bias`] the layer σ of the picture is the one that gives the same radii by that rule. Asked for
+    /// out of order, a pass traces all light paths of the earlier ones that it has not seen.
+    pub fn widen_by(&mut self, rule: RadiusRule) {
+        self.radii = (rule != RadiusRule::Bias).then(|| Radii::new(rule, self.scene.grid));
     }
 
     /// How the method `march` chooses places. Call it before the first pass.
@@ -244,6 +256,44 @@ impl<'a> Renderer<'a> {
         Some(())
     }
 
+    /// Brings the radii of rules that count beams to the state after pass `index`, whose own paths left `record`.
+    fn update_radii(
+        &mut self,
+        index: u32,
+        record: &PhotonRecord,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Option<()> {
+        let Some(mut radii) = self.radii.take() else { return Some(()) };
+        let counted = self.count_beams(index, record, &mut radii.beams, cancelled);
+        let settings = &self.scene.settings;
+        radii.resolve(&self.resolved, settings.kernel, settings.error);
+        self.radii = Some(radii);
+        counted
+    }
+
+    fn count_beams(
+        &self,
+        index: u32,
+        record: &PhotonRecord,
+        beams: &mut BeamVoxels,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Option<()> {
+        if beams.passes() >= index {
+            beams.clear();
+        }
+        while beams.passes() + 1 < index {
+            let (earlier, fields) = (beams.passes() + 1, self.field_photons());
+            let sequences = [(PLAIN_SEQUENCE, self.photons - fields), (FIELD_SEQUENCE, fields)];
+            let mut record = PhotonRecord::default();
+            for (sequence, count) in sequences {
+                record.append(self.trace(sequence, earlier, count, Record::Beams, cancelled)?.0);
+            }
+            beams.add(&record.beams, &self.fogs);
+        }
+        beams.add(&record.beams, &self.fogs);
+        Some(())
+    }
+
     /// Traces and deposits the light fields of the next pass alone.
     fn add_light_fields(&mut self, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<()> {
         let (next, count) = (self.deposited + 1, self.field_photons());
@@ -276,9 +326,12 @@ impl<'a> Renderer<'a> {
         let mut times = PassTimes::default();
         let settings = self.scene.settings;
         let adaptive = self.method == Method::Adaptive;
+        let counts_only = self.radii.as_ref().is_some_and(|radii| radii.rule == RadiusRule::BeamDensity);
+        // Planning needs spectra whatever the radii come from.
+        let has_spectra = adaptive && (!counts_only || self.surfaces.is_some());
 
         let field_photons = self.field_photons();
-        let field_record = if adaptive { Record::BeamsAndField } else { Record::Beams };
+        let field_record = if has_spectra { Record::BeamsAndField } else { Record::Beams };
         let (fields, seconds) = self.trace(FIELD_SEQUENCE, index, field_photons, field_record, cancelled)?;
         times.light_fields = fields.field_time.as_secs_f64();
         times.trace = seconds - times.light_fields;
@@ -287,26 +340,29 @@ impl<'a> Renderer<'a> {
             self.trace(PLAIN_SEQUENCE, index, plain_photons, Record::Beams, cancelled)?;
         times.trace += seconds;
 
-        if adaptive {
-            let start = Instant::now();
+        let start = Instant::now();
+        if has_spectra {
             self.update_grid(index, &fields, cancelled)?;
-            times.grid = start.elapsed().as_secs_f64();
         }
-
         record.append(fields);
+        if adaptive {
+            self.update_radii(index, &record, cancelled)?;
+        }
+        times.grid = start.elapsed().as_secs_f64();
         self.energy = record.energy;
+        let layout = self.scene.grid;
+        let lookup = |cells| FluenceGrid::new(layout, cells).expect("as many cells as the grid has");
         let progressive = progressive_radius(settings.radius, settings.alpha, index);
         let radius = KernelRadius {
             kernel: settings.kernel,
             progressive,
             ceiling: if adaptive { settings.max_radius.max(progressive) } else { progressive },
             error: error_bound(settings.error, index),
-            grid: adaptive.then(|| {
-                FluenceGrid::new(self.scene.grid, &self.resolved).expect("as many cells as the grid has")
-            }),
+            grid: adaptive.then(|| lookup(self.radii.as_ref().map_or(&self.resolved, |radii| &radii.cells))),
         };
         let start = Instant::now();
-        let plan = radius.grid.as_ref().and_then(|grid| self.plan(index, radius.error, grid));
+        let plan = has_spectra.then(|| lookup(&self.resolved));
+        let plan = plan.and_then(|grid| self.plan(index, radius.error, &grid));
         times.plan = start.elapsed().as_secs_f64();
 
         let start = Instant::now();
@@ -319,17 +375,26 @@ impl<'a> Renderer<'a> {
             beams.map(|(beams, fog)| BeamMap::build(beams, ceiling, fog.medium, &fog.density)).collect()
         };
         let beyond = plan.as_ref().is_some_and(|plan| plan.surfaces().has_specular());
-        let narrow_maps = beyond.then(|| build(by_medium.clone(), progressive));
-        let maps = build(by_medium, radius.ceiling);
         // A photon's disk shrinks in area as a beam's kernel shrinks in width: r² ~ 1D schedule.
         let shrink = (progressive / settings.radius).sqrt();
         let radius_on_surfaces = settings.radius * shrink;
-        let surfaces = SurfaceMap::build(
-            std::mem::take(&mut record.surface),
-            DIFFUSE_RADIUS_FACTOR * radius_on_surfaces,
-            CAUSTIC_RADIUS_FACTOR * radius_on_surfaces,
-        );
+        let photons = std::mem::take(&mut record.surface);
+        let narrow_beams = beyond.then(|| by_medium.clone());
         times.build = start.elapsed().as_secs_f64();
+        let ((maps, wide), ((narrow_maps, narrow), (surfaces, on_surfaces))) = rayon::join(
+            || timed(|| build(by_medium, radius.ceiling)),
+            || {
+                rayon::join(
+                    || timed(|| narrow_beams.map(|beams| build(beams, progressive))),
+                    || {
+                        let [diffuse, caustic] = [DIFFUSE_RADIUS_FACTOR, CAUSTIC_RADIUS_FACTOR]
+                            .map(|factor| factor * radius_on_surfaces);
+                        timed(|| SurfaceMap::build(photons, diffuse, caustic))
+                    },
+                )
+            },
+        );
+        times.build += wide + narrow + on_surfaces;
 
         let interior = self.camera;
         let tracer = EyeTracer { scene: self.scene, fogs: &self.fogs, interior, surfaces: &surfaces };
@@ -409,4 +474,11 @@ impl<'a> Renderer<'a> {
         let times = PassTimes { trace: seconds, ..PassTimes::default() };
         Some((PassImage { width, height, radiance, ..PassImage::default() }, times))
     }
+}
+
+/// What `run` returns, and the seconds that it took.
+fn timed<T>(run: impl FnOnce() -> T) -> (T, f64) {
+    let start = Instant::now();
+    let result = run();
+    (result, start.elapsed().as_secs_f64())
 }

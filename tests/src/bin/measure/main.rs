@@ -11,6 +11,7 @@ mod means;
 mod planned;
 mod reference;
 mod rendering;
+mod rules;
 mod scenes;
 mod truth;
 
@@ -147,6 +148,29 @@ enum Measurement {
         #[command(flatten)]
         size: Size,
     },
+    /// Rules for the kernel's radius, against plain beams: error at equal passes and at equal CPU time.
+    Rules {
+        /// The scenes.
+        #[arg(required = true)]
+        scenes: Vec<PathBuf>,
+        /// Folder of the references: NAME.exr for NAME.toml.
+        #[arg(long)]
+        references: PathBuf,
+        /// Passes, rising.
+        #[arg(long, value_delimiter = ',', default_values_t = [4, 16, 64])]
+        passes: Vec<u32>,
+        /// CPU-seconds, rising.
+        #[arg(long, value_delimiter = ',')]
+        seconds: Vec<f64>,
+        /// Few eye rays where the picture is smooth; otherwise one through every pixel.
+        #[arg(long)]
+        planned: bool,
+        /// Independent runs to average over.
+        #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..))]
+        seeds: u32,
+        #[command(flatten)]
+        size: Size,
+    },
     /// Shadow rays along eye rays, for light scattered once: error over shadow rays of the ways to choose their places; writes a log-log plot.
     Marching {
         /// The scenes.
@@ -240,6 +264,9 @@ fn main() -> Outcome<()> {
         }
         Measurement::EqualTime { scenes, references, seconds, seeds, size } => {
             equal_time::run(&scenes, &references, &seconds, seeds, size)
+        }
+        Measurement::Rules { scenes, references, passes, seconds, planned, seeds, size } => {
+            rules::run(&scenes, &references, &rules::Stops { passes, seconds }, planned, seeds, size)
         }
         Measurement::Marching { scenes, budgets, seeds, reference, plot, size } => {
             marching::run(&scenes, &budgets, seeds, reference, plot.as_deref(), size)

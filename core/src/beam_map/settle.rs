@@ -1,0 +1,208 @@
+//! What pairs add to their rays, in a medium of the core's or of the host's.
+
+use super::Contact;
+use super::columns::BeamColumns;
+use super::lanes::{LANES, Lanes, bits, vector};
+use super::meter::{Meter, Stop};
+use super::rays::RayTables;
+use super::search::Settle;
+use super::wide::{Floats, exp, load};
+use crate::beam::{Beam, EyeRay, Gathered};
+use crate::{Density, Medium, PhaseFunction, PhaseKind};
+use fearless_simd::{Simd, SimdBase, f32x8};
+use glam::Vec3;
+use std::vec::Vec;
+
+/// Contacts that a host is given at a time.
+const CONTACTS: usize = 256;
+
+/// Adds pairs in a medium that the core knows.
+pub(super) struct OurMedium<'a> {
+    pub(super) beams: &'a [Beam],
+    pub(super) columns: &'a BeamColumns,
+    pub(super) rays: &'a [EyeRay],
+    pub(super) medium: &'a Medium,
+    pub(super) density: &'a Density<'a>,
+    pub(super) gathered: &'a mut [Gathered],
+    pub(super) tables: &'a mut RayTables,
+}
+
+impl Settle for OurMedium<'_> {
+    #[inline(always)]
+    fn pairs<S: Simd>(
+        &mut self,
+        simd: S,
+        ray: usize,
+        pairs: &Lanes<S>,
+        meter: &mut Meter,
+    ) -> Result<(), Stop> {
+        if pairs.accepted == 0 {
+            return Ok(());
+        }
+        let mut scale = phase(simd, &self.medium.phase, pairs.cos_theta);
+        let column = if matches!(self.density, Density::Uniform) {
+            pairs.beam_distance + pairs.ray_distance
+        } else {
+            let (column, density) = self.columns(ray, pairs, meter)?;
+            scale = load(simd, &density) * scale;
+            load(simd, &column)
+        };
+        let Medium { scattering, .. } = self.medium;
+        let transmittance = transmittance(simd, self.medium, column);
+        let mut radiance = [scale; 3];
+        for channel in 0..3 {
+            let product = scattering[channel] * transmittance[channel] * scale;
+            radiance[channel] = product * load(simd, &pairs.block.power[channel]) * pairs.kernel;
+        }
+        self.gathered[ray].add_lanes(pairs.accepted, radiance, pairs.radius, pairs.sigma);
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn packet(&mut self, _: &mut Meter) -> Result<(), Stop> {
+        Ok(())
+    }
+}
+
+impl OurMedium<'_> {
+    /// The columns along both ways of pairs, and the density where they meet, where it varies.
+    #[inline(never)]
+    fn columns<S: Simd>(
+        &mut self,
+        ray: usize,
+        pairs: &Lanes<S>,
+        meter: &mut Meter,
+    ) -> Result<(Floats, Floats), Stop> {
+        let Self { beams, columns, rays, medium, density, ref mut tables, .. } = *self;
+        let EyeRay { origin, direction, .. } = rays[ray];
+        let before = tables.knots();
+        tables.of(ray, &rays[ray], medium, density);
+        meter.spend(tables.knots() - before, 100)?;
+        let along_ray = density.column(origin, direction, tables.of(ray, &rays[ray], medium, density));
+        let (ray_distance, beam_distance): (Floats, Floats) =
+            (pairs.ray_distance.into(), pairs.beam_distance.into());
+        let positions = pairs.position.store();
+        let (mut column, mut here) = ([0.0; LANES], [0.0; LANES]);
+        for lane in bits(pairs.accepted) {
+            let index = pairs.block.beams[lane] as usize;
+            column[lane] = columns.up_to(beam_distance[lane], index, &beams[index], density)
+                + along_ray.at(ray_distance[lane]);
+            here[lane] = density.at(vector(&positions, lane));
+        }
+        Ok((column, here))
+    }
+}
+
+/// [`PhaseFunction::evaluate`], bit for bit.
+#[inline(always)]
+fn phase<S: Simd>(simd: S, phase: &PhaseFunction, cos_theta: f32x8<S>) -> f32x8<S> {
+    if phase.kind == PhaseKind::Isotropic {
+        return f32x8::splat(simd, phase.evaluate(0.0));
+    }
+    let mut values: Floats = cos_theta.into();
+    for value in &mut values {
+        *value = phase.evaluate(*value);
+    }
+    load(simd, &values)
+}
+
+/// [`Medium::transmittance`] by channel, bit for bit.
+#[inline(always)]
+fn transmittance<S: Simd>(simd: S, medium: &Medium, column: f32x8<S>) -> [f32x8<S>; 3] {
+    let extinction = medium.extinction();
+    let red = attenuation(simd, extinction.x, column);
+    if extinction.y == extinction.x && extinction.z == extinction.x {
+        return [red; 3];
+    }
+    [red, attenuation(simd, extinction.y, column), attenuation(simd, extinction.z, column)]
+}
+
+#[inline(always)]
+fn attenuation<S: Simd>(simd: S, extinction: f32, column: f32x8<S>) -> f32x8<S> {
+    // 0 · ∞ would be NaN.
+    if extinction == 0.0 { f32x8::splat(simd, 1.0) } else { exp(simd, column * -extinction) }
+}
+
+/// Gives pairs to a host that knows the medium, and adds what it says.
+pub(super) struct HostMedium<'a> {
+    pub(super) beams: &'a [Beam],
+    pub(super) shade: &'a mut dyn FnMut(&[Contact], &mut [Vec3]) -> bool,
+    pub(super) gathered: &'a mut [Gathered],
+    pub(super) contacts: &'a mut Vec<Contact>,
+    pub(super) products: &'a mut Vec<Vec3>,
+}
+
+impl Settle for HostMedium<'_> {
+    #[inline(always)]
+    fn pairs<S: Simd>(&mut self, _: S, ray: usize, pairs: &Lanes<S>, meter: &mut Meter) -> Result<(), Stop> {
+        let position = pairs.position.store();
+        let (ray_distance, beam_distance): (Floats, Floats) =
+            (pairs.ray_distance.into(), pairs.beam_distance.into());
+        let (cos_theta, kernel): (Floats, Floats) = (pairs.cos_theta.into(), pairs.kernel.into());
+        let (radius, sigma): (Floats, Floats) = (pairs.radius.into(), pairs.sigma.into());
+        self.contacts.extend(bits(pairs.accepted).map(|lane| Contact {
+            position: vector(&position, lane),
+            ray: ray as u32,
+            beam: pairs.block.beams[lane],
+            ray_distance: ray_distance[lane],
+            beam_distance: beam_distance[lane],
+            cos_theta: cos_theta[lane],
+            kernel: kernel[lane],
+            radius: radius[lane],
+            sigma: sigma[lane],
+        }));
+        if self.contacts.len() + LANES > CONTACTS { self.packet(meter) } else { Ok(()) }
+    }
+
+    fn packet(&mut self, meter: &mut Meter) -> Result<(), Stop> {
+        let Self { beams, shade, gathered, contacts, products } = self;
+        if contacts.is_empty() {
+            return Ok(());
+        }
+        products.clear();
+        products.resize(contacts.len(), Vec3::ZERO);
+        if !shade(contacts, products) {
+            return Err(Stop::Cancelled);
+        }
+        for (contact, product) in contacts.iter().zip(products.iter()) {
+            let radiance = *product * beams[contact.beam as usize].power * contact.kernel;
+            gathered[contact.ray as usize].add(radiance, contact.radius, contact.sigma);
+        }
+        // What the host does for a pair is taken to cost about a microsecond.
+        meter.spend(contacts.len(), 1000)?;
+        contacts.clear();
+        Ok(())
+    }
+}
+
+impl Gathered {
+    /// [`Gathered::add`] of those of eight pairs that `mask` has a bit for, in their order, bit for bit.
+    #[inline(always)]
+    fn add_lanes<S: Simd>(
+        &mut self,
+        mask: u32,
+        [red, green, blue]: [f32x8<S>; 3],
+        radius: f32x8<S>,
+        sigma: f32x8<S>,
+    ) {
+        let weight = (red + green + blue) * (1.0 / 3.0);
+        let arrays: [Floats; 6] = [
+            red.into(),
+            green.into(),
+            blue.into(),
+            weight.into(),
+            (weight * radius).into(),
+            (weight * sigma).into(),
+        ];
+        let [red, green, blue, weight, radius, sigma] = &arrays;
+        for lane in bits(mask) {
+            if weight[lane].is_finite() {
+                self.radiance += Vec3::new(red[lane], green[lane], blue[lane]);
+                self.pairs += 1;
+                self.weight += weight[lane];
+                self.radius += radius[lane];
+                self.sigma += sigma[lane];
+            }
+        }
+    }
+}
