@@ -2380,7 +2380,7 @@ void covbeam_scratch_free(struct covbeam_scratch *scratch);
  * @param kernel the kernel and how wide it may be; its ceiling at most the map's.
  * @param grid a grid that has been resolved, for kernels as wide as the light's bandwidth allows. NULL: all
  *     kernels have the radius kernel->progressive, and the ceiling may be that too.
- * @param count number of rays; with 0 nothing is done. Each 64 that follow each other share one walk through
+ * @param count number of rays; with 0 nothing is done. Each 256 that follow each other share one walk through
  *     the hierarchy: give those of a tile of 8x8 pixels together.
  * @param rays, ray_stride the eye rays, all in the map's medium.
  * @param gathered, gathered_stride receive what each ray gathers.

@@ -85,7 +85,7 @@ pub struct Contact {
 
 /// Buffers of a gather that a thread keeps between calls so that they are not allocated again.
 ///
-/// About 1.5 MB at most, and 8 bytes a knot of 64 eye rays' columns, however many beams there are.
+/// About 2 MB at most, and 8 bytes a knot of 256 eye rays' columns, however many beams there are.
 #[derive(Clone, Debug, Default)]
 pub struct GatherScratch {
     search: Search,
@@ -182,7 +182,7 @@ impl BeamMap {
     /// Adds to `gathered[i]` what ray `rays[i]` gathers from all beams (see [`crate::gather_pair`]), as long as `go_on` says so.
     /// Returns whether it came to the end.
     ///
-    /// - `rays`: any number. 64 after the other share one walk through the hierarchy: give those that run side by side
+    /// - `rays`: any number. 256 after the other share one walk through the hierarchy: give those that run side by side
     ///   together (the rays of a tile of pixels). Any rays are gathered correctly.
     /// - `medium`, `density`: those given to [`BeamMap::build`]. In a density grid each ray's column is tabulated, to 5e-4
     ///   of the transmittance.

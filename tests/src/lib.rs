@@ -2,13 +2,12 @@
 
 pub mod energy;
 pub mod header;
-pub mod random;
-pub mod regions;
 pub mod single_scatter;
-pub mod stability;
 pub mod statistics;
-pub mod twin;
 pub mod vectors;
+
+pub use covbeam_hard_cases::{random, stability, twin};
+pub use covbeam_render::regions;
 
 /// The README's example, as a test.
 #[cfg(doctest)]

@@ -27,23 +27,25 @@ impl RayTables {
         self.tables.resize(PACKET, None);
     }
 
-    /// Knots of all tables so far.
-    pub(super) fn knots(&self) -> usize {
-        self.knots.len()
-    }
-
-    /// The table of the call's ray `index`. Packets are asked for in order; the rays of the latest one in any order, again and again.
-    pub(super) fn of(&mut self, index: usize, ray: &EyeRay, medium: &Medium, density: &Density) -> &[Knot] {
+    /// Makes the table of the call's ray `index`, if there is none yet, and returns how many knots that took. Packets are asked for in order; the
+    /// rays of the latest one in any order, again and again.
+    pub(super) fn make(&mut self, index: usize, ray: &EyeRay, medium: &Medium, density: &Density) -> usize {
         let (packet, slot) = (index / PACKET, index % PACKET);
         if packet != self.packet {
             self.begin(packet);
         }
-        let Self { knots, tables, .. } = self;
-        let table = tables[slot].get_or_insert_with(|| {
-            let first = knots.len();
-            density.tabulate(medium, ray.origin, ray.direction, ray.length, &mut |knot| knots.push(knot));
-            first..knots.len()
-        });
-        &knots[table.clone()]
+        if self.tables[slot].is_some() {
+            return 0;
+        }
+        let knots = &mut self.knots;
+        let first = knots.len();
+        density.tabulate(medium, ray.origin, ray.direction, ray.length, &mut |knot| knots.push(knot));
+        self.tables[slot] = Some(first..knots.len());
+        knots.len() - first
+    }
+
+    /// The table that was made for ray `index`.
+    pub(super) fn of(&self, index: usize) -> &[Knot] {
+        self.tables[index % PACKET].clone().map_or(&[], |table| &self.knots[table])
     }
 }

@@ -75,10 +75,8 @@ impl OurMedium<'_> {
     ) -> Result<(Floats, Floats), Stop> {
         let Self { beams, columns, rays, medium, density, ref mut tables, .. } = *self;
         let EyeRay { origin, direction, .. } = rays[ray];
-        let before = tables.knots();
-        tables.of(ray, &rays[ray], medium, density);
-        meter.spend(tables.knots() - before, 100)?;
-        let along_ray = density.column(origin, direction, tables.of(ray, &rays[ray], medium, density));
+        meter.spend(tables.make(ray, &rays[ray], medium, density), 100)?;
+        let along_ray = density.column(origin, direction, tables.of(ray));
         let (ray_distance, beam_distance): (Floats, Floats) =
             (pairs.ray_distance.into(), pairs.beam_distance.into());
         let positions = pairs.position.store();

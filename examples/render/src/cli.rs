@@ -3,6 +3,7 @@
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use covbeam_render::compare::Region;
 use covbeam_render::pass::Method;
+use covbeam_render::report::{METHODS, Method as ReportMethod};
 use glam::Vec3;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -16,6 +17,7 @@ Examples:
   covbeam render scene.toml --passes 1000 --seed 2 --out reference.exr
   covbeam compare scene-adaptive.exr reference.exr --region caustic=116,172,140,236
   covbeam spectrum scene.toml                         is the predicted bandwidth that of the light?
+  covbeam report scene.toml --quick                   which method is how far after how much time?
 
 Ctrl-C stops a render and keeps the passes finished until then.";
 
@@ -37,6 +39,8 @@ pub(crate) enum Command {
     Compare(CompareArgs),
     /// Test the predicted bandwidth of the light against the measured one, voxel by voxel
     Spectrum(SpectrumArgs),
+    /// Measure error against time of all methods, and write it up as one page
+    Report(ReportArgs),
 }
 
 #[derive(Args, Debug, Default)]
@@ -186,6 +190,64 @@ pub(crate) struct SpectrumArgs {
     /// border, a caustic]
     #[arg(long = "point", value_name = "x,y,z", value_parser = point, allow_hyphen_values = true)]
     pub(crate) points: Vec<Vec3>,
+}
+
+const REPORT_HELP: &str = "\
+Renders each scene with each method and several seeds, passes after passes, and compares with a reference after
+1, 2, 4, 8, ... of them. Without --references it first renders one of each scene itself: two long runs with narrow
+kernels, so that the noise of the reference can be taken off the errors.
+
+In the folder:
+  report.html     the page, one file that needs nothing else: error over time and over passes with slopes, by region;
+                  pictures and their errors at equal time; maps of radius, bandwidth and eye rays; where time and
+                  memory go; what each feature costs; hard cases of the arithmetic; the machine and this command
+  report.json     all its numbers
+  results.csv     errors, a line a point and region
+  figure.svg      error over time of the glass ball (or of the first scene)
+
+Examples:
+  covbeam report --quick                            the built-in glass ball, small, in some seconds
+  covbeam report examples/scenes                    all scenes of a folder, in about ten minutes on two cores
+  covbeam report scene.toml --methods plain,covbeam --seeds 4 --width 256 --budget 60
+  covbeam report glass-ball.toml --references tests/references
+
+Ctrl-C stops it; the page then holds what was measured until then, and says so.";
+
+#[derive(Args, Debug)]
+#[command(after_help = REPORT_HELP)]
+pub(crate) struct ReportArgs {
+    /// Scene files, or folders of them; without any the built-in glass ball
+    #[arg(value_name = "SCENES")]
+    pub(crate) scenes: Vec<PathBuf>,
+    /// Smaller pictures and shorter runs: a first impression, and noisy numbers
+    #[arg(long)]
+    pub(crate) quick: bool,
+    /// The folder to write into; created if it is missing
+    #[arg(long, value_name = "DIR", default_value = "covbeam-report")]
+    pub(crate) out: PathBuf,
+    /// Methods to compare, separated by commas [default: all]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = report_method)]
+    pub(crate) methods: Vec<&'static str>,
+    /// Runs of each method, with seeds 1, 2, ... [default: 2]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(crate) seeds: Option<u32>,
+    /// CPU-seconds of a run; one pass is always made [default: 6, quick: 0.3]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    pub(crate) budget: Option<Duration>,
+    /// Pixels across; heights follow [default: those of the given reference, else 128, quick: 64]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16384))]
+    pub(crate) width: Option<u32>,
+    /// Folder with references: NAME.exr for NAME.toml, and NAME-half.exr, the first of its two runs
+    #[arg(long, value_name = "DIR")]
+    pub(crate) references: Option<PathBuf>,
+    /// Threads; 0 = one for each core. Errors after a number of passes are the same for any number
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024))]
+    pub(crate) threads: u32,
+}
+
+fn report_method(text: &str) -> Result<&'static str, String> {
+    let names = || METHODS.iter().map(|method| method.name).collect::<Vec<_>>().join(", ");
+    ReportMethod::named(text).map(|method| method.name).ok_or_else(|| format!("expected one of {}", names()))
 }
 
 /// `x0,y0,z0:x1,y1,z1`

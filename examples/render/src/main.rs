@@ -1,7 +1,8 @@
-//! `covbeam`: renders a scene, compares two pictures, or tests the predicted spectra.
+//! `covbeam`: renders a scene, compares two pictures, tests the predicted spectra, or reports on all methods.
 
 mod cli;
 mod render_command;
+mod report_command;
 mod spectrum_command;
 
 use clap::Parser;
@@ -24,6 +25,7 @@ fn main() -> ExitCode {
         Command::Render(args) => render_command::run(&args),
         Command::Compare(args) => run_compare(&args),
         Command::Spectrum(args) => spectrum_command::run(&args),
+        Command::Report(args) => report_command::run(&args),
     };
     done.unwrap_or_else(|error| {
         eprintln!("error: {error}");

@@ -165,16 +165,23 @@ pub fn write_png(path: &Path, picture: &Picture) -> Result<(), OutputError> {
 /// # Errors
 /// As [`replace_file`].
 pub fn write_bitmap(path: &Path, bitmap: &Bitmap) -> Result<(), OutputError> {
+    let bytes = encode_png(bitmap)
+        .map_err(|error| OutputError::Encode { path: path.to_owned(), message: error.to_string() })?;
+    replace_file(path, |file| file.write_all(&bytes))
+}
+
+/// A bitmap as the bytes of a PNG.
+///
+/// # Errors
+/// What the encoder says: no pixels, or not as many as width x height.
+pub fn encode_png(bitmap: &Bitmap) -> Result<Vec<u8>, png::EncodingError> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, bitmap.width, bitmap.height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    encoder
-        .write_header()
-        .and_then(|mut writer| writer.write_image_data(&bitmap.bytes))
-        .map_err(|error| OutputError::Encode { path: path.to_owned(), message: error.to_string() })?;
-    replace_file(path, |file| file.write_all(&bytes))
+    encoder.write_header().and_then(|mut writer| writer.write_image_data(&bitmap.bytes))?;
+    Ok(bytes)
 }
 
 /// The picture as 8-bit sRGB, three bytes a pixel.
@@ -184,13 +191,18 @@ pub fn write_bitmap(path: &Path, bitmap: &Bitmap) -> Result<(), OutputError> {
 /// every unit, and room for a caustic above evenly lit fog. Up to 0.6 the picture is linear; above, a shoulder
 /// `0.6 + 0.4 (1 - exp(-(v - 0.6) / 0.4))`, per channel, lets highlights run out towards white instead of clipping.
 pub fn preview(picture: &Picture) -> Vec<u8> {
+    preview_exposed_as(picture, picture)
+}
+
+/// The same with the exposure that is right for another picture, so that the two can be compared.
+pub fn preview_exposed_as(picture: &Picture, exposed: &Picture) -> Vec<u8> {
     const KNEE: f32 = 0.6;
     const ROOM: f32 = 1.0 - KNEE;
     const MIDDLE_GREY: f32 = 0.18;
     // The shoulder shows this value at 0.9: KNEE + ROOM ln 4.
     const SHOWN_AT_90_PERCENT: f32 = 1.154_517_7;
 
-    let mut lit: Vec<f32> = picture.radiance.iter().map(|v| luminance(*v)).filter(|l| *l > 0.0).collect();
+    let mut lit: Vec<f32> = exposed.radiance.iter().map(|v| luminance(*v)).filter(|l| *l > 0.0).collect();
     lit.sort_by(f32::total_cmp);
     let percentile = |percent: usize| lit.get(lit.len() * percent / 100).copied().unwrap_or(1.0);
     let middle = MIDDLE_GREY / SHOWN_AT_90_PERCENT * percentile(99);

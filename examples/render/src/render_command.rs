@@ -21,8 +21,8 @@ use std::time::{Duration, Instant};
 pub(crate) const STOPPED: u8 = 130;
 
 /// What is rendered when no scene is named.
-const DEFAULT_SCENE: &str = include_str!("../../scenes/glass-ball.toml");
-const DEFAULT_NAME: &str = "glass-ball";
+pub(crate) const DEFAULT_SCENE: &str = include_str!("../../scenes/glass-ball.toml");
+pub(crate) const DEFAULT_NAME: &str = "glass-ball";
 
 pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
     check_flags(args)?;

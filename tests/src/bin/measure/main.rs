@@ -13,6 +13,7 @@ mod reference;
 mod rendering;
 mod rules;
 mod scenes;
+mod speed;
 mod truth;
 
 use clap::{Parser, Subcommand};
@@ -191,6 +192,8 @@ enum Measurement {
         #[command(flatten)]
         size: Size,
     },
+    /// Ceilings of a core, tests of beams and rays a core-second, growth of gather and build with the number of beams, and two threads against one.
+    Speed,
     /// Each operator on light fields left out in turn: truth of the predicted spectra, image error, time.
     Ablation {
         /// The scene.
@@ -271,6 +274,7 @@ fn main() -> Outcome<()> {
         Measurement::Marching { scenes, budgets, seeds, reference, plot, size } => {
             marching::run(&scenes, &budgets, seeds, reference, plot.as_deref(), size)
         }
+        Measurement::Speed => speed::run(),
         Measurement::Ablation { scene, reference, effort, size } => {
             ablation::run(&scene, reference.as_deref(), effort, size)
         }

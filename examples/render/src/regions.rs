@@ -1,7 +1,7 @@
 //! Regions of pictures in which errors are reported.
 
-use covbeam_render::compare::luminance;
-use covbeam_render::film::Picture;
+use crate::compare::luminance;
+use crate::film::Picture;
 
 /// Pixels darker than this share of the picture's mean are neither sharp nor smooth: their changes are noise.
 const DARK: f64 = 0.01;

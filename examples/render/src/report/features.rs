@@ -1,0 +1,144 @@
+//! What each feature costs: variants of the glass ball at the same passes and light paths, by part.
+
+use super::measure::Parts;
+use crate::fog::Fog;
+use crate::pass::{Method, Renderer};
+use crate::photon::{PhotonRecord, PhotonTracer, Record};
+use crate::random::Emission;
+use crate::scene::{Material, MediumDensity, Scene};
+use crate::volume::Volume;
+use covbeam::{BeamMap, ExponentialDensity, FluenceCell, GridCell, GridLayout, PhaseFunction, PhaseKind};
+use glam::Vec3;
+use serde::Serialize;
+
+/// Runs of each variant; of each part the fastest one counts, as other programs only make it slower.
+const REPEATS: u32 = 3;
+
+/// Cost of a variant.
+#[derive(Clone, Debug, Serialize)]
+pub struct Feature {
+    /// What is switched on.
+    pub name: &'static str,
+    /// What it is, for a reader.
+    pub about: &'static str,
+    /// Core-seconds a pass.
+    pub parts: Parts,
+    /// Total over that of the first variant.
+    pub ratio: f64,
+}
+
+type Change = fn(&mut Scene);
+
+/// Variants in the order of the table: name, about, method, whether eye rays are planned, what is changed in the scene.
+const VARIANTS: [(&str, &str, Method, bool, Change); 9] = [
+    ("plain", "the glass ball with plain beams", Method::Ppb, false, |_| {}),
+    (
+        "+ light fields and grid",
+        "a tenth of the light paths carry a light field into the grid; each pair looks it up, but no kernel grows",
+        Method::Adaptive,
+        false,
+        |scene| scene.settings.max_radius = 0.0,
+    ),
+    (
+        "+ adaptive kernels",
+        "kernels grow where the grid says that the light is smooth",
+        Method::Adaptive,
+        false,
+        |_| {},
+    ),
+    ("+ planned eye rays", "few eye rays where the picture is smooth", Method::Adaptive, true, |_| {}),
+    ("exponential density", "plain, in fog that thins with height", Method::Ppb, false, |scene| {
+        let density = ExponentialDensity { origin: scene.grid.min, up: Vec3::Y, scale_height: 4.0 };
+        fill(scene, &MediumDensity::Exponential(density));
+    }),
+    ("voxel density", "plain, in fog given by 32³ voxels", Method::Ppb, false, |scene| {
+        let layout = GridLayout { cells: [32; 3], ..scene.grid };
+        // Waves between 0.5 and 1.5, so that no voxel is like its neighbours.
+        let wave = |i: u32| {
+            1.0 + 0.5 * ((i % 32) as f32).sin() * ((i / 32 % 32) as f32).sin() * ((i / 1024) as f32).sin()
+        };
+        fill(scene, &MediumDensity::Grid(Volume { layout, values: (0..32 * 32 * 32).map(wave).collect() }));
+    }),
+    ("coloured extinction", "plain, with another extinction for each channel", Method::Ppb, false, |scene| {
+        for medium in &mut scene.media {
+            medium.medium.absorption += medium.medium.scattering * Vec3::new(0.0, 0.1, 0.2);
+        }
+    }),
+    ("Henyey-Greenstein", "plain, with a phase function of asymmetry 0.7", Method::Ppb, false, |scene| {
+        for medium in &mut scene.media {
+            medium.medium.phase = PhaseFunction { kind: PhaseKind::HenyeyGreenstein, asymmetry: 0.7 };
+        }
+    }),
+    ("without the glass", "plain, the ball taken away", Method::Ppb, false, |scene| {
+        scene.objects.retain(|object| !matches!(object.material, Material::Dielectric { .. }));
+    }),
+];
+
+fn fill(scene: &mut Scene, density: &MediumDensity) {
+    scene.media.iter_mut().for_each(|medium| medium.density = density.clone());
+}
+
+/// Measures all variants of a scene, which should be the glass ball. None: cancelled.
+pub(super) fn features(
+    scene: &Scene,
+    passes: u32,
+    cancelled: &(dyn Fn() -> bool + Sync),
+) -> Option<Vec<Feature>> {
+    let mut best = [None::<Parts>; VARIANTS.len()];
+    for _ in 0..REPEATS {
+        for ((_, _, method, planned, change), best) in VARIANTS.into_iter().zip(&mut best) {
+            let mut scene = scene.clone();
+            change(&mut scene);
+            let mut renderer = Renderer::new(&scene, method, scene.settings.photons, 1);
+            if planned {
+                renderer.plan_eye_rays();
+            }
+            let mut times = crate::pass::PassTimes::default();
+            for pass in 1..=passes {
+                times += renderer.pass(pass, cancelled)?.1;
+            }
+            let parts = Parts::from(times).a_pass(passes);
+            *best = Some(best.map_or(parts, |best| best.least(&parts)));
+        }
+    }
+    let plain = best[0]?.total();
+    let feature = |((name, about, ..), parts): ((&'static str, &'static str, _, _, _), Option<Parts>)| {
+        let parts = parts?;
+        Some(Feature { name, about, parts, ratio: parts.total() / plain })
+    };
+    VARIANTS.into_iter().zip(best).map(feature).collect()
+}
+
+/// Bytes that one pass of a scene keeps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Memory {
+    /// Beams of a pass.
+    pub beams: usize,
+    /// Their map with kernels of the plain radius.
+    pub plain_map: usize,
+    /// Their map with kernels up to the largest radius.
+    pub adaptive_map: usize,
+    /// The covariance grid, with the one that is looked up.
+    pub grid: usize,
+}
+
+/// Of the first pass.
+pub(super) fn memory(scene: &Scene) -> Memory {
+    let tracer = PhotonTracer::new(scene, 1, Emission::LowDiscrepancy);
+    let mut record = PhotonRecord::default();
+    let paths = scene.settings.photons;
+    (0..paths).for_each(|path| tracer.trace(0, path, paths, Record::Beams, &mut record));
+    let map = |ceiling: f32| -> usize {
+        let of_medium = |(medium, fog): (usize, &Fog)| {
+            let beams = record.beams.iter().filter(|(of, _)| *of as usize == medium).map(|(_, beam)| *beam);
+            BeamMap::build(beams.collect(), ceiling, fog.medium, &fog.density).memory()
+        };
+        Fog::all(scene).iter().enumerate().map(of_medium).sum()
+    };
+    Memory {
+        beams: record.beams.len(),
+        plain_map: map(scene.settings.radius),
+        adaptive_map: map(scene.settings.max_radius.max(scene.settings.radius)),
+        grid: scene.grid.cell_count() * (size_of::<GridCell>() + size_of::<FluenceCell>()),
+    }
+}

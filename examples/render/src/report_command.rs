@@ -1,0 +1,236 @@
+//! `covbeam report`: from scenes to one page, with the numbers beside it.
+
+use crate::cli::ReportArgs;
+use crate::render_command::{DEFAULT_NAME, DEFAULT_SCENE, STOPPED, seconds};
+use covbeam_render::output::{check_writable, replace_file};
+use covbeam_render::report::{
+    METHODS, Options, Reference, Report, Subject, Watch, csv, figure, json, measure, page,
+};
+use covbeam_render::scene::Scene;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::error::Error;
+use std::io::{IsTerminal, Write, stderr, stdout};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+/// What is written into the folder.
+const FILES: [&str; 4] = ["report.html", "report.json", "results.csv", "figure.svg"];
+
+/// CPU-seconds of a run, seeds and pixels across, by default and with --quick: so that the eight scenes in examples/scenes take
+/// less than 15 minutes and less than one on two cores.
+const USUAL: (f64, u32, u32) = (6.0, 2, 128);
+const QUICK: (f64, u32, u32) = (0.3, 2, 64);
+
+/// A reference's two runs take this many times as long as a method's, each.
+const REFERENCE_FACTOR: f64 = 3.0;
+
+pub(crate) fn run(args: &ReportArgs) -> Result<ExitCode, Box<dyn Error>> {
+    let mut subjects = Vec::new();
+    for path in scene_files(&args.scenes)? {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        subjects.push(Subject { name, scene: Scene::load(&path)? });
+    }
+    let glass_ball = Scene::parse(DEFAULT_SCENE, "built-in scene", Path::new("."))?;
+    if args.scenes.is_empty() {
+        subjects.push(Subject { name: DEFAULT_NAME.to_owned(), scene: glass_ball.clone() });
+    }
+    let options = options(args);
+    if let Some(folder) = options.references.as_ref().filter(|folder| !folder.is_dir()) {
+        return Err(format!(
+            "there is no folder '{}'; give the one of the references with --references",
+            folder.display()
+        )
+        .into());
+    }
+    let mut prepared: Vec<(Subject, Option<Reference>)> = Vec::new();
+    for mut subject in subjects {
+        let reference = options.prepare(&mut subject)?;
+        if let (None, Some(folder)) = (&reference, &options.references) {
+            let name = &subject.name;
+            eprintln!(
+                "{}/{name}.exr does not exist: a reference of {name} is rendered first",
+                folder.display()
+            );
+        }
+        prepared.push((subject, reference));
+    }
+    let folder = &args.out;
+    std::fs::create_dir_all(folder).map_err(|error| {
+        format!("cannot create the folder {}: {error}; choose another with --out", folder.display())
+    })?;
+    for file in FILES {
+        check_writable(&folder.join(file))?;
+    }
+
+    let stop = Arc::new(AtomicBool::new(false));
+    let handler_stop = Arc::clone(&stop);
+    ctrlc::set_handler(move || handler_stop.store(true, Ordering::Relaxed))?;
+    let cancelled = || stop.load(Ordering::Relaxed);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads as usize).build()?;
+    let allowed = options.cpu_seconds(&prepared);
+    eprintln!(
+        "{} scenes, {} methods, {} seeds: about {allowed:.0} CPU-seconds on {} threads",
+        prepared.len(),
+        options.methods.len(),
+        options.seeds,
+        pool.current_num_threads()
+    );
+    let display = Display::new();
+    let show = |step: &str, share: f64| display.show(step, share);
+    let watch = Watch::new(allowed, &cancelled, &show);
+    let command =
+        command_line(std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()));
+    let report = pool.install(|| measure(prepared, &glass_ball, &options, command, &watch));
+    display.finish();
+    let report = report?;
+    if report.scenes.is_empty() {
+        eprintln!("stopped before the first run was finished: nothing is written");
+        return Ok(ExitCode::from(STOPPED));
+    }
+    save(&report, folder)
+}
+
+fn options(args: &ReportArgs) -> Options {
+    let (budget, seeds, width) = if args.quick { QUICK } else { USUAL };
+    let budget = args.budget.map_or(budget, |budget| budget.as_secs_f64());
+    let methods =
+        METHODS.iter().filter(|method| args.methods.is_empty() || args.methods.contains(&method.name));
+    Options {
+        methods: methods.collect(),
+        seeds: args.seeds.unwrap_or(seeds),
+        budget,
+        reference_budget: REFERENCE_FACTOR * budget,
+        width: args.width,
+        usual_width: width,
+        references: args.references.clone(),
+        quick: args.quick,
+        extras: true,
+    }
+}
+
+/// The scenes themselves; of a folder, all files in it that end in .toml, by name, but for a Cargo.toml.
+fn scene_files(given: &[PathBuf]) -> Result<Vec<PathBuf>, String> {
+    let mut files = Vec::new();
+    for path in given {
+        if !path.is_dir() {
+            files.push(path.clone());
+            continue;
+        }
+        let failed = |error| format!("cannot read the folder '{}': {error}", path.display());
+        let entries: Result<Vec<_>, _> = std::fs::read_dir(path).map_err(failed)?.collect();
+        let mut scenes: Vec<PathBuf> = entries.map_err(failed)?.iter().map(std::fs::DirEntry::path).collect();
+        let is_scene = |file: &PathBuf| {
+            file.extension().is_some_and(|ending| ending == "toml")
+                && file.file_name() != Some("Cargo.toml".as_ref())
+        };
+        scenes.retain(|file| file.is_file() && is_scene(file));
+        if scenes.is_empty() {
+            return Err(format!(
+                "the folder '{}' holds no scene (a file that ends in .toml); name scenes or another folder",
+                path.display()
+            ));
+        }
+        scenes.sort();
+        files.append(&mut scenes);
+    }
+    Ok(files)
+}
+
+/// What was typed, for a shell to repeat.
+fn command_line(arguments: impl Iterator<Item = String>) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c);
+    let quoted = arguments.map(|argument| {
+        if !argument.is_empty() && argument.chars().all(is_plain) {
+            argument
+        } else {
+            format!("'{}'", argument.replace('\'', r"'\''"))
+        }
+    });
+    std::iter::once("covbeam".to_owned()).chain(quoted).collect::<Vec<_>>().join(" ")
+}
+
+fn save(report: &Report, folder: &Path) -> Result<ExitCode, Box<dyn Error>> {
+    let write =
+        |file: &str, text: &str| replace_file(&folder.join(file), |out| out.write_all(text.as_bytes()));
+    write("report.json", &json(report))?;
+    write("results.csv", &csv(report))?;
+    let figure = figure(report)?;
+    if let Some(figure) = &figure {
+        write("figure.svg", figure)?;
+    }
+    write("report.html", &page(report)?)?;
+    let written: Vec<&str> =
+        FILES.into_iter().filter(|file| figure.is_some() || *file != "figure.svg").collect();
+    let mut said = String::new();
+    if let Some(stopped) = &report.stopped {
+        said += &format!("{stopped}: the page holds what was measured until then\n");
+    }
+    said += &format!(
+        "wrote {} into {}\n{} by the clock, {:.0} CPU-seconds\n",
+        written.join(", "),
+        folder.display(),
+        seconds(Duration::from_secs_f64(report.elapsed)),
+        report.cpu_seconds
+    );
+    stdout().write_all(said.as_bytes())?;
+    Ok(if report.stopped.is_some() { ExitCode::from(STOPPED) } else { ExitCode::SUCCESS })
+}
+
+/// Progress on standard error: a bar in a terminal, else a line every few seconds.
+struct Display {
+    bar: Option<ProgressBar>,
+    start: Instant,
+    next_line: Mutex<Instant>,
+}
+
+impl Display {
+    const LINES_EVERY: Duration = Duration::from_secs(5);
+    const STEPS: f64 = 1000.0;
+
+    fn new() -> Self {
+        let bar = stderr().is_terminal().then(|| {
+            let style = ProgressStyle::with_template("[{bar:30}] {elapsed} {msg}").expect("a valid template");
+            let bar = ProgressBar::new(Self::STEPS as u64).with_style(style.progress_chars("=> "));
+            bar.enable_steady_tick(Duration::from_millis(200));
+            bar
+        });
+        Self { bar, start: Instant::now(), next_line: Mutex::new(Instant::now() + Self::LINES_EVERY) }
+    }
+
+    fn show(&self, step: &str, share: f64) {
+        let message = || {
+            let left = self.start.elapsed().mul_f64((1.0 - share) / share.max(1e-3));
+            let left = if share > 0.0 { format!(", about {} left", seconds(left)) } else { String::new() };
+            format!("{step}{left}")
+        };
+        if let Some(bar) = &self.bar {
+            bar.set_position((Self::STEPS * share) as u64);
+            bar.set_message(message());
+        } else if let Ok(mut next) = self.next_line.try_lock()
+            && Instant::now() >= *next
+        {
+            eprintln!("{}", message());
+            *next = Instant::now() + Self::LINES_EVERY;
+        }
+    }
+
+    fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_can_be_pasted_into_a_shell() {
+        let typed = ["report", "my scene.toml", "it's", "--out", "a/b", ""].map(str::to_owned);
+        assert_eq!(command_line(typed.into_iter()), r"covbeam report 'my scene.toml' 'it'\''s' --out a/b ''");
+    }
+}
