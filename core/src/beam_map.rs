@@ -85,7 +85,7 @@ pub struct Contact {
 
 /// Buffers of a gather that a thread keeps between calls so that they are not allocated again.
 ///
-/// About 2 MB at most, and 8 bytes a knot of 256 eye rays' columns, however many beams there are.
+/// About 4 MB at most, and 8 bytes a knot of 256 eye rays' columns, however many beams there are.
 #[derive(Clone, Debug, Default)]
 pub struct GatherScratch {
     search: Search,

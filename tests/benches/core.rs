@@ -1,11 +1,18 @@
-//! Benchmarks of the hot paths. Estimates of the floor, for a core with 8-wide single-precision FMA at 3 GHz (96 Gflop/s)
-//! and 20 GB/s from beyond the cache:
+//! Benchmarks of the hot paths. Estimates of the floor, for a core at 3 GHz that starts four operations on 8 lanes of single precision in a
+//! cycle, or two fused ones (96 Gflop/s either way), and reads 30 GB/s from memory and 150 GB/s from its own cache (`measure speed` prints
+//! what this core does):
 //!
 //! - look-up: 8 cells x 28 bytes = 224 bytes, in cache for 32³ (0.9 MB); 2 x 56 flops: 2 to 6 ns, latency-bound.
 //! - deposit: one slice (about 60 flops) and 56 bytes read and written a voxel: 5 ns.
-//! - filter of a pair: about 55 flops, 40 bytes in cache: 0.6 ns at full width, 2.3 ns at the baseline's width of 4
-//!   without FMA.
-//! - accepted pair: about 150 flops, one exp, two square roots, three divisions and a look-up, all scalar: 30 ns.
+//! - test of a pair: 58 flops and 5 comparisons, none fused, as the bits are those of the definition: 0.66 ns. A piece is read (36 bytes, and 16
+//!   of its beam's 76) and written side by side (76 bytes) once for 16 rays: 0.05 ns a test from cache, 0.2 ns if each is a line from
+//!   memory of its own.
+//! - accepted pair, homogeneous: about 60 flops with one exp, 0.6 ns; five divisions and a square root of 8 lanes at 5 cycles each, 1.3 ns where
+//!   all eight are accepted, 10 ns where one is; seven sums, one pair after the other at 4 cycles, 1.3 ns: 3 ns at best. A look-up adds
+//!   224 bytes and 112 flops, its cells added up pair by pair: 4 ns.
+//! - build, a beam of 3.5 pieces: each a ticket of 16 bytes that is moved 8 times, a piece of 36 bytes written twice, two nodes of 32 bytes
+//!   written twice and 11 bytes of wide ones: 1.8 kB a beam, 60 ns from memory; about 10 boxes a piece joined and measured at 12
+//!   flops, scalar: 60 ns.
 //! - spectrum of a pixel, a step: a look-up, 60 flops and an exp: 20 ns; in voxels a second trilinear look-up, 21 more voxels for the
 //!   derivatives and 100 flops: 60 ns.
 //! - pixel through a filter: a circle of 3 standard deviations holds 113 to 452 blocks of a half to a quarter of one; 30 flops, an exp and
@@ -21,7 +28,7 @@ use covbeam::{
     gather_pair, pixel_threshold,
 };
 use covbeam_render::random::Random;
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 
 fn direction(random: &mut Random) -> Vec3 {
@@ -176,6 +183,21 @@ fn beams(count: usize) -> Vec<Beam> {
         .collect()
 }
 
+/// The rays of a tile of 32 x 32 pixels, along a Z-shaped curve.
+fn tile() -> Vec<EyeRay> {
+    let every_second_bit = |number: u32| (0..5).map(|bit| (number >> (2 * bit) & 1) << bit).sum::<u32>();
+    (0..32 * 32)
+        .map(|place| {
+            let [x, y] = [place, place >> 1].map(|bits| 0.002 * every_second_bit(bits) as f32);
+            EyeRay {
+                origin: Vec3::new(0.0, 0.0, -4.0),
+                direction: Vec3::new(x, y, 1.0).normalize(),
+                length: 8.0,
+            }
+        })
+        .collect()
+}
+
 fn gather(c: &mut Criterion) {
     let cells = cells();
     let view = FluenceGrid::new(LAYOUT, &cells).unwrap();
@@ -191,30 +213,29 @@ fn gather(c: &mut Criterion) {
         let beams = beams(count);
         group.throughput(Throughput::Elements(count as u64)).sample_size(10);
         group.bench_with_input(BenchmarkId::from_parameter(count), &beams, |b, beams| {
-            b.iter(|| BeamMap::build(beams.clone(), 0.01, &FOG, &Density::Uniform));
+            b.iter_batched(
+                || beams.clone(),
+                |beams| BeamMap::build(beams, 0.01, &FOG, &Density::Uniform),
+                BatchSize::PerIteration,
+            );
         });
     }
     group.finish();
 
     let mut group = c.benchmark_group("gather");
-    let rays: Vec<EyeRay> = (0..64)
-        .map(|i| EyeRay {
-            origin: Vec3::new(0.0, 0.0, -4.0),
-            direction: Vec3::new(0.002 * (i % 8) as f32, 0.002 * (i / 8) as f32, 1.0).normalize(),
-            length: 8.0,
-        })
-        .collect();
-    for count in [1_000, 10_000, 100_000] {
-        let map = BeamMap::build(beams(count), 0.2, &FOG, &Density::Uniform);
+    let rays = tile();
+    for count in [1_000, 10_000, 100_000, 1_000_000] {
         for (name, radius) in [
             ("plain 0.05", plain(0.05)),
             ("plain 0.004", plain(0.004)),
             ("adaptive", KernelRadius { ceiling: 0.2, grid: Some(view), ..plain(0.004) }),
         ] {
+            let map = BeamMap::build(beams(count), radius.ceiling, &FOG, &Density::Uniform);
             let mut scratch = GatherScratch::default();
             let mut gathered = vec![Gathered::default(); rays.len()];
             map.gather(&rays, &FOG, &Density::Uniform, &radius, &mut gathered, &mut scratch);
             let pairs: u64 = gathered.iter().map(|g| u64::from(g.pairs)).sum();
+            println!("{name}/{count}: {:.1} pairs a ray", pairs as f64 / rays.len() as f64);
             group.throughput(Throughput::Elements(pairs.max(1)));
             group.bench_function(BenchmarkId::new(name, count), |b| {
                 b.iter(|| map.gather(&rays, &FOG, &Density::Uniform, &radius, &mut gathered, &mut scratch));

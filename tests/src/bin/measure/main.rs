@@ -15,6 +15,7 @@ mod rules;
 mod scenes;
 mod speed;
 mod truth;
+mod wedges;
 
 use clap::{Parser, Subcommand};
 use std::error::Error;
@@ -149,6 +150,24 @@ enum Measurement {
         #[command(flatten)]
         size: Size,
     },
+    /// Wedges of beams that run nearly along an eye ray, in a ball scene after few passes: how bright, and is their light all there?
+    Wedges {
+        /// The scene.
+        scene: PathBuf,
+        /// Its reference.
+        reference: PathBuf,
+        /// Passes.
+        #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..))]
+        passes: u32,
+        /// Independent runs.
+        #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(2..))]
+        seeds: u32,
+        /// A folder for the pictures of the first run.
+        #[arg(long)]
+        out: Option<PathBuf>,
+        #[command(flatten)]
+        size: Size,
+    },
     /// Rules for the kernel's radius, against plain beams: error at equal passes and at equal CPU time.
     Rules {
         /// The scenes.
@@ -267,6 +286,9 @@ fn main() -> Outcome<()> {
         }
         Measurement::EqualTime { scenes, references, seconds, seeds, size } => {
             equal_time::run(&scenes, &references, &seconds, seeds, size)
+        }
+        Measurement::Wedges { scene, reference, passes, seeds, out, size } => {
+            wedges::run(&scene, &reference, passes, seeds, out, size)
         }
         Measurement::Rules { scenes, references, passes, seconds, planned, seeds, size } => {
             rules::run(&scenes, &references, &rules::Stops { passes, seconds }, planned, seeds, size)
