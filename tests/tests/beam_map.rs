@@ -116,6 +116,22 @@ fn a_map_of_many_chunks_gathers_pair_for_pair_what_every_beam_does() {
     }
 }
 
+#[test]
+fn far_from_the_origin_a_map_accepts_what_every_beam_does() {
+    // Coordinates of up to 2¹⁷ m are told apart by 8 mm, kernels are 10 mm wide: boxes are rounded by as much.
+    let away = Vec3::new(70_000.0, -100_000.0, 130_000.0);
+    let moved = |origin: Vec3| origin + away;
+    let beams: Vec<Beam> =
+        random_beams(40_000).into_iter().map(|beam| Beam { origin: moved(beam.origin), ..beam }).collect();
+    let rays: Vec<EyeRay> =
+        rays(200).into_iter().map(|ray| EyeRay { origin: moved(ray.origin), ..ray }).collect();
+    let map = BeamMap::build(beams.clone(), 0.01, &FOG, &Density::Uniform);
+    let found = gather(&map, &rays, &Density::Uniform, &plain(0.01));
+    assert!(found.iter().map(|g| g.pairs).sum::<u32>() > 1000);
+    // Up to 500 terms in another order.
+    assert_same(&found, &naive(&beams, &rays, &plain(0.01)), 1e-5);
+}
+
 /// Beams that leave a builder of hierarchies nothing to go by.
 fn degenerate_beams(count: usize) -> Vec<(&'static str, Vec<Beam>)> {
     let beam = Beam { direction: Vec3::X, length: 2.0, power: Vec3::ONE, ..Beam::default() };

@@ -1,5 +1,6 @@
 //! One eye ray against eight pieces of beams side by side.
 
+use super::packet::ROOM;
 use super::pieces::Piece;
 use super::reach::reach;
 use super::wide::{Floats, Vectors, Wide, load};
@@ -132,7 +133,7 @@ impl<'a, S: Simd> Lanes<'a, S> {
         let along_beam = offset.cross(ray.direction).dot(normal);
 
         // As `BeamBlock::test`: without a division, and wider than what is asked exactly below by more than rounding.
-        let wide = radius.ceiling * 1.001;
+        let wide = radius.ceiling * ROOM;
         let near = (triple * triple).simd_le(sin2 * (wide * wide));
         let on_ray = along_ray.simd_ge(sin2 * -wide) & along_ray.simd_le(sin2 * (ray.length + wide));
         let on_beam = along_beam.simd_ge((from - wide) * sin2) & along_beam.simd_le((to + wide) * sin2);

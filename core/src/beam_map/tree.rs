@@ -2,6 +2,7 @@
 
 use super::lanes::LANES;
 use super::meter::{Meter, Stop, with_room};
+use super::packet::ROOM;
 use super::pieces::{Cut, Piece, Ticket};
 use super::wide::Vectors;
 use crate::{BLOCK, Beam};
@@ -29,6 +30,8 @@ impl Node {
         // An accepted eye point lies within the radius of the segment, caps included (see `gather_pair`).
         let [start, end] = piece.ends();
         let (low, high) = (start.min(end), start.max(end));
+        // Far from the world's origin the ends are rounded by more than kernels are wide.
+        let reach = reach + 2.0 * f32::EPSILON * low.abs().max(high.abs()).max_element();
         Self { low: low - reach, first, high: high + reach, count: 1 }
     }
 
@@ -105,7 +108,7 @@ impl Tree {
         reach: f32,
         meter: &mut Meter,
     ) -> Result<Self, Stop> {
-        BinaryTree::new(beams, cut, tickets, reach, meter)?.widen(meter)
+        BinaryTree::new(beams, cut, tickets, reach * ROOM, meter)?.widen(meter)
     }
 }
 
