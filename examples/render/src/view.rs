@@ -9,6 +9,7 @@ use crate::scene::Scene;
 use covbeam::{BeamMap, EyeRay, GatherScratch, Gathered, KernelRadius};
 use glam::Vec3;
 use rayon::prelude::*;
+use std::sync::Mutex;
 use std::time::Instant;
 
 /// Pixels along the side of a tile, whose eye rays are gathered together.
@@ -42,10 +43,20 @@ impl View<'_> {
     pub(crate) fn image(self, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<(PassImage, Cost)> {
         let (width, height) = (self.scene.camera.width, self.scene.camera.height);
         let (across, down) = (width.div_ceil(TILE), height.div_ceil(TILE));
+        // Tiles cost unlike amounts: each is a task, and threads take turns with the buffers.
+        let idle = Mutex::new(Vec::new());
         let tiles: Option<Vec<Tile>> = (0..across * down)
             .into_par_iter()
-            .map_init(Scratch::default, |scratch, tile| {
-                (!cancelled()).then(|| self.tile([tile % across * TILE, tile / across * TILE], scratch))
+            .with_max_len(1)
+            .map(|tile| {
+                if cancelled() {
+                    return None;
+                }
+                let mut scratch: Scratch =
+                    idle.lock().expect("no thread panics with it").pop().unwrap_or_default();
+                let tile = self.tile([tile % across * TILE, tile / across * TILE], &mut scratch);
+                idle.lock().expect("no thread panics with it").push(scratch);
+                Some(tile)
             })
             .collect();
         let pixels = (width * height) as usize;
