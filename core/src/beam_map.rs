@@ -186,7 +186,8 @@ impl BeamMap {
     ///   together (the rays of a tile of pixels). Any rays are gathered correctly.
     /// - `medium`, `density`: those given to [`BeamMap::build`]. In a density grid each ray's column is tabulated, to 5e-4
     ///   of the transmittance.
-    /// - `radius`: its `ceiling` must not exceed the one given to [`BeamMap::build`]; a larger one is cut to it.
+    /// - `radius`: its `ceiling` must not exceed the one given to [`BeamMap::build`]; a larger one is cut to it, with a smaller one fewer beams are
+    ///   tested.
     /// - `gathered`: one for each ray. Stopped, it holds part of the sums: to be thrown away.
     /// - `go_on`: asked at the start and about once in a millisecond; false stops. The work between two questions is
     ///   bounded whatever the beams.

@@ -117,6 +117,21 @@ fn a_map_of_many_chunks_gathers_pair_for_pair_what_every_beam_does() {
 }
 
 #[test]
+fn a_map_built_for_wide_kernels_gathers_with_narrow_ones_what_every_beam_does() {
+    let beams = random_beams(60_000);
+    let rays = rays(300);
+    let [wide, narrow] =
+        [0.5, 0.02].map(|ceiling| BeamMap::build(beams.clone(), ceiling, &FOG, &Density::Uniform));
+    let found = gather(&wide, &rays, &Density::Uniform, &plain(0.02));
+    assert!(found.iter().map(|g| g.pairs).sum::<u32>() > 1000);
+    // Up to 500 terms in another order.
+    assert_same(&found, &naive(&beams, &rays, &plain(0.02)), 1e-5);
+    // A ceiling above the map's is cut to it.
+    let cut = gather(&narrow, &rays, &Density::Uniform, &KernelRadius { ceiling: 0.5, ..plain(0.02) });
+    assert_same(&cut, &found, 1e-5);
+}
+
+#[test]
 fn far_from_the_origin_a_map_accepts_what_every_beam_does() {
     // Coordinates of up to 2¹⁷ m are told apart by 8 mm, kernels are 10 mm wide: boxes are rounded by as much.
     let away = Vec3::new(70_000.0, -100_000.0, 130_000.0);

@@ -64,9 +64,9 @@ impl Packet {
         farthest.min(f32x8::splat(simd, self.length)) * self.slope + self.spread
     }
 
-    /// A bit for each of eight boxes that some ray may touch.
+    /// A bit for each of eight boxes that some ray may touch, once they have lost `excess` \[m\] on all sides.
     #[inline(always)]
-    pub(super) fn touches_boxes<S: Simd>(&self, simd: S, node: &WideNode) -> u32 {
+    pub(super) fn touches_boxes<S: Simd>(&self, simd: S, node: &WideNode, excess: f32) -> u32 {
         let (low, high) = (Wide::load(simd, &node.low), Wide::load(simd, &node.high));
         let two = f32x8::splat(simd, 0.5);
         let half = (high - low) * two;
@@ -74,7 +74,8 @@ impl Packet {
         let along = center.dot(Wide::splat(simd, self.axis));
         let extent = half.dot(Wide::splat(simd, self.axis.abs()));
         let width = self.widths(simd, along + extent);
-        let grown = half + Wide::<S> { x: width, y: width, z: width };
+        let growth = width - excess;
+        let grown = half + Wide { x: growth, y: growth, z: growth };
         // Slabs of the grown box against the axis.
         let inverse = Wide::splat(simd, self.inverse_axis);
         let (a, b) = ((center - grown) * inverse, (center + grown) * inverse);

@@ -3,7 +3,7 @@
 use super::PACKET;
 use super::lanes::{Block, LANES, Lanes, Lines, Ray, bits};
 use super::meter::{Meter, Stop};
-use super::packet::Packet;
+use super::packet::{Packet, ROOM};
 use super::pieces::Piece;
 use super::tree::Tree;
 use crate::KernelRadius;
@@ -181,6 +181,8 @@ fn walk<S: Simd>(
     pieces: &mut Vec<Piece>,
     meter: &mut Meter,
 ) -> Result<usize, Stop> {
+    // A tree built for wider kernels.
+    let excess = tree.reach - radius * ROOM;
     let mut visits = 0;
     while pieces.len() < BATCH
         && let Some(index) = stack.pop()
@@ -192,7 +194,7 @@ fn walk<S: Simd>(
         }
         let node = &tree.nodes[index as usize];
         let before = stack.len();
-        for lane in bits(packet.touches_boxes(simd, node)) {
+        for lane in bits(packet.touches_boxes(simd, node, excess)) {
             let first = node.first[lane];
             if node.count[lane] == 0 {
                 stack.push(first);

@@ -97,18 +97,21 @@ impl WideNode {
 pub(super) struct Tree {
     pub(super) nodes: Vec<WideNode>,
     pub(super) pieces: Vec<Piece>,
+    /// What each box is grown by \[m\].
+    pub(super) reach: f32,
 }
 
 impl Tree {
-    /// - `reach`: what each box is grown by \[m\].
+    /// - `ceiling`: largest radius that it is asked about \[m\].
     pub(super) fn new(
         beams: &[Beam],
         cut: &Cut,
         tickets: &[Ticket],
-        reach: f32,
+        ceiling: f32,
         meter: &mut Meter,
     ) -> Result<Self, Stop> {
-        BinaryTree::new(beams, cut, tickets, reach * ROOM, meter)?.widen(meter)
+        let reach = ceiling * ROOM;
+        BinaryTree::new(beams, cut, tickets, reach, meter)?.widen(reach, meter)
     }
 }
 
@@ -155,8 +158,8 @@ impl BinaryTree {
     }
 
     /// Gives each node the eight largest boxes below it.
-    fn widen(self, meter: &mut Meter) -> Result<Tree, Stop> {
-        let mut wide = Tree { nodes: Vec::new(), pieces: with_room(self.pieces.len())? };
+    fn widen(self, reach: f32, meter: &mut Meter) -> Result<Tree, Stop> {
+        let mut wide = Tree { nodes: Vec::new(), pieces: with_room(self.pieces.len())?, reach };
         // Nodes still to be made: of which subtree, and where they go.
         let mut stack = Vec::new();
         if let Some(root) = self.nodes.first() {

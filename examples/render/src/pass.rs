@@ -370,31 +370,26 @@ impl<'a> Renderer<'a> {
         for (medium, beam) in record.beams.drain(..) {
             by_medium[medium as usize].push(beam);
         }
-        let build = |beams: Vec<Vec<Beam>>, ceiling: f32| -> Vec<BeamMap> {
+        let build = |beams: Vec<Vec<Beam>>| -> Vec<BeamMap> {
             let beams = beams.into_iter().zip(&self.fogs);
-            beams.map(|(beams, fog)| BeamMap::build(beams, ceiling, fog.medium, &fog.density)).collect()
+            beams
+                .map(|(beams, fog)| BeamMap::build(beams, radius.ceiling, fog.medium, &fog.density))
+                .collect()
         };
-        let beyond = plan.as_ref().is_some_and(|plan| plan.surfaces().has_specular());
         // A photon's disk shrinks in area as a beam's kernel shrinks in width: r² ~ 1D schedule.
         let shrink = (progressive / settings.radius).sqrt();
         let radius_on_surfaces = settings.radius * shrink;
         let photons = std::mem::take(&mut record.surface);
-        let narrow_beams = beyond.then(|| by_medium.clone());
         times.build = start.elapsed().as_secs_f64();
-        let ((maps, wide), ((narrow_maps, narrow), (surfaces, on_surfaces))) = rayon::join(
-            || timed(|| build(by_medium, radius.ceiling)),
+        let ((maps, of_beams), (surfaces, of_photons)) = rayon::join(
+            || timed(|| build(by_medium)),
             || {
-                rayon::join(
-                    || timed(|| narrow_beams.map(|beams| build(beams, progressive))),
-                    || {
-                        let [diffuse, caustic] = [DIFFUSE_RADIUS_FACTOR, CAUSTIC_RADIUS_FACTOR]
-                            .map(|factor| factor * radius_on_surfaces);
-                        timed(|| SurfaceMap::build(photons, diffuse, caustic))
-                    },
-                )
+                let [diffuse, caustic] =
+                    [DIFFUSE_RADIUS_FACTOR, CAUSTIC_RADIUS_FACTOR].map(|factor| factor * radius_on_surfaces);
+                timed(|| SurfaceMap::build(photons, diffuse, caustic))
             },
         );
-        times.build += wide + narrow + on_surfaces;
+        times.build += of_beams + of_photons;
 
         let interior = self.camera;
         let tracer = EyeTracer { scene: self.scene, fogs: &self.fogs, interior, surfaces: &surfaces };
@@ -403,7 +398,6 @@ impl<'a> Renderer<'a> {
             fogs: &self.fogs,
             tracer,
             maps: &maps,
-            narrow_maps: narrow_maps.as_deref(),
             radius: &radius,
             seed: self.seed,
             pass: index,

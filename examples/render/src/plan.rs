@@ -4,7 +4,7 @@ use crate::camera::Camera;
 use crate::fog::Fog;
 use crate::geometry::Hit;
 use crate::random::mix;
-use crate::scene::{Material, Object, Scene};
+use crate::scene::{Material, Scene};
 use covbeam::{EyeRay, FluenceGrid, ImageFilter, ImageSpectrum, film_regions, pixel_threshold};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -49,8 +49,6 @@ pub struct FirstSurfaces {
     depth: Vec<f32>,
     /// Whether it is black, or there is none.
     black: Vec<bool>,
-    /// Whether eye paths may go on anywhere.
-    has_specular: bool,
     regions: Vec<u32>,
 }
 
@@ -72,21 +70,12 @@ impl FirstSurfaces {
         let mut regions = vec![0; pixels as usize];
         film_regions(camera.width, camera.height, &depth, &mut regions)
             .expect("a scene's picture is not too large");
-        let is_specular = |object: &Object| {
-            matches!(object.material, Material::Dielectric { .. } | Material::Mirror { .. })
-        };
-        let has_specular = scene.objects.iter().any(is_specular);
-        Self { camera, depth, black, has_specular, regions }
+        Self { camera, depth, black, regions }
     }
 
     /// The region of each pixel, as [`film_regions`] numbers them.
     pub fn regions(&self) -> &[u32] {
         &self.regions
-    }
-
-    /// Whether eye paths go on anywhere behind a first surface.
-    pub fn has_specular(&self) -> bool {
-        self.has_specular
     }
 
     fn ray(&self, x: u32, y: u32) -> EyeRay {

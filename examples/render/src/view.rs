@@ -22,9 +22,6 @@ pub(crate) struct View<'a> {
     pub(crate) tracer: EyeTracer<'a>,
     /// Beams by medium.
     pub(crate) maps: &'a [BeamMap],
-    /// The same beams for plain kernels, which eye paths beyond the first surface use where the eye rays are planned: wide kernels cost more than they
-    /// are worth to rays that no filter thins out. None: the others serve for all.
-    pub(crate) narrow_maps: Option<&'a [BeamMap]>,
     pub(crate) radius: &'a KernelRadius<'a>,
     pub(crate) seed: u32,
     pub(crate) pass: u32,
@@ -114,11 +111,10 @@ impl View<'_> {
             gathered.clear();
             gathered.resize(group.len(), Gathered::default());
             let fog = &self.fogs[medium];
-            let (maps, radius) = match self.narrow_maps {
-                Some(maps) if !group[0].is_first() => (maps, &narrow),
-                _ => (self.maps, self.radius),
-            };
-            maps[medium].gather(rays, fog.medium, &fog.density, radius, gathered, gather);
+            // Wide kernels cost more than they are worth to rays that no filter thins out.
+            let planned = self.plan.is_some() && !group[0].is_first();
+            let radius = if planned { &narrow } else { self.radius };
+            self.maps[medium].gather(rays, fog.medium, &fog.density, radius, gathered, gather);
             for (segment, gathered) in group.iter().zip(gathered.iter()) {
                 let seen = &mut all[segment.pixel as usize];
                 let radiance = segment.throughput * gathered.radiance;
