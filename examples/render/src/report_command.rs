@@ -1,20 +1,20 @@
 //! `covbeam report`: from scenes to one page, with the numbers beside it.
 
 use crate::cli::ReportArgs;
+use crate::progress::Display;
 use crate::render_command::{DEFAULT_NAME, DEFAULT_SCENE, STOPPED, seconds};
 use covbeam_render::output::{check_writable, replace_file};
 use covbeam_render::report::{
     METHODS, Options, Reference, Report, Subject, Watch, csv, figure, json, measure, page,
 };
 use covbeam_render::scene::Scene;
-use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
-use std::io::{IsTerminal, Write, stderr, stdout};
+use std::io::{Write, stdout};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::sync::Arc;
+use std::time::Duration;
 
 /// What is written into the folder.
 const FILES: [&str; 4] = ["report.html", "report.json", "results.csv", "figure.svg"];
@@ -177,51 +177,6 @@ fn save(report: &Report, folder: &Path) -> Result<ExitCode, Box<dyn Error>> {
     );
     stdout().write_all(said.as_bytes())?;
     Ok(if report.stopped.is_some() { ExitCode::from(STOPPED) } else { ExitCode::SUCCESS })
-}
-
-/// Progress on standard error: a bar in a terminal, else a line every few seconds.
-struct Display {
-    bar: Option<ProgressBar>,
-    start: Instant,
-    next_line: Mutex<Instant>,
-}
-
-impl Display {
-    const LINES_EVERY: Duration = Duration::from_secs(5);
-    const STEPS: f64 = 1000.0;
-
-    fn new() -> Self {
-        let bar = stderr().is_terminal().then(|| {
-            let style = ProgressStyle::with_template("[{bar:30}] {elapsed} {msg}").expect("a valid template");
-            let bar = ProgressBar::new(Self::STEPS as u64).with_style(style.progress_chars("=> "));
-            bar.enable_steady_tick(Duration::from_millis(200));
-            bar
-        });
-        Self { bar, start: Instant::now(), next_line: Mutex::new(Instant::now() + Self::LINES_EVERY) }
-    }
-
-    fn show(&self, step: &str, share: f64) {
-        let message = || {
-            let left = self.start.elapsed().mul_f64((1.0 - share) / share.max(1e-3));
-            let left = if share > 0.0 { format!(", about {} left", seconds(left)) } else { String::new() };
-            format!("{step}{left}")
-        };
-        if let Some(bar) = &self.bar {
-            bar.set_position((Self::STEPS * share) as u64);
-            bar.set_message(message());
-        } else if let Ok(mut next) = self.next_line.try_lock()
-            && Instant::now() >= *next
-        {
-            eprintln!("{}", message());
-            *next = Instant::now() + Self::LINES_EVERY;
-        }
-    }
-
-    fn finish(&self) {
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
-    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! `covbeam spectrum`: the truth test from a scene file to tables and plots on the disk.
 
 use crate::cli::{LineArgument, SpectrumArgs};
-use crate::render_command::{STOPPED, seconds};
+use crate::progress::Display;
+use crate::render_command::STOPPED;
 use covbeam::GridLayout;
 use covbeam_render::output::{check_writable, replace_file};
 use covbeam_render::scene::Scene;
@@ -10,14 +11,12 @@ use covbeam_render::spectrum::{
     draw_gaussians, draw_lines, draw_slice, focus, summary, write_table,
 };
 use glam::Vec3;
-use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
-use std::io::{BufWriter, IsTerminal, Write, stderr, stdout};
+use std::io::{BufWriter, Write, stdout};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::sync::Arc;
 
 /// Most voxels: their 16 batches take 256 bytes each.
 const MOST_VOXELS: usize = 1 << 21;
@@ -54,7 +53,7 @@ pub(crate) fn run(args: &SpectrumArgs) -> Result<ExitCode, Box<dyn Error>> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads as usize).build()?;
     let display = Display::new();
     let report = |share: f64| {
-        display.show(share);
+        display.show(&format!("{:.0} % of the light paths", 100.0 * share), share);
         !stop.load(Ordering::Relaxed)
     };
     let analysis = pool.install(|| analyse(&scene, &options, &report));
@@ -127,46 +126,4 @@ fn save(
     let wrote = format!("\nwrote {} into {}\n", FILES.join(", "), folder.display());
     stdout().write_all((text + &wrote).as_bytes())?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// Progress on standard error: a bar in a terminal, else a line every few seconds.
-struct Display {
-    bar: Option<ProgressBar>,
-    start: Instant,
-    next_line: Mutex<Instant>,
-}
-
-impl Display {
-    const LINES_EVERY: Duration = Duration::from_secs(5);
-    const STEPS: f64 = 1000.0;
-
-    fn new() -> Self {
-        let bar = stderr().is_terminal().then(|| {
-            let style = ProgressStyle::with_template("[{bar:30}] {elapsed} {msg}").expect("a valid template");
-            let bar = ProgressBar::new(Self::STEPS as u64).with_style(style.progress_chars("=> "));
-            bar.enable_steady_tick(Duration::from_millis(200));
-            bar
-        });
-        Self { bar, start: Instant::now(), next_line: Mutex::new(Instant::now() + Self::LINES_EVERY) }
-    }
-
-    fn show(&self, share: f64) {
-        let left = self.start.elapsed().mul_f64((1.0 - share) / share.max(1e-6));
-        let message = || format!("{:.0} % of the light paths, {} left", 100.0 * share, seconds(left));
-        if let Some(bar) = &self.bar {
-            bar.set_position((Self::STEPS * share) as u64);
-            bar.set_message(message());
-        } else if let Ok(mut next) = self.next_line.try_lock()
-            && Instant::now() >= *next
-        {
-            eprintln!("{}", message());
-            *next = Instant::now() + Self::LINES_EVERY;
-        }
-    }
-
-    fn finish(&self) {
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
-    }
 }
