@@ -15,8 +15,8 @@ use std::error::Error;
 use std::io::{BufWriter, Write, stdout};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Most voxels: their 16 batches take 256 bytes each.
 const MOST_VOXELS: usize = 1 << 21;
