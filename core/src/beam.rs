@@ -84,33 +84,22 @@ pub struct Crossing {
 /// Works for square-on pairs, where the form that divides by the cosine fails.
 #[inline]
 pub fn cross(ray: &EyeRay, beam: &Beam) -> Option<Crossing> {
-    let Approach { sin2, crossing } = approach(ray, beam.origin, beam.direction);
-    (sin2 >= PARALLEL_SINE * PARALLEL_SINE).then_some(crossing)
-}
-
-/// A crossing of lines that may be parallel: then it is no number.
-pub(crate) struct Approach {
-    pub(crate) sin2: f32,
-    pub(crate) crossing: Crossing,
-}
-
-/// [`cross`] before it asks how parallel the lines are: without a branch.
-#[inline(always)]
-pub(crate) fn approach(ray: &EyeRay, origin: Vec3, direction: Vec3) -> Approach {
-    let normal = ray.direction.cross(direction);
+    let normal = ray.direction.cross(beam.direction);
     let sin2 = normal.length_squared();
-    let offset = origin - ray.origin;
+    if !(sin2 >= PARALLEL_SINE * PARALLEL_SINE) {
+        return None;
+    }
+    let offset = beam.origin - ray.origin;
     let inverse = 1.0 / sin2;
     let sin_theta = sqrt(sin2);
     let inverse_sin = 1.0 / sin_theta;
-    let crossing = Crossing {
-        ray_distance: offset.cross(direction).dot(normal) * inverse,
+    Some(Crossing {
+        ray_distance: offset.cross(beam.direction).dot(normal) * inverse,
         beam_distance: offset.cross(ray.direction).dot(normal) * inverse,
         gap: offset.dot(normal).abs() * inverse_sin,
         sin_theta,
         axis: normal * inverse_sin,
-    };
-    Approach { sin2, crossing }
+    })
 }
 
 /// What an eye ray has gathered so far. Start from `default()`.
@@ -202,12 +191,6 @@ pub(crate) fn inside(beam: &Beam, from: f32, to: f32, point: Vec3, s: f32, gap: 
     true
 }
 
-/// Cosine of the angle by which light that propagates along `direction` turns into the eye ray: what a phase function is evaluated at.
-#[inline(always)]
-pub(crate) fn cos_theta(ray: &EyeRay, direction: Vec3) -> f32 {
-    -direction.dot(ray.direction)
-}
-
 /// The column along a beam up to `distance` \[m\]. Within the slack of a cut end that may be negative: as far before the surface as the
 /// column says beyond it.
 #[inline(always)]
@@ -259,8 +242,8 @@ pub fn gather_pair(
     let Some(meeting) = meet(ray, beam, from, to, radius) else { return false };
     let Crossing { ray_distance: t, beam_distance: s, gap, sin_theta, .. } = meeting.crossing;
     let column = along_beam(&passage.beam, s) + passage.ray.at(t);
-    let product =
-        product(passage.medium, &passage.density, meeting.point, cos_theta(ray, beam.direction), column);
+    let cos_theta = -beam.direction.dot(ray.direction);
+    let product = product(passage.medium, &passage.density, meeting.point, cos_theta, column);
     let kernel = radius.kernel.evaluate(gap, meeting.radius) / sin_theta;
     gathered.add(product * beam.power * kernel, meeting.radius, meeting.sigma)
 }
@@ -274,10 +257,10 @@ pub const BLOCK: usize = 8;
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub struct BeamBlock {
-    origin: [[f32; BLOCK]; 3],
-    direction: [[f32; BLOCK]; 3],
-    from: [f32; BLOCK],
-    to: [f32; BLOCK],
+    pub(crate) origin: [[f32; BLOCK]; 3],
+    pub(crate) direction: [[f32; BLOCK]; 3],
+    pub(crate) from: [f32; BLOCK],
+    pub(crate) to: [f32; BLOCK],
 }
 
 impl BeamBlock {
@@ -292,7 +275,13 @@ impl BeamBlock {
     /// Fills slot `slot` (< [`BLOCK`]) with the part `[from, to]` of `beam`.
     #[inline]
     pub fn set(&mut self, slot: usize, beam: &Beam, from: f32, to: f32) {
-        for (axis, (o, d)) in beam.origin.to_array().into_iter().zip(beam.direction.to_array()).enumerate() {
+        self.set_line(slot, beam.origin, beam.direction, from, to);
+    }
+
+    /// Fills a slot with a part of a line.
+    #[inline(always)]
+    pub(crate) fn set_line(&mut self, slot: usize, origin: Vec3, direction: Vec3, from: f32, to: f32) {
+        for (axis, (o, d)) in origin.to_array().into_iter().zip(direction.to_array()).enumerate() {
             self.origin[axis][slot] = o;
             self.direction[axis][slot] = d;
         }

@@ -76,8 +76,9 @@ impl Kernel {
         sqrt(self.error_over_moment(error) / variance)
     }
 
+    /// ε / (2π² μ₂), which over σ² is the square of r_σ.
     #[inline(always)]
-    fn error_over_moment(self, error: f32) -> f32 {
+    pub(crate) fn error_over_moment(self, error: f32) -> f32 {
         error / (2.0 * PI * PI * self.second_moment())
     }
 }
@@ -168,14 +169,8 @@ impl KernelRadius<'_> {
             return (self.progressive, 0.0);
         };
         let variance = found.spectrum.variance_along(axis) * (found.flux / found.dimmest);
-        let wanted = sqrt(self.error_over_moment() / variance);
+        let wanted = self.kernel.radius_from_error(self.error, variance);
         (wanted.min(self.ceiling).max(self.progressive), sqrt(variance))
-    }
-
-    /// ε / (2π² μ₂), which over σ² is the square of r_σ.
-    #[inline(always)]
-    pub(crate) fn error_over_moment(&self) -> f32 {
-        self.kernel.error_over_moment(self.error)
     }
 }
 

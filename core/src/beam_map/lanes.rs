@@ -4,7 +4,7 @@ use super::packet::ROOM;
 use super::pieces::Piece;
 use super::reach::reach;
 use super::wide::{Floats, Vectors, Wide, load};
-use crate::beam::{Beam, EyeRay, PARALLEL_SINE, inside};
+use crate::beam::{Beam, BeamBlock, EyeRay, PARALLEL_SINE, inside};
 use crate::{BLOCK, Kernel, KernelRadius};
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8};
 use glam::Vec3;
@@ -12,39 +12,18 @@ use glam::Vec3;
 /// Pairs that are worked on side by side.
 pub(super) const LANES: usize = BLOCK;
 
-/// Up to eight pieces side by side.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Lines {
-    pub(super) origin: Vectors,
-    pub(super) direction: Vectors,
-    pub(super) from: Floats,
-    pub(super) to: Floats,
-}
-
-impl Lines {
-    /// Of none: no distance lies in a lane without a piece.
-    pub(super) const EMPTY: Self = Self {
-        origin: [[0.0; LANES]; 3],
-        direction: [[0.0; LANES]; 3],
-        from: [f32::INFINITY; LANES],
-        to: [f32::NEG_INFINITY; LANES],
-    };
-
-    /// Puts up to [`LANES`] pieces in.
-    #[inline(always)]
-    pub(super) fn fill(&mut self, pieces: &[Piece]) {
-        for (lane, piece) in pieces.iter().enumerate().take(LANES) {
-            set(&mut self.origin, lane, piece.origin);
-            set(&mut self.direction, lane, piece.direction);
-            (self.from[lane], self.to[lane]) = (piece.from, piece.to);
-        }
+/// Puts the lines of up to [`LANES`] pieces into an empty block.
+#[inline(always)]
+pub(super) fn fill(lines: &mut BeamBlock, pieces: &[Piece]) {
+    for (lane, piece) in pieces.iter().enumerate().take(LANES) {
+        lines.set_line(lane, piece.origin, piece.direction, piece.from, piece.to);
     }
 }
 
-/// The same with all that pairs need of the beams.
+/// Up to eight pieces side by side, with all that pairs need of the beams.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Block {
-    lines: Lines,
+    lines: BeamBlock,
     length: Floats,
     pub(super) power: Vectors,
     pub(super) beams: [u32; LANES],
@@ -53,12 +32,12 @@ pub(super) struct Block {
 impl Block {
     /// Of none.
     pub(super) const EMPTY: Self =
-        Self { lines: Lines::EMPTY, length: [0.0; LANES], power: [[0.0; LANES]; 3], beams: [0; LANES] };
+        Self { lines: BeamBlock::EMPTY, length: [0.0; LANES], power: [[0.0; LANES]; 3], beams: [0; LANES] };
 
     /// Puts up to [`LANES`] pieces in.
     #[inline(always)]
     pub(super) fn fill(&mut self, beams: &[Beam], pieces: &[Piece]) {
-        self.lines.fill(pieces);
+        fill(&mut self.lines, pieces);
         for (lane, piece) in pieces.iter().enumerate().take(LANES) {
             let beam = &beams[piece.beam as usize];
             self.length[lane] = beam.length;

@@ -1,9 +1,8 @@
 //! Eye rays side by side, and what all of them miss.
 
-use super::lanes::Lines;
 use super::tree::WideNode;
 use super::wide::{Wide, load};
-use crate::EyeRay;
+use crate::{BeamBlock, EyeRay};
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x8};
 use glam::Vec3;
 
@@ -87,7 +86,7 @@ impl Packet {
 
     /// A bit for each of eight pieces that may come within `radius` of a ray.
     #[inline(always)]
-    pub(super) fn touches<S: Simd>(&self, simd: S, lines: &Lines, radius: f32) -> u32 {
+    pub(super) fn touches<S: Simd>(&self, simd: S, lines: &BeamBlock, radius: f32) -> u32 {
         let (e, f) = (Wide::splat(simd, self.tangents[0]), Wide::splat(simd, self.tangents[1]));
         let axis = Wide::splat(simd, self.axis);
         let radius = radius * ROOM;

@@ -91,7 +91,7 @@ pub(super) fn reach<S: Simd>(
     let dimmest = share_sum / inverse;
     let dimmest = dimmest.simd_lt(flux).select(dimmest, flux);
     let variance = along * (flux / dimmest);
-    let wanted = (f32x8::splat(simd, radius.error_over_moment()) / variance).sqrt();
+    let wanted = (f32x8::splat(simd, radius.kernel.error_over_moment(radius.error)) / variance).sqrt();
     let ceiling = f32x8::splat(simd, radius.ceiling);
     let wanted = wanted.simd_lt(ceiling).select(wanted, ceiling);
     let wanted = wanted.simd_gt(progressive).select(wanted, progressive);

@@ -1,13 +1,13 @@
 //! Which beams the eye rays meet: the walk of packets through the tree, and packets halved until few rays test few pieces.
 
 use super::PACKET;
-use super::lanes::{Block, LANES, Lanes, Lines, Ray, bits};
+use super::lanes::{Block, LANES, Lanes, Ray, bits, fill};
 use super::meter::{Meter, Stop};
 use super::packet::{Packet, ROOM};
 use super::pieces::Piece;
 use super::tree::Tree;
 use crate::KernelRadius;
-use crate::beam::{Beam, EyeRay};
+use crate::beam::{Beam, BeamBlock, EyeRay};
 use core::ops::Range;
 use fearless_simd::{Level, Simd, dispatch};
 use std::vec::Vec;
@@ -201,8 +201,8 @@ fn walk<S: Simd>(
             } else {
                 let first = first as usize;
                 let leaf = &tree.pieces[first..first + node.count[lane] as usize];
-                let mut lines = Lines::EMPTY;
-                lines.fill(leaf);
+                let mut lines = BeamBlock::EMPTY;
+                fill(&mut lines, leaf);
                 for lane in bits(packet.touches(simd, &lines, radius)) {
                     pieces.push(leaf[lane]);
                 }
@@ -225,8 +225,8 @@ fn append_touched<S: Simd>(
     let mut first = from.start;
     while first < from.end {
         let count = (from.end - first).min(LANES);
-        let mut lines = Lines::EMPTY;
-        lines.fill(&pieces[first..first + count]);
+        let mut lines = BeamBlock::EMPTY;
+        fill(&mut lines, &pieces[first..first + count]);
         for lane in bits(packet.touches(simd, &lines, radius)) {
             pieces.push(pieces[first + lane]);
         }

@@ -1,11 +1,10 @@
 //! Error at equal CPU time.
 
-use crate::rendering::{Reference, SHARPNESS, ball_regions, cpu_seconds, load, name};
+use crate::rendering::{Reference, cpu_seconds, load, name, other_regions};
 use crate::{Outcome, Size};
 use covbeam_render::film::Film;
 use covbeam_render::pass::{Method, Renderer};
 use covbeam_render::scene::Scene;
-use covbeam_tests::regions::Region;
 use std::path::{Path, PathBuf};
 
 /// What is compared: with whether the eye rays are planned.
@@ -31,7 +30,7 @@ pub(crate) fn run(
     let mut scenes = Vec::new();
     for path in paths {
         let scene = load(path, size)?;
-        let others = named_regions(path, &scene);
+        let others = other_regions(path, &scene);
         let reference = Reference::load(&references.join(name(path) + ".exr"), &scene, others)?;
         scenes.push((name(path), scene, reference));
     }
@@ -106,12 +105,6 @@ fn spend(
         before = now;
     }
     Ok(points)
-}
-
-/// The named regions of the ball scenes, without those that go by the same name everywhere.
-fn named_regions(path: &Path, scene: &Scene) -> Vec<Region> {
-    let named = ball_regions(path, scene).into_iter().flatten();
-    named.filter(|region| !SHARPNESS.contains(&region.name)).collect()
 }
 
 fn print_table(name: &str, scene: &Scene, reference: &Reference, seeds: u32, curves: &[(&str, Vec<Point>)]) {

@@ -104,6 +104,12 @@ pub(crate) fn ball_regions(path: &Path, scene: &Scene) -> Option<[Region; 6]> {
     is_ball.then(|| of_ball(scene.camera.width))
 }
 
+/// The named regions of the ball scenes that are none of [`SHARPNESS`].
+pub(crate) fn other_regions(path: &Path, scene: &Scene) -> Vec<Region> {
+    let named = ball_regions(path, scene).into_iter().flatten();
+    named.filter(|region| !SHARPNESS.contains(&region.name)).collect()
+}
+
 /// The named regions of the ball scenes; in other scenes those read off the reference, or the whole picture.
 pub(crate) fn regions(path: &Path, scene: &Scene, reference: Option<&Picture>) -> Vec<Region> {
     match (ball_regions(path, scene), reference) {

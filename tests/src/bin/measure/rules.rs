@@ -1,6 +1,6 @@
 //! Rules for the kernel's radius against each other: error at equal passes and at equal CPU time.
 
-use crate::rendering::{Reference, SHARPNESS, ball_regions, cpu_seconds, load, name};
+use crate::rendering::{Reference, cpu_seconds, load, name, other_regions};
 use crate::{Outcome, Size};
 use covbeam_render::film::Film;
 use covbeam_render::pass::{Method, Renderer};
@@ -46,8 +46,7 @@ pub(crate) fn run(
     let mut scenes = Vec::new();
     for path in paths {
         let scene = load(path, size)?;
-        let named = ball_regions(path, &scene).into_iter().flatten();
-        let others = named.filter(|region| !SHARPNESS.contains(&region.name)).collect();
+        let others = other_regions(path, &scene);
         let reference = Reference::load(&references.join(name(path) + ".exr"), &scene, others)?;
         scenes.push((name(path), scene, reference));
     }
