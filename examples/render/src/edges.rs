@@ -5,7 +5,6 @@
 //! continuous in w, with a slope that the normal at the hit gives; only an occluder makes w jump.
 
 use crate::geometry::Hit;
-use crate::scene::Scene;
 use glam::Vec3;
 use smallvec::SmallVec;
 use std::f32::consts::TAU;
@@ -52,6 +51,12 @@ const EDGES: usize = 4;
 /// An edge that adds less than this share to the variance that others leave along its normal is left out.
 const GAIN: f32 = 0.1;
 
+/// What probe rays are shot at.
+pub trait Surfaces {
+    /// The nearest hit along `direction`, which is unit.
+    fn nearest(&self, origin: Vec3, direction: Vec3) -> Option<Hit>;
+}
+
 /// An edge of an occluder beside a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Edge {
@@ -78,7 +83,7 @@ pub struct Edge {
 /// within 20 % in all cases on spheres and in nine of ten on figurines and tracery; bars and tips that pass between the
 /// probes are missed (test `edges_of_meshes_agree_with_brute_force`).
 pub fn find_edges(
-    scene: &Scene,
+    scene: &impl Surfaces,
     origin: Vec3,
     direction: Vec3,
     hit: Option<&Hit>,
@@ -88,7 +93,7 @@ pub fn find_edges(
 
 /// [`find_edges`], and how many probe rays it shot.
 pub fn probe_edges(
-    scene: &Scene,
+    scene: &impl Surfaces,
     origin: Vec3,
     direction: Vec3,
     hit: Option<&Hit>,
@@ -168,14 +173,14 @@ enum Between {
     Step,
 }
 
-struct Prober<'a> {
-    scene: &'a Scene,
+struct Prober<'a, S> {
+    scene: &'a S,
     origin: Vec3,
     direction: Vec3,
     probes: u32,
 }
 
-impl Prober<'_> {
+impl<S: Surfaces> Prober<'_, S> {
     fn sample(&self, tangent: f32, hit: Option<&Hit>) -> Sample {
         let Some(hit) = hit else {
             return Sample { tangent, inverse: 0.0, gradient: Vec3::ZERO, leaving: false };
@@ -192,7 +197,7 @@ impl Prober<'_> {
     fn probe(&mut self, towards: Vec3, tangent: f32) -> Sample {
         self.probes += 1;
         let direction = (self.direction + tangent * towards).normalize();
-        self.sample(tangent, self.scene.intersect(self.origin, direction, f32::INFINITY).as_ref())
+        self.sample(tangent, self.scene.nearest(self.origin, direction).as_ref())
     }
 
     /// The jumps met when the ray is tilted towards `towards`: the first, and the next that is nearer to the origin.

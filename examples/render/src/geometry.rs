@@ -6,8 +6,9 @@
 use covbeam::Curvature;
 use glam::{DVec3, Vec3};
 
-use crate::mesh::MeshHit;
+use crate::edges::Surfaces;
 use crate::scene::{Material, Object, Scene, Shape};
+use crate::triangles::TriangleHit;
 
 /// Where a ray meets a surface.
 #[derive(Clone, Copy, Debug)]
@@ -87,6 +88,12 @@ impl Scene {
         let volume = |index: &u32| self.objects[*index as usize].shape.volume();
         found.sort_by(|a, b| volume(b).total_cmp(&volume(a)));
         found
+    }
+}
+
+impl Surfaces for Scene {
+    fn nearest(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
+        self.intersect(origin, direction, f32::INFINITY)
     }
 }
 
@@ -246,7 +253,7 @@ fn box_face(min: DVec3, max: DVec3, point: DVec3, margin: f64) -> (DVec3, Vec3) 
 }
 
 /// Everything about a hit at `point` = origin + distance * direction.
-fn describe(object: &Object, index: u32, point: DVec3, distance: f64, mesh_hit: Option<MeshHit>) -> Hit {
+fn describe(object: &Object, index: u32, point: DVec3, distance: f64, mesh_hit: Option<TriangleHit>) -> Hit {
     let flat = |normal: Vec3| Curvature { tangent: normal.any_orthonormal_vector(), ..Curvature::default() };
     let (min, max) = object.shape.bounds();
     let mesh_error = if let Shape::Mesh(mesh) = &object.shape { mesh.position_error() } else { 0.0 };
@@ -283,7 +290,7 @@ fn describe(object: &Object, index: u32, point: DVec3, distance: f64, mesh_hit: 
                 let surface = mesh.surface(&hit);
                 (surface.position, surface.geometric_normal, surface.normal, surface.curvature)
             }
-            None => unreachable!("a mesh is only hit with a MeshHit"),
+            None => unreachable!("a mesh is only hit with a TriangleHit"),
         },
     };
     let (distance, position) = (distance as f32, position.as_vec3());

@@ -32,5 +32,6 @@ pub mod scene;
 pub mod scene_file;
 pub mod spectrum;
 pub mod surface;
+pub mod triangles;
 mod view;
 pub mod volume;

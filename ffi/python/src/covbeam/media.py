@@ -102,6 +102,10 @@ class Medium:
             raise TypeError(f"density: a {type(density).__name__}; give None, an Exponential or a Density")
         self._struct = struct
 
+    scattering = property(lambda self: tuple(self._struct.scattering), doc="Coefficients per channel [1/m].")
+    absorption = property(lambda self: tuple(self._struct.absorption), doc="Coefficients per channel [1/m].")
+    phase = property(lambda self: Phase(self._struct.phase.kind, self._struct.phase.asymmetry), doc="Its Phase.")
+
     def density_at(self, positions, *, out=None):
         """Relative density at points [m]: 1 where the coefficients hold."""
         return elementwise(

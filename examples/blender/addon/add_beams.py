@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Adding covbeam's fog light to a scene that Cycles renders, and taking it out again."""
+
+import bpy
+
+from . import beam_render, compositor, latest, requirements
+
+
+def _problem(context):
+    """Why beams cannot be added, as text for artists, or None."""
+    scene = context.scene
+    problem = requirements.check()
+    if problem is not None:
+        return problem
+    if scene.render.engine != "CYCLES":
+        return "Add Beams needs a scene that Cycles renders: choose Cycles as the render engine."
+    if scene.camera is None:
+        return "The scene has no camera: add one, or make one active (Ctrl Numpad 0)."
+    if scene.render.use_multiview:
+        return "Stereoscopy is not supported: switch it off in the output properties."
+    return beam_render.folder_problem(scene)
+
+
+class COVBEAM_OT_add_beams(bpy.types.Operator):
+    """Render the fog's light with Covbeam, and let the compositor put it in the place of Cycles' fog light. \
+Esc stops it: what was rendered of the frame is dropped, frames that are done are kept, and nodes stay as they were"""
+
+    bl_idname = "covbeam.add_beams"
+    bl_label = "Add Beams to Cycles"
+    bl_options = {"REGISTER", "UNDO"}
+
+    animation: bpy.props.BoolProperty(
+        name="Animation",
+        description="All frames of the scene's range instead of the current one",
+        options={"SKIP_SAVE"},
+    )
+
+    def execute(self, context):
+        """Renders to the end: in background, and from scripts."""
+        if not self._begin(context):
+            return {"CANCELLED"}
+        try:
+            beam_render.render(self._render)
+        except RuntimeError as error:
+            # What the engine or Blender has reported, of any frame.
+            beam_render.discard()
+            self.report({"ERROR"}, str(error).strip().removeprefix("Error: "))
+            return {"CANCELLED"}
+        return self._end()
+
+    def invoke(self, context, event):
+        """Renders as F12 does, in a job of Blender's; `modal` waits for its end."""
+        if bpy.app.background:
+            return self.execute(context)
+        if bpy.app.is_job_running("RENDER"):
+            self.report({"ERROR"}, "Another render is running: wait for it, or stop it.")
+            return {"CANCELLED"}
+        if not self._begin(context):
+            return {"CANCELLED"}
+        beam_render.render(self._render, "INVOKE_DEFAULT")
+        manager = context.window_manager
+        self._timer = manager.event_timer_add(0.1, window=context.window)
+        manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if event.type != "TIMER" or bpy.app.is_job_running("RENDER"):
+            return {"PASS_THROUGH"}
+        context.window_manager.event_timer_remove(self._timer)
+        return self._end()
+
+    def _begin(self, context):
+        problem = _problem(context)
+        if problem is not None:
+            self.report({"ERROR"}, problem)
+            return False
+        latest.clear()
+        self._render = beam_render.begin(context.scene, context.view_layer, self.animation)
+        return True
+
+    def _end(self):
+        beam_render.discard()
+        record = latest.get()
+        if record.outcome == latest.Outcome.FAILED:
+            self.report({"ERROR"}, record.error)
+            return {"CANCELLED"}
+        if record.outcome != latest.Outcome.DONE:
+            self.report({"INFO"}, "Add Beams was stopped")
+            return {"CANCELLED"}
+        missing = self._render.missing()
+        if missing:
+            self.report({"ERROR"}, f"{missing[0]} has not been written: was the render stopped, or is the disk full?")
+            return {"CANCELLED"}
+        # While it was rendered, the artist may have gone to another scene.
+        scene = bpy.data.scenes.get(self._render.scene)
+        view_layer = scene and scene.view_layers.get(self._render.view_layer)
+        if view_layer is None:
+            self.report({"ERROR"}, "The scene or its view layer was removed or renamed while it was rendered.")
+            return {"CANCELLED"}
+        record.advice += compositor.add(scene, view_layer, self._render)
+        self.report({"INFO"}, f"Beams added: {self._render.path(self._render.first)}")
+        return {"FINISHED"}
+
+
+class COVBEAM_OT_remove_beams(bpy.types.Operator):
+    """Take the nodes of Add Beams out of the compositor and connect what they were put between. \
+The images stay on disk"""
+
+    bl_idname = "covbeam.remove_beams"
+    bl_label = "Remove Beams"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return compositor.has_beams(context.scene)
+
+    def execute(self, context):
+        compositor.remove(context.scene)
+        return {"FINISHED"}
+
+
+_CLASSES = (COVBEAM_OT_add_beams, COVBEAM_OT_remove_beams)
+
+
+def register():
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Renders a scene's fog light with covbeam into EXR files, while the scene itself stays one for Cycles.
+
+A copy of the scene shares all objects, but has covbeam as its engine and its own output settings. Blender renders it
+as it renders anything: modifiers and visibility are those for rendering, and in its interface the progress, Esc and the
+render window are the usual ones.
+"""
+
+import os
+import tempfile
+from dataclasses import dataclass
+from time import time
+
+import bpy
+
+from .engine import CovbeamEngine
+
+#: Marks copies of scenes, so that one left behind by an undo while it was rendered is found.
+_MARK = "covbeam_copy"
+
+
+@dataclass(frozen=True)
+class BeamRender:
+    """A render of every step-th frame from first to last of a scene's view layer into files, by way of a copy.
+
+    begun: in the time of files [s].
+    """
+
+    copy: str
+    scene: str
+    view_layer: str
+    first: int
+    last: int
+    step: int
+    folder: str
+    begun: float
+
+    def path(self, frame):
+        return os.path.join(self.folder, f"{_stem(self.view_layer)}_{frame:04}.exr")
+
+    def missing(self):
+        """Paths of frames that have not been written since the render has begun."""
+        paths = map(self.path, range(self.first, self.last + 1, self.step))
+        # File systems keep times to 2 s at worst.
+        return [path for path in paths if not os.path.isfile(path) or os.path.getmtime(path) < self.begun - 2]
+
+
+def _stem(view_layer):
+    return f"beams_{bpy.path.clean_name(view_layer)}"
+
+
+def _folder(scene):
+    return os.path.abspath(bpy.path.abspath(scene.covbeam.folder))
+
+
+def folder_problem(scene):
+    """Why files cannot be written into the scene's folder, as text for artists, or None. Creates the folder."""
+    given = scene.covbeam.folder
+    if given.startswith("//") and not bpy.data.filepath:
+        return f"The folder {given} is relative to the .blend file, which has not been saved: save it, or set Folder."
+    if not given:
+        return "There is no folder to write to: set Folder in the panel Light in Fog."
+    folder = _folder(scene)
+    try:
+        os.makedirs(folder, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        return f"Nothing can be written into {folder} ({error.strerror}): set another Folder in the panel Light in Fog."
+    return None
+
+
+def begin(scene, view_layer, animation):
+    """Makes the copy that is rendered."""
+    discard()
+    first, last = (scene.frame_start, scene.frame_end) if animation else (scene.frame_current, scene.frame_current)
+    folder = _folder(scene)
+    copy = scene.copy()
+    copy.name = f"{scene.name} (beams)"
+    copy[_MARK] = True
+    copy.frame_start, copy.frame_end = first, last
+    step = copy.frame_step = scene.frame_step if animation else 1
+    for layer in copy.view_layers:
+        layer.use = layer.name == view_layer.name
+    render = copy.render
+    render.engine = CovbeamEngine.bl_idname
+    render.use_compositing = False
+    render.use_sequencer = False
+    render.use_freestyle = False
+    render.use_overwrite = True
+    render.use_placeholder = False
+    render.use_file_extension = True
+    render.filepath = os.path.join(folder, f"{_stem(view_layer.name)}_####")
+    output = render.image_settings
+    if bpy.app.version >= (5, 0, 0):
+        output.media_type = "MULTI_LAYER_IMAGE"
+    output.file_format = "OPEN_EXR_MULTILAYER"
+    output.color_depth = "32"
+    return BeamRender(copy.name, scene.name, view_layer.name, first, last, step, folder, time())
+
+
+def render(beams, *context):
+    """Renders the copy; `context` as of Blender's operators. Raises RuntimeError with what Blender reports."""
+    # A still is an animation of one frame: Blender then puts the frame's number into the name.
+    bpy.ops.render.render(*context, animation=True, scene=beams.copy)
+
+
+def discard():
+    """Removes the copy, and any that an undo has left behind."""
+    for scene in [scene for scene in bpy.data.scenes if _MARK in scene]:
+        bpy.data.scenes.remove(scene)

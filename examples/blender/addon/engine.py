@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The render engine: Blender's calls, turned into an export and a session of passes.
+
+Everything happens in the thread that Blender calls from. Blender locks its interface while `update` reads the scene;
+`render` touches nothing of Blender but the engine itself.
+"""
+
+import traceback
+from contextlib import closing
+from time import perf_counter
+
+import bpy
+
+from . import latest, requirements, text
+from .budget import Budget
+
+#: Name, channels, their letters and kind of each pass, in Blender's words.
+PASSES = (
+    ("Combined", 4, "RGBA", "COLOR"),
+    ("In-Scattered", 3, "RGB", "COLOR"),
+    ("Radius", 1, "X", "VALUE"),
+    ("Bandwidth", 1, "X", "VALUE"),
+)
+
+
+class CovbeamEngine(bpy.types.RenderEngine):
+    """Renders the light that fog scatters towards the camera, and nothing else: surfaces are black."""
+
+    bl_idname = "COVBEAM"
+    bl_label = "Covbeam"
+    bl_use_preview = False
+    bl_use_postprocess = True
+    # Materials are those of Cycles: EEVEE shows them in the material preview.
+    bl_use_eevee_viewport = True
+    bl_use_shading_nodes_custom = False
+
+    def update_render_passes(self, scene, view_layer):
+        for name, channels, letters, kind in PASSES:
+            self.register_pass(scene, view_layer, name, channels, letters, kind)
+
+    def update(self, data, depsgraph):
+        """Reads the scene; `render` takes what this leaves in `job`."""
+        scene, view_layer = depsgraph.scene, depsgraph.view_layer
+        record = latest.begin(f"{scene.name}, {view_layer.name}, frame {scene.frame_current}")
+        self.job = None
+        problem = requirements.check()
+        if problem is not None:
+            self._fail(record, problem)
+            return
+        self.update_stats("", "Covbeam: reading the scene")
+        self.job = self._guarded(record, lambda: _Job(depsgraph, record, self.goes_on))
+
+    def render(self, depsgraph):
+        job, self.job = self.job, None
+        view_layer = depsgraph.view_layer.name
+        for name, channels, letters, _ in PASSES[1:]:
+            self.add_pass(name, channels, letters, layer=view_layer)
+        # Blender crashes when it saves a picture that nothing has been put into.
+        self.end_result(self.begin_result(0, 0, 1, 1, layer=view_layer))
+        if job is not None:
+            self._guarded(job.record, lambda: self._render(job))
+
+    def _render(self, job):
+        from .host.session import Session
+        from .passes import Passes
+
+        missing = [what for what, given in (("fog", job.scene.volumes), ("light", job.scene.lights)) if not given]
+        if missing:
+            # As in a scene without lamps, the picture stays black.
+            job.record.advice.append(
+                f"There is no {' and no '.join(missing)} in this view layer that Covbeam can render."
+            )
+            job.record.outcome = latest.Outcome.DONE
+            self.report({"WARNING"}, f"Covbeam: {job.record.advice[-1]}")
+            return
+        camera = job.scene.camera
+        with closing(Session(job.scene, job.settings, self.goes_on)) as session:
+            result = self.begin_result(0, 0, camera.width, camera.height, layer=job.view_layer)
+            try:
+                passes = Passes(self, session, job.budget, result)
+                passes.run()
+            finally:
+                # What has been shown is kept, cancelled or not.
+                self.end_result(result)
+        job.record.figures += passes.figures()
+        job.record.outcome = latest.Outcome.CANCELLED if passes.cancelled else latest.Outcome.DONE
+
+    def goes_on(self):
+        """Whether the artist has not stopped the render."""
+        return not self.test_break()
+
+    def _guarded(self, record, step):
+        """What `step` returns; None if it was cancelled or has failed, which is then told."""
+        from .export.report import Untranslatable
+        from .host import Cancelled
+
+        try:
+            return step()
+        except Cancelled:
+            record.outcome = latest.Outcome.CANCELLED
+        except Untranslatable as error:
+            self._fail(record, str(error))
+        except MemoryError:
+            self._fail(record, "There is not enough memory: choose fewer photons, a smaller grid or a smaller image.")
+        except Exception as error:
+            # Whatever it is, Blender goes on; the console has where it came from.
+            traceback.print_exc()
+            self._fail(record, str(error) or type(error).__name__)
+        return None
+
+    def _fail(self, record, message):
+        record.outcome = latest.Outcome.FAILED
+        record.error = message
+        # The one is shown over the picture, the other in the status bar, and raised in scripts.
+        self.error_set(f"Covbeam: {message}")
+        self.report({"ERROR"}, f"Covbeam: {message}")
+
+
+class _Job:
+    """What `render` needs of a view layer; nothing in it belongs to Blender."""
+
+    def __init__(self, depsgraph, record, poll):
+        from .export.scene import export
+        from .host.session import Settings
+
+        # Settings can be animated: the evaluated scene has their values.
+        scene = depsgraph.scene_eval
+        chosen = scene.covbeam
+        self.record = record
+        self.view_layer = depsgraph.view_layer.name
+        self.budget = Budget(chosen.passes, chosen.time_limit)
+        self.settings = Settings(
+            seed=chosen.seed_of(scene.frame_current),
+            photons=chosen.photons,
+            grid=chosen.grid,
+            # Like Cycles: a unit of Blender is a metre, whatever it is shown as.
+            radius=chosen.radius,
+            quality=chosen.quality,
+            bounces=chosen.bounces or None,
+            # Blender answers with all processors where the artist has set no number.
+            threads=scene.render.threads,
+        )
+        start = perf_counter()
+        self.scene, report = export(depsgraph, poll=poll)
+        geometry = self.scene.geometry
+        record.untranslated = [str(entry) for entry in report.entries]
+        record.figures += [
+            f"Reading the scene: {text.duration(perf_counter() - start)}",
+            f"Geometry: {geometry.triangle_count:,} triangles, {text.memory(geometry.memory)}",
+        ]
+
+
+def register():
+    bpy.utils.register_class(CovbeamEngine)
+
+
+def unregister():
+    bpy.utils.unregister_class(CovbeamEngine)

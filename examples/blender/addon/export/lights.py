@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's lights -> host.scene.Light, in the units of Cycles."""
+
+import math
+
+import numpy as np
+
+from ..host.scene import Light, LightKind
+from .nodes import Values, follow
+
+
+def light(lamp, name, matrix, report):
+    """The host's light, or None if it emits nothing.
+
+    - lamp: evaluated bpy.types.Light; name: of its object.
+    - matrix: light -> world, float64 (4, 4).
+    """
+    values = Values(f'Light "{name}"', report)
+    strength = _strength(lamp, values)
+    if np.any(strength < 0):
+        values.note("negative strength", "it does not shine")
+        return None
+    portal = lamp.type == "AREA" and hasattr(lamp, "cycles") and lamp.cycles.is_portal
+    if portal or not strength.any():
+        return None
+    lengths = np.linalg.norm(matrix[:3, :3], axis=0)
+    if not lengths.all():
+        values.note("a scale of 0", "it does not shine")
+        return None
+    axes = (matrix[:3, :3] / lengths).T
+    placed = {"name": name, "position": matrix[:3, 3].copy(), "axis": -axes[2]}
+    return _KINDS[lamp.type](lamp, matrix, axes, strength, placed, values)
+
+
+def _strength(lamp, values):
+    """What Cycles multiplies the light's geometric factor with, (3,): colour times power, and the Emission node."""
+    strength = np.array(lamp.color, np.float64) * lamp.energy
+    # Both came after Blender 4.2.
+    if getattr(lamp, "use_temperature", False):
+        strength = strength * np.array(lamp.temperature_color, np.float64)
+    strength = strength * 2.0 ** getattr(lamp, "exposure", 0.0)
+    if lamp.use_nodes and lamp.node_tree is not None:
+        strength = strength * _emission(lamp.node_tree, values)
+    return strength
+
+
+def _emission(tree, values):
+    output = tree.get_output_node("CYCLES")
+    end = follow(output.inputs["Surface"]) if output is not None else None
+    if end is None or end.node is None:
+        return np.zeros(3)
+    if end.node.type != "EMISSION":
+        values.note(f"{end.node.bl_label} in a light", "the light's own strength and colour are used")
+        return np.ones(3)
+    return values.colour(end.node, "Color", end.groups) * values.number(end.node, "Strength", end.groups)
+
+
+def _point_intensity(lamp, strength):
+    """[W/sr] of a point or spot light, on the axis."""
+    if getattr(lamp, "normalize", True):
+        return strength / (4 * math.pi)
+    # Cycles: the strength is then pi times the radiance, or the intensity of a light without size.
+    size = lamp.shadow_soft_size
+    return strength * (size**2 if size > 0 else 1 / math.pi)
+
+
+def _point(lamp, matrix, axes, strength, placed, values):
+    _note_soft_falloff(lamp, values)
+    intensity = _point_intensity(lamp, strength)
+    return Light(kind=LightKind.POINT, radius=lamp.shadow_soft_size, intensity=intensity, **placed)
+
+
+def _spot(lamp, matrix, axes, strength, placed, values):
+    _note_soft_falloff(lamp, values)
+    lengths = np.linalg.norm(matrix[:3, :3], axis=0)
+    if np.ptp(lengths) > 1e-3 * lengths.max():
+        values.note("spot with uneven scale", "its cone stays round, with the angle of its Spot Size")
+    cosine = math.cos(lamp.spot_size / 2)
+    return Light(
+        kind=LightKind.SPOT,
+        radius=lamp.shadow_soft_size,
+        intensity=_point_intensity(lamp, strength),
+        cosine=cosine,
+        # Blend 0 is a jump, which 1e-6 is in single precision.
+        blend=max((1 - cosine) * lamp.spot_blend, 1e-6),
+        **placed,
+    )
+
+
+def _note_soft_falloff(lamp, values):
+    if lamp.use_soft_falloff and lamp.shadow_soft_size > 0:
+        values.note(
+            "Soft Falloff",
+            "the light is a ball: closer than 4 of its radii the fog is brighter than in Cycles; turn Soft Falloff off "
+            "to see the same in both",
+        )
+
+
+def _area(lamp, matrix, axes, strength, placed, values):
+    round_ = lamp.shape in ("DISK", "ELLIPSE")
+    u = matrix[:3, 0] * lamp.size
+    v = matrix[:3, 1] * (lamp.size_y if lamp.shape in ("RECTANGLE", "ELLIPSE") else lamp.size)
+    area = np.linalg.norm(u) * np.linalg.norm(v) * (math.pi / 4 if round_ else 1)
+    if area == 0:
+        return None
+    across = np.cross(u, v)
+    if np.linalg.norm(np.cross(across, axes[2])) > 1e-3 * np.linalg.norm(across):
+        values.note("sheared area light", "it shines at right angles to its face")
+    if across @ axes[2] > 0:
+        # Blender's lights shine along -Z; the host's along u x v.
+        v = -v
+    radiance = strength / math.pi
+    if getattr(lamp, "normalize", True):
+        radiance = radiance / area
+    if lamp.spread < 1e-3:
+        values.note("area light without spread", "a spread of 0.06 degrees")
+    spread = max(lamp.spread / 2, 5e-4)
+    return Light(kind=LightKind.AREA, u=u, v=v, round=round_, spread=spread, radiance=radiance, **placed)
+
+
+def _sun(lamp, matrix, axes, strength, placed, values):
+    angle = lamp.angle / 2
+    if not getattr(lamp, "normalize", True) and angle > 0:
+        # The strength is then the radiance.
+        strength = strength * math.pi * math.sin(angle) ** 2
+    return Light(kind=LightKind.SUN, irradiance=strength, angle=angle, **placed)
+
+
+_KINDS = {"POINT": _point, "SPOT": _spot, "AREA": _area, "SUN": _sun}

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Evaluated Blender meshes -> triangles as numpy arrays."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Triangles:
+    """A mesh in its own space."""
+
+    #: [m], float32 (n, 3)
+    positions: np.ndarray
+    #: Indices of corners, int32 (m, 3).
+    corners: np.ndarray
+    #: Material slots, int32 (m,), and which there are, ascending.
+    slots: np.ndarray
+    used: np.ndarray
+    #: Unit normals at the corners, float32 (m, 3, 3); None: flat.
+    normals: np.ndarray | None
+    #: Largest absolute coordinates [m], float32 (3,); NaN if one is none.
+    extent: np.ndarray
+
+
+def triangles(mesh):
+    """The Triangles of an evaluated bpy.types.Mesh, or None if it has none."""
+    mesh.calc_loop_triangles()
+    count = len(mesh.loop_triangles)
+    if count == 0:
+        return None
+    # Attributes and the arrays of triangles are copied as a whole; properties that RNA computes take longer by far.
+    loops = np.empty(count * 3, np.int32)
+    mesh.loop_triangles.foreach_get("loops", loops)
+    vertices = np.empty(len(mesh.loops), np.int32)
+    mesh.attributes[".corner_vert"].data.foreach_get("value", vertices)
+    positions = np.empty(len(mesh.vertices) * 3, np.float32)
+    mesh.attributes["position"].data.foreach_get("vector", positions)
+    normals = None
+    if mesh.normals_domain != "FACE":
+        of_loops = np.empty(len(mesh.loops) * 3, np.float32)
+        mesh.corner_normals.foreach_get("vector", of_loops)
+        normals = of_loops.reshape(-1, 3)[loops].reshape(-1, 3, 3)
+    positions, corners = positions.reshape(-1, 3), vertices[loops].reshape(-1, 3)
+    if normals is not None:
+        _mend(normals, positions, corners)
+    slots = _slots(mesh, count)
+    extent = np.maximum(positions.max(axis=0), -positions.min(axis=0))
+    return Triangles(positions, corners, slots, np.flatnonzero(np.bincount(slots)), normals, extent)
+
+
+def _slots(mesh, count):
+    indices = mesh.attributes.get("material_index")
+    if indices is None:
+        return np.zeros(count, np.int32)
+    of_faces = np.empty(len(mesh.polygons), np.int32)
+    indices.data.foreach_get("value", of_faces)
+    faces = np.empty(count, np.int32)
+    mesh.loop_triangle_polygons.foreach_get("value", faces)
+    # Blender takes what is below the first slot for the first.
+    return np.maximum(of_faces[faces], 0)
+
+
+def _mend(normals, positions, corners):
+    """Replaces normals that are not unit, as faces without area give to their neighbours, by the triangles' own."""
+    square = np.einsum("mck,mck->mc", normals, normals)
+    bad = ~(np.abs(square - 1) < 5e-4)
+    if bad.any():
+        a, b, c = (positions[corners[:, k]] for k in range(3))
+        across = np.cross(b - a, c - a)
+        length = np.linalg.norm(across, axis=1, keepdims=True)
+        flat = np.where(length > 0, across / np.where(length > 0, length, 1), np.float32([0, 0, 1]))
+        normals[bad] = np.broadcast_to(flat[:, None], normals.shape)[bad]
+
+
+def is_closed(mesh):
+    """Whether each edge of these Triangles has a triangle on both sides."""
+    a, b, c = mesh.corners.T
+    ends = np.sort(np.stack([np.concatenate([a, b, c]), np.concatenate([b, c, a])], axis=1), axis=1).astype(np.int64)
+    _, counts = np.unique(ends[:, 0] << 32 | ends[:, 1], return_counts=True)
+    return bool(np.all(counts % 2 == 0))
+
+
+#: Coordinates beyond it, or that are no numbers, are not rendered [m].
+FARTHEST = 1e9
+
+
+def reach(mesh, matrix):
+    """Largest coordinate that these Triangles may have after a transform (4, 4) [m]; NaN if one of them is."""
+    return np.max(np.abs(matrix[:3, :3]) @ mesh.extent + np.abs(matrix[:3, 3]))
+
+
+def in_world(mesh, matrix):
+    """Positions of these Triangles after a transform (4, 4): float32 (n, 3)."""
+    return (mesh.positions @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Follows the links of shader nodes to constant values."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .arithmetic import COMPUTED, NotConstant
+from .images import mean_colour
+
+#: Rec. 709, as Blender turns colours into numbers.
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+
+
+class End(NamedTuple):
+    """Where the links that lead to an input begin."""
+
+    #: The node, or None if nothing is linked.
+    node: object
+    #: Its output, or the input that has a value of its own; None: there is none, but a muted node before it.
+    socket: object
+    #: The group nodes that this is inside of, outermost first.
+    groups: tuple
+
+
+def find(sockets, identifier):
+    """The socket of this identifier, or None if the node, of this version of Blender, has none."""
+    return next((s for s in sockets if s.identifier == identifier), None)
+
+
+def follow(socket, groups=()):
+    """The End of an input `socket`, through reroutes, groups and muted nodes."""
+    muted = False
+    while True:
+        link = next((k for k in socket.links if k.is_valid and not k.is_muted), None) if socket.is_linked else None
+        if link is None:
+            # The value of a muted node's own input does not count.
+            return End(None, None if muted else socket, groups)
+        node, output = link.from_node, link.from_socket
+        if node.type == "REROUTE":
+            socket = node.inputs[0]
+        elif node.mute:
+            muted = True
+            through = next((k for k in node.internal_links if k.to_socket == output), None)
+            if through is None:
+                return End(None, None, groups)
+            socket = through.from_socket
+        elif node.type == "GROUP" and node.node_tree is not None:
+            inside = next((n for n in node.node_tree.nodes if n.type == "GROUP_OUTPUT" and n.is_active_output), None)
+            if inside is None:
+                return End(None, None, groups)
+            socket, groups = find(inside.inputs, output.identifier), (*groups, node)
+        elif node.type == "GROUP_INPUT" and groups:
+            socket, groups = find(groups[-1].inputs, output.identifier), groups[:-1]
+        else:
+            return End(node, output, groups)
+
+
+class Values:
+    """Values of inputs of the nodes of one `source` (such as 'Material "Wall"'); what is not constant is reported."""
+
+    def __init__(self, source, report):
+        self.source, self.report = source, report
+
+    def number(self, node, identifier, groups, missing=0.0):
+        """A float. `missing`: what it is if this version of Blender has no such input."""
+        socket = find(node.inputs, identifier)
+        return missing if socket is None else _number(self._constant(node, socket, groups))
+
+    def colour(self, node, identifier, groups):
+        """Linear Rec. 709, or a vector: float64 (3,)."""
+        return _colour(self._constant(node, find(node.inputs, identifier), groups))
+
+    def linked(self, node, identifier):
+        """Whether the input exists and a link leads to it."""
+        socket = find(node.inputs, identifier)
+        return socket is not None and socket.is_linked
+
+    def note(self, what, instead):
+        """Adds to the report, for the source."""
+        self.report.add(self.source, what, instead)
+
+    def _constant(self, node, socket, groups):
+        try:
+            return self._evaluate(socket, groups)
+        except NotConstant as reason:
+            value = _plain(socket.default_value)
+            shown = f"{value:.4g}" if np.ndim(value) == 0 else "(" + ", ".join(f"{x:.4g}" for x in value) + ")"
+            self.note(f"{socket.name} of {node.name} comes from {reason}", f"{shown}, the value of the socket, is used")
+            return value
+
+    def _evaluate(self, socket, groups):
+        end = follow(socket, groups)
+        if end.node is None and end.socket is None:
+            raise NotConstant("a muted node")
+        if end.node is None:
+            return _plain(end.socket.default_value)
+        if end.node.type == "TEX_IMAGE":
+            mean = mean_colour(end.node.image)
+            if mean is None:
+                raise NotConstant(f"{end.node.name}, whose image cannot be read")
+            self.note(f"image texture {end.node.image.name}", "its mean colour is used")
+            return mean[3] if end.socket.identifier == "Alpha" else mean[:3]
+        compute = COMPUTED.get(end.node.type)
+        if compute is None:
+            raise NotConstant(end.node.name)
+
+        def argument(identifier):
+            return self._evaluate(find(end.node.inputs, identifier), end.groups)
+
+        return compute(end.node, end.socket, argument, self.note)
+
+
+def _plain(value):
+    """A socket's value as a float or a float64 array (3,)."""
+    return float(value) if np.ndim(value) == 0 else np.array(value, np.float64)[:3]
+
+
+def _number(value):
+    return float(value) if np.ndim(value) == 0 else float(LUMINANCE @ value)
+
+
+def _colour(value):
+    return np.full(3, float(value)) if np.ndim(value) == 0 else np.asarray(value, np.float64)

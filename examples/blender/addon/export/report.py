@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What of a Blender scene is not rendered as Cycles renders it."""
+
+from dataclasses import dataclass
+
+
+class Untranslatable(Exception):
+    """Nothing sensible can be rendered; the message names the object and the remedy."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """`what` of the `sources` (such as 'Material "Wall"') is not honoured, and what is done `instead`."""
+
+    what: str
+    instead: str
+    sources: tuple[str, ...]
+
+    def __str__(self):
+        return f"{', '.join(self.sources)}: {self.what}: {self.instead}"
+
+
+class Report:
+    """Collects entries in the order of their first source; equal ones are one, with all their sources."""
+
+    def __init__(self):
+        # A dict of dicts as an ordered set of sources for each pair of texts.
+        self._sources = {}
+
+    def add(self, source, what, instead):
+        """Notes that `what` of `source` is not honoured, and what is done `instead`."""
+        self._sources.setdefault((what, instead), {})[source] = None
+
+    @property
+    def entries(self):
+        """The entries so far: list of Entry."""
+        return [Entry(what, instead, tuple(sources)) for (what, instead), sources in self._sources.items()]
+
+    def __len__(self):
+        return len(self._sources)
+
+    def __str__(self):
+        """One line an entry, without an end of line after the last; empty without entries."""
+        return "\n".join(map(str, self.entries))

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings of the scene, the view layer and the camera that the host does not honour: all reported."""
+
+import numpy as np
+
+
+def note_settings(depsgraph, camera_object, report):
+    """Reports what differs from what is rendered."""
+    scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
+    source = f'Scene "{scene.name}"'
+    if scene.render.use_motion_blur:
+        report.add(source, "motion blur", "everything stands still at the frame")
+    if scene.render.use_multiview:
+        report.add(source, "stereoscopy", "one view, from the camera itself")
+    if hasattr(scene, "cycles") and scene.cycles.film_exposure != 1:
+        report.add(source, "Film Exposure of Cycles", "1")
+    source = f'View layer "{layer.name}"'
+    if layer.material_override is not None:
+        report.add(source, "material override", "objects keep their materials")
+    for name, what in (("use_solid", "Surfaces"), ("use_volumes", "Volumes")):
+        if not getattr(layer, name):
+            report.add(source, f"{what} are filtered out", "they are rendered")
+    if camera_object.evaluated_get(depsgraph).data.dof.use_dof:
+        report.add(f'Camera "{camera_object.name}"', "depth of field", "everything is sharp")
+
+
+def note_clipping(depsgraph, camera_object, camera, bounds, world_fog, report):
+    """Reports that Cycles ends what the camera sees at its clip distance, where something is there.
+
+    - camera: host.scene.Camera; bounds: corners of all geometry [m]; world_fog: volumes.Fog or None.
+    """
+    data = camera_object.evaluated_get(depsgraph).data
+    source = f'Camera "{camera_object.name}"'
+    low, high = bounds
+    farthest = np.linalg.norm(np.maximum(np.abs(low - camera.position), np.abs(high - camera.position)))
+    if np.isfinite(farthest) and farthest > data.clip_end:
+        report.add(source, "objects beyond Clip End", "seen all the same")
+    if world_fog is not None:
+        extinction = np.min(world_fog.scattering + world_fog.absorption)
+        # Beyond 7 mean free paths less than a thousandth of the light arrives.
+        if extinction * data.clip_end < 7:
+            report.add(source, "Clip End, which ends the fog of the world in Cycles", "the fog goes on; raise Clip End")

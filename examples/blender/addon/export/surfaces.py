@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Surface shader nodes -> Lobes, by the definitions of Cycles."""
+
+import numpy as np
+
+from .nodes import follow
+from .principled import edge_of_tint, principled
+
+
+def add_surface(values, socket, groups, weight, lobes):
+    """Adds the closures that lead to the shader input `socket`, times `weight`, to `lobes`. values: nodes.Values."""
+    end = follow(socket, groups)
+    if weight == 0 or end.node is None:
+        return
+    node, groups = end.node, end.groups
+    if node.type == "ADD_SHADER":
+        for shader in node.inputs:
+            add_surface(values, shader, groups, weight, lobes)
+    elif node.type == "MIX_SHADER":
+        factor = mix_factor(values, node, groups)
+        add_surface(values, node.inputs[1], groups, weight * (1 - factor), lobes)
+        add_surface(values, node.inputs[2], groups, weight * factor, lobes)
+    elif node.type in _CLOSURES:
+        _note_normal(values, node)
+        _CLOSURES[node.type](values, node, groups, weight, lobes)
+    else:
+        values.note(node.bl_label, "black there")
+
+
+def mix_factor(values, node, groups):
+    """The factor of a Mix Shader node, in [0, 1]."""
+    return min(max(values.number(node, "Fac", groups), 0.0), 1.0)
+
+
+def _note_normal(values, node):
+    if any(values.linked(node, name) for name in ("Normal", "Coat Normal")):
+        values.note("bump or normal map", "ignored")
+
+
+def _diffuse(values, node, groups, weight, lobes):
+    if values.number(node, "Roughness", groups) > 0:
+        values.note("roughness of Diffuse", "smooth (Lambert)")
+    lobes.add(diffuse=weight * values.colour(node, "Color", groups))
+
+
+def _translucent(values, node, groups, weight, lobes):
+    lobes.add(translucent=weight * values.colour(node, "Color", groups))
+
+
+def _transparent(values, node, groups, weight, lobes):
+    lobes.add(transparent=weight * values.colour(node, "Color", groups))
+
+
+def _emission(values, node, groups, weight, lobes):
+    lobes.emission += weight * values.number(node, "Strength", groups) * values.colour(node, "Color", groups)
+
+
+def _glass(values, node, groups, weight, lobes):
+    colour = weight * values.colour(node, "Color", groups)
+    roughness = _roughness(values, node, groups)
+    note_thin_film(values, node, groups)
+    ior = max(values.number(node, "IOR", groups), 1e-5)
+    lobes.add_specular(ior, roughness, glass_reflection=colour, glass_transmission=colour)
+
+
+def _refraction(values, node, groups, weight, lobes):
+    values.note("Refraction BSDF", "refracts what Fresnel's equations leave, as glass, and reflects nothing")
+    ior = max(values.number(node, "IOR", groups), 1e-5)
+    colour = weight * values.colour(node, "Color", groups)
+    lobes.add_specular(ior, _roughness(values, node, groups), glass_transmission=colour)
+
+
+def _glossy(values, node, groups, weight, lobes):
+    colour = weight * values.colour(node, "Color", groups)
+    roughness = _roughness(values, node, groups)
+    note_anisotropy(values, node, groups, "Anisotropy")
+    lobes.add_specular(None, roughness, metal=colour, edge=colour)
+
+
+def _metallic(values, node, groups, weight, lobes):
+    roughness = _roughness(values, node, groups)
+    note_anisotropy(values, node, groups, "Anisotropy")
+    note_thin_film(values, node, groups)
+    if node.fresnel_type == "F82":
+        base = np.clip(values.colour(node, "Base Color", groups), 0, 1)
+        edge = edge_of_tint(values, base, np.clip(values.colour(node, "Edge Tint", groups), 0, 1))
+    else:
+        n, k = (np.maximum(values.colour(node, name, groups), 0) for name in ("IOR", "Extinction"))
+        base, edge = ((n - 1) ** 2 + k**2) / ((n + 1) ** 2 + k**2), np.ones(3)
+        values.note("Physical Conductor", "its reflectance at normal incidence, and Schlick's curve from there")
+    lobes.add_specular(None, roughness, metal=weight * base, edge=weight * edge)
+
+
+def _roughness(values, node, groups):
+    roughness = values.number(node, "Roughness", groups)
+    if roughness > 0 and node.distribution not in ("GGX", "MULTI_GGX"):
+        values.note(f"{node.distribution.replace('_', ' ').title()} microfacets", "GGX with the same roughness")
+    return roughness
+
+
+def _subsurface(values, node, groups, weight, lobes):
+    values.note("subsurface scattering", "diffuse")
+    lobes.add(diffuse=weight * values.colour(node, "Color", groups))
+
+
+def _as_diffuse(values, node, groups, weight, lobes):
+    values.note(node.bl_label, "diffuse with its colour")
+    lobes.add(diffuse=weight * values.colour(node, "Color", groups))
+
+
+def _portal(values, node, groups, weight, lobes):
+    values.note("Ray Portal BSDF", "transparent with its colour: light stays where it is")
+    lobes.add(transparent=weight * values.colour(node, "Color", groups))
+
+
+def note_anisotropy(values, node, groups, name):
+    """Reports anisotropic microfacets; `name`: identifier of the input."""
+    if abs(values.number(node, name, groups)) > 1e-4:
+        values.note("anisotropic reflection", "isotropic with the same roughness")
+
+
+def note_thin_film(values, node, groups):
+    """Reports a thin film."""
+    if values.number(node, "Thin Film Thickness", groups) > 0:
+        values.note("thin film", "ignored")
+
+
+def _principled(values, node, groups, weight, lobes):
+    note_anisotropy(values, node, groups, "Anisotropic")
+    note_thin_film(values, node, groups)
+    principled(values, node, groups, weight, lobes)
+
+
+_CLOSURES = {
+    "BSDF_PRINCIPLED": _principled,
+    "BSDF_DIFFUSE": _diffuse,
+    "BSDF_TRANSLUCENT": _translucent,
+    "BSDF_TRANSPARENT": _transparent,
+    "BSDF_GLASS": _glass,
+    "BSDF_REFRACTION": _refraction,
+    "BSDF_GLOSSY": _glossy,
+    "BSDF_METALLIC": _metallic,
+    "BSDF_RAY_PORTAL": _portal,
+    "BSDF_TOON": _as_diffuse,
+    "BSDF_SHEEN": _as_diffuse,
+    "BSDF_HAIR": _as_diffuse,
+    "BSDF_HAIR_PRINCIPLED": _as_diffuse,
+    "SUBSURFACE_SCATTERING": _subsurface,
+    "EMISSION": _emission,
+}

@@ -1,0 +1,314 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How photons leave lights, and the light field that they have there."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from covbeam import LIGHT_FIELD, light_field
+
+from .interior import clearance, cleared
+from .scene import LightKind
+from .vectors import around, basis, dot, normalized
+
+#: 1/(4 pi^2): a relative curvature [1/rad^2] as an angular variance [cycles^2/rad^2].
+_CURVATURE = 1 / (4 * np.pi**2)
+
+#: Share of a sun's photons that are aimed at the fog; the others are spread over all that the scene has.
+_AIMED = 0.75
+
+#: Lights on surfaces shine from this far above them, in sizes of the light; and by twice what rounding is worth there.
+_LIFT = 1e-5
+
+
+@dataclass
+class Emitted:
+    """Photons that leave lights. power [W] is divided by the probability of being drawn, not by the number of photons."""
+
+    origin: np.ndarray
+    direction: np.ndarray
+    power: np.ndarray
+    #: Of the emitting surface; 0 for a light without one.
+    normal: np.ndarray
+    #: Index of the light.
+    light: np.ndarray
+    #: LIGHT_FIELD, or None if not asked for.
+    field: np.ndarray | None
+
+
+@dataclass(frozen=True)
+class Ball:
+    """A ball, for aiming at what is in it."""
+
+    center: np.ndarray
+    radius: float
+
+    @staticmethod
+    def around(low, high):
+        """The ball around a box."""
+        return Ball(0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low)))
+
+
+class Emitter:
+    """All lights of a scene, drawn in proportion to their flux.
+
+    - fog: where light is wanted; scene: all that light can meet. Suns shine on both.
+    """
+
+    def __init__(self, lights, fog: Ball, scene: Ball):
+        self._emitters = [_EMITTERS[light.kind](light, fog, scene) for light in lights]
+        flux = np.array([float(np.sum(e.flux)) for e in self._emitters], np.float64)
+        self._bounds = np.cumsum(flux) / max(flux.sum(), 1e-300)
+        self.is_dark = not flux.sum() > 0
+
+    def emit(self, sampler, count, with_fields):
+        """Draws the starts of `count` paths."""
+        u = sampler.uniform() if len(self._emitters) > 1 else np.zeros(count, np.float32)
+        chosen = np.minimum(np.searchsorted(self._bounds, u, side="right"), len(self._bounds) - 1)
+        shares = np.diff(self._bounds, prepend=0.0)
+        numbers = np.stack([sampler.uniform() for _ in range(4)], axis=1)
+        out = Emitted(
+            *(np.zeros((count, 3), np.float32) for _ in range(4)),
+            light=chosen.astype(np.int32),
+            field=np.zeros(count, LIGHT_FIELD) if with_fields else None,
+        )
+        for index, emitter in enumerate(self._emitters):
+            here = np.flatnonzero(chosen == index)
+            if len(here) == 0:
+                continue
+            origin, direction, power, normal = emitter.emit(numbers[here])
+            out.origin[here], out.direction[here], out.normal[here] = origin, direction, normal
+            out.power[here] = power / np.float32(shares[index])
+            if with_fields:
+                out.field[here] = emitter.fields(direction, normal)
+        return out
+
+
+def _f32(v):
+    return np.asarray(v, np.float32)
+
+
+def _disk(u, v):
+    """Points of the unit disk: (n, 2)."""
+    r, phi = np.sqrt(u), np.float32(2 * np.pi) * v
+    return np.stack([r * np.cos(phi), r * np.sin(phi)], axis=1)
+
+
+def _lifted(origin, size, normal):
+    """Places on a light of some size, moved off it: float64 (n, 3)."""
+    return origin + (_LIFT * size + 2 * clearance(origin))[:, None] * normal
+
+
+class _Point:
+    """A ball, or a point. In each direction a ball shines as a disk across it, evenly: its cosine is its foreshortening.
+
+    No light is inside of a ball; Cycles lights the fog there too, more or less.
+    """
+
+    def __init__(self, light, fog, scene):
+        self._light = light
+        self.flux = 4 * np.pi * light.intensity
+
+    def _directions(self, u, v):
+        axis = np.broadcast_to(_f32((0, 0, 1)), (len(u), 3))
+        return around(axis, 1 - 2 * u, v), np.ones_like(u)
+
+    def emit(self, numbers):
+        light = self._light
+        direction, weight = self._directions(numbers[:, 0], numbers[:, 1])
+        origin = np.broadcast_to(_f32(cleared(light.position)), direction.shape)
+        normal = np.zeros_like(direction)
+        if light.radius > 0:
+            disk = _disk(numbers[:, 2], numbers[:, 3])
+            e, f = basis(direction)
+            height = np.sqrt(np.maximum(1 - np.sum(disk * disk, axis=1), 0))
+            normal = disk[:, :1] * e + disk[:, 1:] * f + height[:, None] * direction
+            origin = origin + _f32(light.radius) * normal
+        return origin, direction, weight[:, None] * _f32(self.flux), normal
+
+    def fields(self, direction, normal):
+        return self._widened(direction, light_field.EVEN)
+
+    def _widened(self, direction, variances):
+        """A ball looks the same from all sides: a disk across the ray."""
+        return light_field.disk(direction, direction, self._light.radius, variances)
+
+
+class _Spot(_Point):
+    def __init__(self, light, fog, scene):
+        super().__init__(light, fog, scene)
+        self.flux = 2 * np.pi * (1 - light.cosine) * light.intensity
+
+    def _directions(self, u, v):
+        light = self._light
+        axis = np.broadcast_to(_f32(light.axis), (len(u), 3))
+        direction = around(axis, 1 - u * np.float32(1 - light.cosine), v)
+        q = np.clip((dot(direction, axis) - _f32(light.cosine)) / _f32(light.blend), 0, 1)
+        return direction, q * q * (3 - 2 * q)
+
+    def fields(self, direction, normal):
+        # The Hessian of I(theta)/d^2 across the ray, over I/d^2: I''/I - 2 towards the axis and I' cot(theta)/I - 2 around it.
+        # Where I has its inflection the gradient speaks.
+        light = self._light
+        axis = np.broadcast_to(light.axis, direction.shape)
+        cosine = np.clip(np.einsum("ij,ij->i", direction.astype(np.float64), axis), -1, 1)
+        sine = np.sqrt(1 - cosine * cosine)
+        q = np.clip((cosine - light.cosine) / light.blend, 0, 1)
+        soft = (q > 1e-3) & (q < 1)
+        q = np.where(soft, q, 1.0)
+        intensity = q * q * (3 - 2 * q)
+        # By the cosine: I' and I''; by the angle: -sin I', and sin^2 I'' - cos I'.
+        first, second = 6 * q * (1 - q) / light.blend / intensity, (6 - 12 * q) / light.blend**2 / intensity
+        slope = np.where(soft, -sine * first, 0)
+        bend = np.where(soft, sine**2 * second - cosine * first, 0)
+        towards = np.maximum(np.abs(bend - 2), slope**2)
+        about = np.abs(np.where(soft, -cosine * first, 0) - 2)
+        variances = np.stack([towards, about], axis=1).astype(np.float32) * np.float32(_CURVATURE)
+        axes = np.where(soft[:, None], axis, basis(direction)[0]).astype(np.float32)
+        spatial = 1 / (np.pi * light.radius) ** 2 if light.radius > 0 else np.inf
+        return light_field.gaussian(direction, axes, (spatial, spatial), variances)
+
+
+def _diffuse_fields(direction, normal, radius):
+    """Of a patch that shines as a Lambert surface: cos/d^2 has a relative curvature of 3/d^2, and beyond 60 degrees the gradient
+    of the cosine, its tangent squared, outweighs it."""
+    field = light_field.disk(direction, normal, radius, 3 * _CURVATURE)
+    cosine = np.maximum(np.abs(dot(direction, normal)), 1e-3)
+    more = np.maximum((1 / cosine**2 - 4) * np.float32(_CURVATURE), 0)
+    light_field.narrow(field, normal, more)
+    return field
+
+
+class _Area:
+    def __init__(self, light, fog, scene):
+        self._light = light
+        self._normal = np.cross(light.u, light.v)
+        length = float(np.linalg.norm(self._normal))
+        self._area = length * (np.pi / 4 if light.round else 1.0)
+        # One without area has no flux and is never drawn.
+        self._normal = self._normal / (length or 1.0)
+        self.flux = np.pi * self._area * light.radiance
+        self._size = np.sqrt(self._area)
+
+    def emit(self, numbers):
+        light, normal = self._light, _f32(self._normal)
+        if light.round:
+            place = 0.5 * _disk(numbers[:, 2], numbers[:, 3])
+        else:
+            place = numbers[:, 2:4] - np.float32(0.5)
+        origin = _lifted(light.position + place[:, :1] * light.u + place[:, 1:] * light.v, self._size, self._normal)
+        normals = np.broadcast_to(normal, (len(numbers), 3))
+        # In proportion to the cosine, as far out as the light reaches.
+        full = light.spread >= np.pi / 2
+        limit = 1.0 if full else np.sin(light.spread) ** 2
+        sine2 = np.minimum(numbers[:, 0] * np.float32(limit), np.float32(1 - 1e-7))
+        cosine = np.sqrt(1 - sine2)
+        weight = np.full(len(numbers), limit, np.float32)
+        if not full:
+            # (tan a - tan x) / (tan a - a): slats of a honeycomb, normalised to the same flux.
+            tangent = np.tan(light.spread)
+            weight *= np.maximum((tangent - np.sqrt(sine2) / cosine) / (tangent - light.spread), 0)
+        direction = around(normals, cosine, numbers[:, 1])
+        return _f32(origin), direction, weight[:, None] * _f32(self.flux), normals
+
+    def fields(self, direction, normal):
+        field = _diffuse_fields(direction, normal, np.float32(np.sqrt(self._area / np.pi)))
+        if self._light.spread < np.pi / 2:
+            light_field.narrow(field, normal, np.float32(_CURVATURE / np.tan(self._light.spread) ** 2))
+        return field
+
+
+class _Sun:
+    """Photons start on disks across the light, one as wide as the fog and one as wide as the scene, ahead of both."""
+
+    def __init__(self, light, fog, scene):
+        self._light = light
+        self._balls = [fog, scene]
+        self._areas = [np.pi * ball.radius**2 for ball in self._balls]
+        self._start = fog.radius + scene.radius + float(np.linalg.norm(fog.center - scene.center))
+        self.flux = light.irradiance / self._density_at_best()
+
+    def _density_at_best(self):
+        return _AIMED / self._areas[0] + (1 - _AIMED) / self._areas[1]
+
+    def _directions(self, u, v):
+        # Evenly over the cap; its height is 2 sin^2(angle/2), of which single precision would leave little.
+        fall = u * 2 * np.sin(0.5 * self._light.angle) ** 2
+        sine, phi = np.sqrt(fall * (2 - fall)), 2 * np.pi * v
+        axis = np.asarray(self._light.axis, np.float64)[None]
+        axis = axis / np.linalg.norm(axis)
+        e, f = basis(axis)
+        direction = (sine * np.cos(phi))[:, None] * e + (sine * np.sin(phi))[:, None] * f + (1 - fall)[:, None] * axis
+        return direction / np.linalg.norm(direction, axis=1, keepdims=True)
+
+    def emit(self, numbers):
+        light, count = self._light, len(numbers)
+        # The choice of the disk takes its share of a number, which is then uniform again.
+        aimed = numbers[:, 2] < _AIMED
+        u = np.where(aimed, numbers[:, 2] / _AIMED, (numbers[:, 2] - _AIMED) / (1 - _AIMED))
+        disk = _disk(np.clip(u, 0, 1), numbers[:, 3]).astype(np.float64)
+        direction = self._directions(numbers[:, 0].astype(np.float64), numbers[:, 1].astype(np.float64))
+        e, f = basis(direction)
+        radius = np.where(aimed, self._balls[0].radius, self._balls[1].radius)[:, None]
+        center = np.where(aimed[:, None], self._balls[0].center, self._balls[1].center)
+        origin = center + radius * (disk[:, :1] * e + disk[:, 1:] * f) - self._start * direction
+        # The density of both disks together at this photon's line. In double precision, directions too: the scene may be 1e6
+        # times as large as the fog.
+        density = np.zeros(count)
+        for ball, area, share in zip(self._balls, self._areas, (_AIMED, 1 - _AIMED)):
+            to = origin - ball.center
+            across = to - np.einsum("ij,ij->i", to, direction)[:, None] * direction
+            density += np.where(np.einsum("ij,ij->i", across, across) <= ball.radius**2 * (1 + 1e-6), share / area, 0)
+        # The directions lie aslant to the axis, across which the irradiance is: (1 + cos)/2 on average.
+        aslant = 2 / (1 + np.cos(light.angle))
+        power = aslant * light.irradiance / density[:, None]
+        return _f32(origin), _f32(direction), _f32(power), np.zeros((count, 3), np.float32)
+
+    def fields(self, direction, normal):
+        # Uniform in space; its directions fill a disk, whose spectrum is that of a uniform disk of this radius.
+        angle = max(self._light.angle, 1e-6)
+        variance = np.float32(1 / (np.pi * angle) ** 2)
+        return light_field.gaussian(direction, basis(direction)[0], (0.0, 0.0), (variance, variance))
+
+
+class _Mesh:
+    """Triangles that shine on both sides, drawn by area."""
+
+    def __init__(self, light, fog, scene):
+        corners = light.triangles.astype(np.float64)
+        a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+        cross = np.cross(b - a, c - a)
+        areas = 0.5 * np.linalg.norm(cross, axis=1)
+        real = areas > 0
+        self._corners, self._cross = corners[real], cross[real]
+        self._bounds = np.cumsum(areas[real])
+        self._area = float(areas.sum())
+        self.flux = 2 * np.pi * self._area * light.radiance
+
+    def emit(self, numbers):
+        # Two numbers for triangle, side and place: the side from what the choice of the triangle leaves of the first.
+        at = numbers[:, 2].astype(np.float64) * self._area
+        index = np.minimum(np.searchsorted(self._bounds, at, side="right"), len(self._bounds) - 1)
+        below = np.where(index > 0, self._bounds[index - 1], 0.0)
+        rest = 2 * np.clip((at - below) / (self._bounds[index] - below), 0, 1 - 1e-12)
+        side = np.where(rest < 1, 1.0, -1.0)
+        rest = rest % 1.0
+        root, v = np.sqrt(rest), numbers[:, 3].astype(np.float64)
+        a, b, c = (self._corners[index, k] for k in range(3))
+        normal = side[:, None] * self._cross[index] / np.linalg.norm(self._cross[index], axis=1, keepdims=True)
+        origin = a + (root * (1 - v))[:, None] * (b - a) + (root * v)[:, None] * (c - a)
+        origin = _lifted(origin, np.sqrt(self._area), normal)
+        normals = normalized(_f32(normal))
+        direction = around(normals, np.sqrt(np.maximum(1 - numbers[:, 0], np.float32(1e-7))), numbers[:, 1])
+        return _f32(origin), direction, np.broadcast_to(_f32(self.flux), (len(numbers), 3)), normals
+
+    def fields(self, direction, normal):
+        return _diffuse_fields(direction, normal, np.float32(np.sqrt(self._area / np.pi)))
+
+
+_EMITTERS = {
+    LightKind.POINT: _Point,
+    LightKind.SPOT: _Spot,
+    LightKind.AREA: _Area,
+    LightKind.SUN: _Sun,
+    LightKind.MESH: _Mesh,
+}

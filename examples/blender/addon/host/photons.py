@@ -1,0 +1,350 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light paths: from a light through media and surfaces until they are absorbed or escape, all of a pass side by side."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from covbeam import BEAM, CURVATURE, SEGMENT, light_field
+
+from . import ask
+from .sampler import Sampler
+from .scene import LightKind
+from .surfaces import SMOOTH, Lobe, follow, leave, meet, weights
+
+#: After this many events a path goes on with a probability only, so that every path ends.
+_LONG_PATH, _GOING_ON = 64, np.float32(0.95)
+
+#: Light is opaque after this optical depth: e^-17 = 4e-8.
+_OPAQUE = 17.0
+
+
+@dataclass
+class Record:
+    """What light paths leave: BEAM by region (2 x volume + 1 inside glass), SEGMENT by volume, each in a fixed order."""
+
+    beams: dict = field(default_factory=dict)
+    segments: dict = field(default_factory=dict)
+
+    def add(self, kind, number, values):
+        """Appends values to the list of one region or volume."""
+        if len(values):
+            getattr(self, kind).setdefault(int(number), []).append(values)
+
+
+@dataclass
+class _Photons:
+    """Photons on their way; arrays side by side."""
+
+    origin: np.ndarray
+    direction: np.ndarray
+    power: np.ndarray
+    #: Of the surface that they left, 0 in the open.
+    normal: np.ndarray
+    inside: np.ndarray
+    glass: np.ndarray
+    #: Straight from the light, or through smooth surfaces only.
+    unscattered: np.ndarray
+    #: How often they have been scattered or reflected; what goes straight on does not count.
+    bounces: np.ndarray
+    #: LIGHT_FIELD, or None.
+    light: np.ndarray | None
+
+    def take(self, chosen):
+        values = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        return _Photons(**{name: None if v is None else v[chosen] for name, v in values.items()})
+
+
+class PhotonTracer:
+    """Traces light paths of a scene.
+
+    - emitter: its lights; interiors: its insides.
+    - bounces: largest number of times that light is scattered or reflected before it is seen, None for any.
+    """
+
+    def __init__(self, scene, emitter, interiors, seed, bounces=None):
+        self._scene, self._emitter, self._interiors, self._seed = scene, emitter, interiors, seed
+        self._bounces = bounces
+        self._places = np.array([self._place(light) for light in scene.lights], np.float64).reshape(-1, 3)
+        starts = [interiors.at(place) for place in self._places]
+        self._inside = np.array([inside for inside, _ in starts], np.uint64)
+        self._glass = np.array([glass for _, glass in starts], bool)
+        # Suns start ahead of everything.
+        self._sun = np.array([light.kind == LightKind.SUN for light in scene.lights], bool)
+        self._inside[self._sun], self._glass[self._sun] = 0, False
+        count = len(scene.volumes)
+        self._scattering = np.zeros((count, 3), np.float32)
+        self._extinction = np.zeros((count + 1, 3), np.float32)
+        for index, volume in enumerate(scene.volumes):
+            self._scattering[index] = volume.scattering
+            self._extinction[index] = volume.scattering + volume.absorption
+        # A channel in which nothing is scattered shows nothing, however far its light gets.
+        shows = np.zeros((count + 1, 3), bool)
+        shows[:count] = self._scattering > 0
+        least = np.where(shows, self._extinction, np.inf).min(axis=1)
+        self._opaque = np.where(shows.any(axis=1), _OPAQUE / np.maximum(least, 1e-30), np.inf).astype(np.float32)
+        self._lobes = [volume.medium.phase.angular_variance() for volume in scene.volumes]
+        boundary = (scene.materials["transparent"] >= 1).all(axis=1)
+        self._boundary = boundary
+
+    def _place(self, light):
+        """A point of a light, on the side that shines: what a photon's start is inside of is found from there."""
+        if light.kind == LightKind.AREA:
+            normal = np.cross(light.u, light.v)
+            return light.position + 1e-4 * normal / np.sqrt(max(np.linalg.norm(normal), 1e-30))
+        if light.kind == LightKind.MESH:
+            corners = light.triangles[0].astype(np.float64)
+            normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+            return corners.mean(axis=0) + 1e-4 * normal / np.sqrt(max(np.linalg.norm(normal), 1e-30))
+        return light.position
+
+    def trace(self, sequence, first, count, paths, with_fields, poll):
+        """Traces paths `first` to `first + count` of a sequence: a Record.
+
+        - paths: what the power is divided by: the number of paths of the whole pass.
+        - with_fields: whether the paths carry light fields and leave segments.
+        """
+        record = Record()
+        if self._emitter.is_dark or count == 0:
+            return record
+        indices = np.arange(first, first + count, dtype=np.uint64).astype(np.uint32)
+        sampler = Sampler(self._seed, sequence, indices)
+        start = self._emitter.emit(sampler, count, with_fields)
+        inside, glass = self._inside[start.light], self._glass[start.light]
+        placed = np.flatnonzero(~self._sun[start.light])
+        inside[placed], glass[placed] = self._interiors.moved(
+            inside[placed], glass[placed], self._places[start.light[placed]], start.origin[placed]
+        )
+        photons = _Photons(
+            start.origin,
+            start.direction,
+            start.power / np.float32(paths),
+            start.normal,
+            inside,
+            glass,
+            np.ones(count, bool),
+            np.zeros(count, np.int32),
+            start.field,
+        )
+        alive = photons.power.max(axis=1) > 0
+        event = 0
+        while True:
+            if not alive.all():
+                photons = photons.take(alive)
+                sampler.take(alive)
+            if len(photons.origin) == 0:
+                return record
+            ask(poll)
+            alive = self._step(photons, sampler, record, poll)
+            if self._bounces is not None:
+                alive &= photons.bounces <= self._bounces
+            event += 1
+            if event > _LONG_PATH:
+                stays = sampler.uniform() < _GOING_ON
+                photons.power /= _GOING_ON
+                alive &= stays
+
+    def _step(self, photons, sampler, record, poll):
+        """One segment of all photons, and the events at their ends. Returns which go on."""
+        scene = self._scene
+        hit = scene.geometry.cast(photons.origin, photons.direction)
+        ask(poll)
+        reach = hit["distance"]
+        volume = self._interiors.volumes(photons.inside)
+        extinction = self._extinction[volume]
+        self._leave_beams(photons, hit, volume, record)
+        target = _free_flight(photons.power, extinction, sampler.uniform())
+        collides = target < reach
+        flight = np.minimum(target, reach)
+        if photons.light is not None:
+            self._carry(photons, hit, volume, flight, record)
+            ask(poll)
+        choice, xi, facets = sampler.uniform(), sampler.pair(), sampler.pair()
+        alive = np.zeros(len(reach), bool)
+
+        at = np.flatnonzero(collides)
+        if len(at):
+            alive[at] = self._scatter(photons, at, volume[at], extinction[at], target[at], choice[at], xi[at])
+        # What gets through is weighed by how likely that was; escapes into emptiness end there.
+        at = np.flatnonzero(~collides & np.isfinite(reach))
+        if len(at):
+            left = np.exp(-extinction[at] * reach[at, None])
+            photons.power[at] *= left / _weighted(left, photons.power[at])
+            alive[at] = self._interact(photons, at, hit[at], choice[at], xi[at], facets[at])
+        return alive
+
+    def _leave_beams(self, photons, hit, volume, record):
+        """Beams run to the next surface, or until nothing is left: not to the next collision."""
+        opaque = self._opaque[volume]
+        length = np.minimum(hit["distance"], opaque)
+        ends = hit["distance"] <= opaque
+        normal = hit["geometric_normal"]
+        behind = np.einsum("ij,ij->i", normal, photons.direction) > 0
+        end_normal = np.where(ends[:, None], np.where(behind[:, None], -normal, normal), np.float32(0))
+        region = 2 * volume + photons.glass
+        wanted = (volume >= 0) & np.isfinite(length) & (length > 0)
+        for number in np.unique(region[wanted]):
+            at = np.flatnonzero(wanted & (region == number))
+            if not self._scattering[number // 2].any():
+                continue
+            beams = np.zeros(len(at), BEAM)
+            beams["origin"], beams["direction"] = photons.origin[at], photons.direction[at]
+            beams["length"], beams["power"] = length[at], photons.power[at]
+            beams["start_normal"], beams["end_normal"] = photons.normal[at], end_normal[at]
+            record.add("beams", number, beams)
+
+    def _carry(self, photons, hit, volume, flight, record):
+        """Records what light fields leave along whole segments, cut at silhouettes, and moves them on by the flight."""
+        geometry = self._scene.geometry
+        counts, edges = geometry.edges(photons.origin, photons.direction, hit, self._boundary)
+        reach = np.minimum(hit["distance"], self._opaque[volume])
+        ahead = photons.light.copy()
+        extinction = self._extinction[volume].mean(axis=1)
+        power = photons.power.mean(axis=1)
+        passed = np.zeros(len(counts), np.float32)
+        moved = np.zeros(len(counts), np.float32)
+        for slot in range(edges.shape[1] + 1):
+            cut = counts > slot if slot < edges.shape[1] else np.zeros(len(counts), bool)
+            depth = np.where(cut, edges["depth"][:, min(slot, edges.shape[1] - 1)], np.inf)
+            # What is left of a segment behind its last edge is deposited with the slot after that.
+            here = np.flatnonzero(counts >= slot)
+            end = np.minimum(depth[here], reach[here])
+            self._deposit(photons, ahead, here, volume, passed, end, power, extinction, record)
+            go = here[cut[here]]
+            if len(go) == 0:
+                continue
+            field = ahead[go]
+            stop = np.minimum(depth[go], np.where(np.isfinite(reach[go]), reach[go], depth[go])).astype(np.float32)
+            light_field.travel(field, stop - passed[go])
+            light_field.occlude(field, edges["towards"][go, slot], edges["distance"][go, slot])
+            ahead[go] = field
+            passed[go] = stop
+            # The photon's own field goes past those edges that lie before its next event.
+            own = go[depth[go] <= flight[go]]
+            photons.light[own] = ahead[own]
+            moved[own] = passed[own]
+        rest = np.where(np.isfinite(flight), flight - moved, 0).astype(np.float32)
+        light_field.travel(photons.light, np.maximum(rest, 0))
+
+    def _deposit(self, photons, ahead, here, volume, passed, end, power, extinction, record):
+        piece = end - passed[here]
+        wanted = (piece > 0) & np.isfinite(end) & (volume[here] >= 0) & ~photons.glass[here]
+        here, piece = here[wanted], piece[wanted]
+        for number in np.unique(volume[here]):
+            of = volume[here] == number
+            at = here[of]
+            segments = np.zeros(len(at), SEGMENT)
+            segments["origin"] = photons.origin[at] + passed[at, None] * photons.direction[at]
+            segments["length"] = piece[of]
+            segments["power"] = power[at] * np.exp(-extinction[at] * passed[at])
+            segments["unscattered"] = photons.unscattered[at]
+            segments["field"] = ahead[at]
+            record.add("segments", number, segments)
+
+    def _scatter(self, photons, at, volume, extinction, flight, choice, xi):
+        """Collisions in media: which photons scatter on."""
+        before = photons.power[at]
+        density = extinction * np.exp(-extinction * flight[:, None])
+        collided = before * (density / _weighted(density, before))
+        after = collided * (self._scattering[volume] / np.maximum(extinction, np.float32(1e-38)))
+        photons.origin[at] += flight[:, None] * photons.direction[at]
+        direction = photons.direction[at]
+        for number in np.unique(volume):
+            of = np.flatnonzero(volume == number)
+            direction[of] = self._scene.volumes[number].medium.phase.sample(direction[of], xi[of])
+            if photons.light is not None:
+                field = photons.light[at[of]]
+                light_field.scatter(field, direction[of], self._lobes[number])
+                photons.light[at[of]] = field
+        photons.direction[at] = direction
+        photons.normal[at] = 0
+        photons.unscattered[at] = False
+        photons.bounces[at] += 1
+        return _survive(photons, at, before, after, choice)
+
+    def _interact(self, photons, at, hit, choice, xi, facets):
+        """Surfaces: which photons go on. One lobe is drawn in proportion to what it takes."""
+        m = meet(photons.direction[at], hit, self._scene.materials, facets)
+        light = weights(m) * photons.power[at]
+        brightest = photons.power[at].max(axis=1)
+        shares = light.max(axis=2) / brightest
+        total = np.maximum(shares.sum(axis=0), 1)
+        bounds = np.cumsum(shares / total, axis=0)
+        # What none of the lobes takes is absorbed.
+        lobe = (choice >= bounds).sum(axis=0)
+        lives = lobe < len(bounds)
+        for kind in Lobe:
+            of = np.flatnonzero(lobe == kind)
+            if len(of) == 0:
+                continue
+            here, some = at[of], m.take(of)
+            photons.power[here] = light[kind, of] / (shares[kind, of] / total[of])[:, None]
+            direction = follow(some, kind, xi[of])
+            if photons.light is not None:
+                photons.light[here] = _turned(photons.light[here], some, kind, direction)
+            photons.origin[here], photons.normal[here] = leave(some, direction)
+            photons.direction[here] = direction
+            if kind in (Lobe.TRANSPARENT, Lobe.GLASS_TRANSMISSION, Lobe.TRANSLUCENT):
+                objects = some.hit["object"]
+                photons.inside[here] = self._interiors.crossed(photons.inside[here], objects, some.front)
+            if kind == Lobe.GLASS_TRANSMISSION:
+                photons.glass[here] = self._interiors.glazed(photons.glass[here], some.hit["object"], some.front)
+            smooth = some.material["roughness"] < SMOOTH
+            if kind in (Lobe.DIFFUSE, Lobe.TRANSLUCENT):
+                smooth = False
+            if kind != Lobe.TRANSPARENT:
+                photons.unscattered[here] &= smooth
+                photons.bounces[here] += 1
+        return lives
+
+
+def _weighted(values, power):
+    """Means of values over the channels, weighted by power: (n, 1)."""
+    return (np.einsum("ij,ij->i", values, power) / power.sum(axis=1))[:, None]
+
+
+def _free_flight(power, extinction, u):
+    """Distances to the next collision: one channel, drawn by its power, decides for all three."""
+    share = power / power.sum(axis=1, keepdims=True)
+    grey = (extinction[:, 0] == extinction[:, 1]) & (extinction[:, 1] == extinction[:, 2])
+    bounds = np.cumsum(share, axis=1)
+    channel = np.where(grey, 0, np.minimum((u[:, None] >= bounds[:, :2]).sum(axis=1), 2))
+    rows = np.arange(len(u))
+    below = np.where(channel > 0, bounds[rows, channel - 1], np.float32(0))
+    rest = np.where(grey, u, (u - below) / np.maximum(share[rows, channel], np.float32(1e-38)))
+    rest = np.clip(rest, 0, np.float32(1 - 2.0**-24))
+    rate = extinction[rows, channel]
+    return np.where(rate > 0, -np.log1p(-rest) / np.maximum(rate, np.float32(1e-30)), np.float32(np.inf))
+
+
+def _survive(photons, at, before, after, choice):
+    """Keeps photons with the probability after / before, and their power unchanged on average."""
+    survival = np.minimum(after.max(axis=1) / before.max(axis=1), 1)
+    photons.power[at] = after / np.maximum(survival, np.float32(1e-38))[:, None]
+    return choice < survival
+
+
+def _turned(field, m, kind, direction):
+    """Light fields after a surface."""
+    if kind == Lobe.TRANSPARENT:
+        return field
+    if kind in (Lobe.DIFFUSE, Lobe.TRANSLUCENT):
+        light_field.diffuse(field, m.shading, direction)
+        return field
+    curvature = np.ascontiguousarray(m.hit["curvature"]).astype(CURVATURE)
+    # Seen from the other side, what was convex is concave.
+    turned = np.einsum("ij,ij->i", m.hit["normal"], m.facet) < 0
+    for name in ("along", "across"):
+        curvature[name][turned] *= -1
+    if kind == Lobe.GLASS_TRANSMISSION:
+        light_field.refract(field, m.facet, curvature, m.eta)
+    else:
+        light_field.reflect(field, m.facet, curvature)
+    rough = np.flatnonzero(m.material["roughness"] >= SMOOTH)
+    if len(rough):
+        # A facet turns by alpha / sqrt(2) in each direction; a mirror turns light by twice that, a lens by |1 - eta| times.
+        turn = 2 if kind != Lobe.GLASS_TRANSMISSION else np.abs(1 - m.eta[rough])
+        deviation = np.maximum(turn * m.material["roughness"][rough] / np.sqrt(2), 1e-3)
+        some = field[rough]
+        light_field.scatter(some, direction[rough], (1 / (2 * np.pi * deviation) ** 2).astype(np.float32))
+        field[rough] = some
+    return field

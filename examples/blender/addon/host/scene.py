@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A scene as the host traces it: triangles, materials, lights, media and a camera, in metres and watts, without Blender.
+
+All vectors are in world space. Channels are linear Rec. 709.
+"""
+
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+import covbeam
+import covbeam_rays
+import numpy as np
+
+#: How a surface treats light: weights per channel of the lobes that it is the sum of; what they leave is absorbed.
+#:
+#: - diffuse: of Lambert reflection; translucent: of Lambert transmission.
+#: - metal: reflectance of a microfacet mirror at normal incidence; edge: at grazing incidence (Schlick's curve between them).
+#: - glass_reflection, glass_transmission: factors on what Fresnel's equations reflect and transmit at a dielectric boundary.
+#: - coat: weight of a dielectric reflection over what is diffuse: Fresnel's share of it is reflected, the rest goes on to `diffuse`.
+#: - transparent: of light that goes straight on, as if nothing were there.
+#: - ior: refractive index of glass and coat, over that of the side that the normal points to.
+#: - roughness: GGX's alpha of metal, glass and coat; below 1e-3 they are perfectly smooth.
+MATERIAL = np.dtype(
+    [
+        ("diffuse", np.float32, (3,)),
+        ("translucent", np.float32, (3,)),
+        ("metal", np.float32, (3,)),
+        ("edge", np.float32, (3,)),
+        ("glass_reflection", np.float32, (3,)),
+        ("glass_transmission", np.float32, (3,)),
+        ("coat", np.float32, (3,)),
+        ("transparent", np.float32, (3,)),
+        ("ior", np.float32),
+        ("roughness", np.float32),
+    ]
+)
+
+#: Absorbs everything; the material of triangles that have none is the exporter's choice.
+BLACK = np.zeros((), MATERIAL)
+BLACK["ior"] = 1.0
+
+
+class LightKind(IntEnum):
+    """What a light is; fields of Light that its kind does not name have no meaning."""
+
+    #: A ball of `radius` around `position` with `intensity`, the same from everywhere far away. Radius 0: a point.
+    POINT = 0
+    #: The same, times smoothstep((cos - cosine) / blend) of the angle between the emitted direction and `axis`.
+    SPOT = 1
+    #: A parallelogram of edges `u`, `v` (or, if `round`, the ellipse that fits it) around `position`, with `radiance` on the side
+    #: of u x v; `spread` < pi/2 narrows it as Blender's area lights.
+    AREA = 2
+    #: A disk infinitely far away, of angular radius `angle` [rad], whose light runs along `axis`; `irradiance` across that.
+    SUN = 3
+    #: Triangles with `radiance` on both sides.
+    MESH = 4
+
+
+@dataclass(frozen=True)
+class Light:
+    """A light source. Vectors are float64 of shape (3,); radiometric values are per channel."""
+
+    name: str
+    kind: LightKind
+    #: [m]
+    position: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    #: Unit.
+    axis: np.ndarray = field(default_factory=lambda: np.array([0.0, 0.0, -1.0]))
+    #: [m] >= 0
+    radius: float = 0.0
+    #: [W/sr]
+    intensity: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    #: SPOT: cosine of the half angle of the cone, and how far the cosine rises inside until the light is full, > 0.
+    cosine: float = -1.0
+    blend: float = 0.0
+    #: AREA: whole edges [m].
+    u: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    v: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    round: bool = False
+    #: AREA: half angle of the light's honeycomb [rad] in (0, pi/2]; pi/2: none.
+    spread: float = np.pi / 2
+    #: AREA, MESH: [W/(m^2 sr)]
+    radiance: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    #: SUN: [W/m^2], and [rad]
+    irradiance: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    angle: float = 0.0
+    #: MESH: corners, float32 of shape (n, 3, 3) [m].
+    triangles: np.ndarray = field(default_factory=lambda: np.zeros((0, 3, 3), np.float32))
+
+
+@dataclass(frozen=True)
+class Volume:
+    """A medium and where it is: inside the closed meshes of its objects, or everywhere."""
+
+    name: str
+    medium: covbeam.Medium
+    #: Scattering and absorption coefficients [1/m], float64 of shape (3,), and the phase function's mean cosine.
+    scattering: np.ndarray
+    absorption: np.ndarray
+    asymmetry: float
+    #: Corners of what it fills [m]; infinite for the world's.
+    min: np.ndarray
+    max: np.ndarray
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A pinhole, and the part of its picture that is rendered.
+
+    The eye ray through (x, y), in pixels from the upper left corner of that part, runs along
+    forward + (left + x * step[0]) * right + (top - y * step[1]) * up. What is nearer than `near` along `forward` is not there.
+    """
+
+    position: np.ndarray
+    #: Unit, orthogonal: to the right, up, and into the picture.
+    right: np.ndarray
+    up: np.ndarray
+    forward: np.ndarray
+    #: Tangents at the upper left corner: towards `right` and towards `up`.
+    left: float
+    top: float
+    #: Tangents a pixel, both > 0.
+    step: tuple[float, float]
+    width: int
+    height: int
+    #: [m] >= 0
+    near: float = 0.0
+
+    def starts(self, directions):
+        """Where eye rays of some unit directions begin: distances from the position, float32 (n,)."""
+        return (self.near / (directions @ self.forward)).astype(np.float32)
+
+    def directions(self, x, y):
+        """Unit directions of eye rays: float32 (n, 3). x, y: float arrays (n,), in pixels from the upper left corner."""
+        across = self.left + np.asarray(x, np.float64) * self.step[0]
+        upward = self.top - np.asarray(y, np.float64) * self.step[1]
+        d = self.forward + across[:, None] * self.right + upward[:, None] * self.up
+        return (d / np.linalg.norm(d, axis=1, keepdims=True)).astype(np.float32)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What is rendered. `geometry` has been built; its hits' `material` and `object` index `materials` and `object_volumes`."""
+
+    geometry: covbeam_rays.Geometry
+    #: MATERIAL, (n,)
+    materials: np.ndarray
+    #: For each object: the index in `volumes` of what it is filled with, or -1: int32, (m,).
+    object_volumes: np.ndarray
+    #: Which objects have an inside: bool, (m,). Fog inside of those of glass is kept apart from that outside.
+    object_closed: np.ndarray
+    volumes: list[Volume]
+    #: Index in `volumes` of what is outside of all objects, or -1.
+    world_volume: int
+    lights: list[Light]
+    camera: Camera

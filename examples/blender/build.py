@@ -1,0 +1,107 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Builds the extension for the machine that this runs on: covbeam-VERSION-PLATFORM.zip, to be dropped into Blender.
+
+Needs Python 3.11 or newer with hatchling. Builds the two libraries with cargo, unless COVBEAM_LIBRARY and
+COVBEAM_RAYS_LIBRARY name built ones. The same input gives the same bytes.
+"""
+
+import argparse
+import importlib.util
+import json
+import subprocess
+import sys
+import tempfile
+import zipfile
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ADDON = HERE / "addon"
+
+#: The projects of the two wheels.
+PROJECTS = (HERE.parent.parent / "ffi" / "python", HERE / "rays" / "python")
+
+#: The line of the manifest that is replaced.
+PLACE = "# build.py puts version, platforms and wheels here.\n"
+
+#: Blender's names of platforms, by how the platform of a wheel begins and ends.
+PLATFORMS = {
+    ("manylinux", "x86_64"): "linux-x64",
+    ("manylinux", "aarch64"): "linux-arm64",
+    ("macosx", "arm64"): "macos-arm64",
+    ("macosx", "x86_64"): "macos-x64",
+    ("win", "amd64"): "windows-x64",
+    ("win", "arm64"): "windows-arm64",
+}
+
+
+def build_wheels(folder):
+    """Builds both wheels into `folder`; returns their paths."""
+    for project in PROJECTS:
+        command = [sys.executable, "-m", "hatchling", "build", "--target", "wheel", "--directory", str(folder)]
+        ended = subprocess.run(command, cwd=project, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        if ended.returncode != 0:
+            sys.exit(f"{ended.stdout}\nbuild.py: {project} could not be built (above).")
+    return sorted(folder.glob("*.whl"))
+
+
+def platform_of(wheel):
+    """Blender's name of the platform that a wheel is for."""
+    tag = wheel.stem.split("-")[-1]
+    for (begin, end), platform in PLATFORMS.items():
+        if tag.startswith(begin) and tag.endswith(end):
+            return platform
+    sys.exit(f"build.py: Blender has no name for the platform of {wheel.name}.")
+
+
+def manifest(version, platform, wheels):
+    """The text of the manifest, with what is known only now."""
+    text = (ADDON / "blender_manifest.toml").read_text(encoding="utf-8")
+    if text.count(PLACE) != 1:
+        sys.exit(f"build.py: blender_manifest.toml must have this line once: {PLACE}")
+    # Strings of JSON are strings of TOML.
+    lines = {"version": version, "platforms": [platform], "wheels": [f"./wheels/{wheel.name}" for wheel in wheels]}
+    return text.replace(PLACE, "".join(f"{key} = {json.dumps(value)}\n" for key, value in lines.items()))
+
+
+def write_zip(path, contents):
+    """Writes a zip of {name: bytes} whose bytes depend on nothing else: sorted, with one date, readable by all."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+        for name, data in sorted(contents.items()):
+            entry = zipfile.ZipInfo(name)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.create_system = 3
+            entry.external_attr = 0o100644 << 16
+            archive.writestr(entry, data)
+
+
+def build(output):
+    """Builds the zip into the folder `output`; returns its path."""
+    with tempfile.TemporaryDirectory() as folder:
+        wheels = build_wheels(Path(folder))
+        version, platform = wheels[0].stem.split("-")[1], platform_of(wheels[0])
+        contents = {f"wheels/{wheel.name}": wheel.read_bytes() for wheel in wheels}
+        contents["blender_manifest.toml"] = manifest(version, platform, wheels).encode()
+        contents["LICENSE"] = (ADDON / "LICENSE").read_bytes()
+        for source in ADDON.rglob("*.py"):
+            contents[source.relative_to(ADDON).as_posix()] = source.read_bytes()
+        output.mkdir(parents=True, exist_ok=True)
+        path = output / f"covbeam-{version}-{platform}.zip"
+        write_zip(path, contents)
+    return path
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument(
+        "--output", type=Path, default=Path.cwd(), metavar="DIR", help="where the zip goes [default: here]"
+    )
+    options = parser.parse_args()
+    if importlib.util.find_spec("hatchling") is None:
+        sys.exit(f"build.py: this Python has no hatchling: {sys.executable} -m pip install hatchling")
+    path = build(options.output)
+    print(f"{path}: {path.stat().st_size} bytes")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,109 @@
+"""covbeam's calls that take longest, on many threads."""
+
+import ctypes
+import threading
+
+import numpy as np
+from covbeam import EYE_RAY, GATHERED, IMAGE_FILTER, Error, Kernel, Status
+from covbeam._arrays import struct
+from covbeam._handles import using
+from covbeam._library import lib as covbeam_lib
+
+from ._arrays import packed, result
+from ._library import INTERVAL, Handle, check, lib, stopped
+
+_FUNCTIONS = ("beam_map_gather", "reconstruction_pixel_many", "scratch_new", "scratch_free", "last_error")
+
+#: Pixels that a thread takes at a time: 2 to 50 ms.
+_PIXELS = 4096
+
+
+class Gather:
+    """Calls covbeam on native threads, each with a Scratch of its own. Closed with the last reference or by close()."""
+
+    def __init__(self):
+        addresses = [ctypes.cast(getattr(covbeam_lib, f"covbeam_{name}"), ctypes.c_void_p) for name in _FUNCTIONS]
+        functions = (ctypes.c_void_p * len(addresses))(*addresses)
+        make, free = lib.covbeam_rays_gather_new, lib.covbeam_rays_gather_free
+        self._handle = Handle(make, free, ctypes.addressof(functions))
+        self._busy = threading.Lock()
+
+    def close(self):
+        """Gives the memory up, which goes when no call uses it any more; nothing happens the second time."""
+        self._handle = None
+
+    def gather(self, beam_map, kernel, grid, rays, starts, *, out=None, poll=None):
+        """covbeam's BeamMap.gather, in tasks: GATHERED (n,). Stopped or failed, part of it is written.
+
+        - beam_map, kernel, grid: as there; grid may be None.
+        - rays: EYE_RAY (n,).
+        - starts: intp (k + 1,), ascending from 0 to n: rays[starts[i]:starts[i + 1]] is one task, begun in this order.
+          Tasks of some milliseconds, such as tiles of 8x8 to 32x32 pixels, keep all threads busy.
+        - poll: a function asked at least every 50 ms: True to go on, False raises Cancelled.
+        """
+        rays = packed("rays", rays, EYE_RAY, (None,))
+        starts = packed("starts", starts, np.dtype(np.intp), (None,))
+        if len(starts) == 0:
+            raise ValueError("starts: empty; give at least [0, n]")
+        out = result("out", out, GATHERED, (len(rays),))
+        kernel_address = struct("kernel", kernel, Kernel)
+        with using(beam_map, grid) as [map_handle, grid_handle]:
+            self._run(
+                poll,
+                lib.covbeam_rays_gather_start,
+                map_handle,
+                kernel_address,
+                grid_handle,
+                len(rays),
+                rays.ctypes.data,
+                rays.itemsize,
+                len(starts) - 1,
+                starts.ctypes.data,
+                out.ctypes.data,
+                out.itemsize,
+            )
+        return out
+
+    def reconstruct(self, reconstruction, pixels, filters, *, out=None, poll=None):
+        """covbeam's Reconstruction.pixels: float32 (n, 3). Stopped or failed, part of it is written.
+
+        - reconstruction: as there.
+        - pixels: uint32 (n, 2).
+        - filters: IMAGE_FILTER (n,).
+        - poll: as in gather.
+        """
+        pixels = packed("pixels", pixels, np.dtype(np.uint32), (None, 2))
+        filters = packed("filters", filters, IMAGE_FILTER, (len(pixels),))
+        out = result("out", out, np.dtype(np.float32), (len(pixels), 3))
+        with using(reconstruction) as [picture]:
+            self._run(
+                poll,
+                lib.covbeam_rays_reconstruct_start,
+                picture,
+                len(pixels),
+                _PIXELS,
+                pixels.ctypes.data,
+                filters.ctypes.data,
+                out.ctypes.data,
+            )
+        return out
+
+    def _run(self, poll, start, *arguments):
+        """Starts work, and waits for its end. The caller holds what the addresses among the arguments show."""
+        handle = self._handle
+        if handle is None:
+            raise ValueError("Gather: used after close(); make a new one")
+        if not self._busy.acquire(blocking=False):
+            raise Error(Status.WRONG_ORDER, "Gather: in use by another call; wait for that, or make another one")
+        done, status = ctypes.c_uint32(), ctypes.c_int32()
+        try:
+            check(start(handle, *arguments))
+            while not done.value:
+                addresses = ctypes.addressof(done), ctypes.addressof(status)
+                check(lib.covbeam_rays_gather_wait(handle, INTERVAL, *addresses), status.value)
+                if not done.value and poll is not None and not poll():
+                    raise stopped()
+        finally:
+            # The threads have left off when this returns.
+            lib.covbeam_rays_gather_stop(handle)
+            self._busy.release()

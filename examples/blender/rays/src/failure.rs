@@ -1,0 +1,55 @@
+//! How a call ends.
+
+/// Why a call has failed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Failure {
+    /// An argument is wrong: which one, where, and what to do.
+    Invalid(String),
+    /// The call comes too early or too late.
+    Order(String),
+    /// The caller has stopped it.
+    Cancelled,
+    /// A function of covbeam has returned this covbeam_status, with this message.
+    Covbeam(i32, String),
+    /// A defect of this library.
+    Panicked(String),
+}
+
+/// What a call returns.
+pub type Result<T> = std::result::Result<T, Failure>;
+
+impl Failure {
+    /// The number of the kind, for C; 0 is success.
+    pub fn status(&self) -> i32 {
+        match self {
+            Self::Invalid(_) => 1,
+            Self::Order(_) => 2,
+            Self::Cancelled => 3,
+            Self::Covbeam(..) => 4,
+            Self::Panicked(_) => 5,
+        }
+    }
+
+    /// What a panic said.
+    pub fn from_panic(payload: &(dyn std::any::Any + Send)) -> Self {
+        let text = payload.downcast_ref::<&str>().copied();
+        let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
+        Self::Panicked(format!("a defect of covbeam_rays: {}", text.unwrap_or("a panic")))
+    }
+}
+
+impl std::fmt::Display for Failure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Invalid(message) | Self::Order(message) | Self::Panicked(message) => f.write_str(message),
+            Self::Covbeam(_, message) => f.write_str(message),
+            Self::Cancelled => f.write_str("stopped by the caller"),
+        }
+    }
+}
+
+/// A [`Failure::Invalid`] with a formatted message.
+macro_rules! invalid {
+    ($($message:tt)*) => { $crate::failure::Failure::Invalid(format!($($message)*)) };
+}
+pub(crate) use invalid;

@@ -1,0 +1,90 @@
+//! Edges beside rays, against those that covbeam-render finds in the same scene.
+
+mod shapes;
+
+use covbeam_rays::geometry::Geometry;
+use covbeam_rays::records::{EdgeRecord, HitRecord};
+use covbeam_rays::threads;
+use covbeam_render::edges::find_edges;
+use covbeam_render::mesh::{Mesh, Placement};
+use covbeam_render::obj::ObjTriangles;
+use covbeam_render::scene::{Material, Object, Scene, Shape};
+use glam::{DMat4, DVec3, Vec3};
+use shapes::{Random, add, built, icosphere, lumpy, rows};
+
+#[test]
+fn edges_are_those_that_the_reference_renderer_finds() {
+    compare(false);
+}
+
+#[test]
+fn what_lets_light_through_has_no_edges_and_hides_none() {
+    compare(true);
+}
+
+/// `bounds`: with a ball around everything and one in the midst, of a material that lets light through.
+fn compare(bounds: bool) {
+    let text = "[camera]\nposition=[0,0,0]\nlook_at=[0,0,1]\nvertical_fov=40\nwidth=4\nheight=4\n\
+                [grid]\nmin=[-1,-1,-1]\nmax=[1,1,1]\n[[light]]\nkind=\"point\"\nposition=[0,1,0]\nintensity=1";
+    let mut reference = Scene::parse(text, "test", std::path::Path::new("")).expect("valid");
+    let geometry = Geometry::default();
+    for (shape, at, scale) in [
+        (lumpy(4), Vec3::ZERO, 1.0f32),
+        (icosphere(4), Vec3::new(1.5, 0.5, 1.0), 0.5),
+        (lumpy(3), -Vec3::X, 0.5),
+    ] {
+        let indices = shape.triangles.iter().map(|t| t.map(|v| v as u32)).collect();
+        let source = ObjTriangles { positions: shape.positions.clone(), normals: Vec::new(), indices };
+        let placement = Placement { scale, translation: at, ..Placement::default() };
+        let mesh = Mesh::new(source, &placement, false).expect("valid");
+        let (name, material) = (String::from("mesh"), Material::Black);
+        reference.objects.push(Object { name, shape: Shape::Mesh(mesh), material, inside: None });
+        let matrix = DMat4::from_translation(at.as_dvec3()) * DMat4::from_scale(DVec3::splat(scale.into()));
+        geometry.add_instance(add(&geometry, &shape, 0, None), &rows(matrix), 0, -1).expect("valid");
+    }
+    if bounds {
+        let ball = add(&geometry, &icosphere(4), 1, None);
+        for (radius, at) in [(2.6, DVec3::ZERO), (0.7, DVec3::new(0.5, -0.9, 0.3))] {
+            let matrix = DMat4::from_translation(at) * DMat4::from_scale(DVec3::splat(radius));
+            geometry.add_instance(ball, &rows(matrix), 1, -1).expect("valid");
+        }
+    }
+    let scene = built(&geometry);
+
+    let mut random = Random(5);
+    let mut origins = Vec::new();
+    let mut directions = Vec::new();
+    for _ in 0..2000 {
+        let origin = 4.0 * random.direction();
+        let direction = (random.cube() - origin).normalize();
+        origins.push(origin.as_vec3().to_array());
+        directions.push(direction.as_vec3().normalize().to_array());
+    }
+    let count = origins.len();
+    let mut hits = vec![HitRecord::MISS; count];
+    let mut edges = vec![[EdgeRecord::default(); 4]; count];
+    let mut counts = vec![0; count];
+    let pool = threads::pool().expect("starts");
+    pool.install(|| scene.cast_many(&origins, &directions, &[f32::INFINITY], &mut hits)).expect("valid rays");
+    pool.install(|| scene.edges_many(&origins, &directions, &hits, &[0, 1], &mut counts, &mut edges))
+        .expect("valid rays");
+
+    let (mut same, mut found) = (0, 0);
+    for i in 0..count {
+        let (origin, direction) = (Vec3::from(origins[i]), Vec3::from(directions[i]));
+        let hit = reference.intersect(origin, direction, f32::INFINITY);
+        let expected = find_edges(&reference, origin, direction, hit.as_ref());
+        found += expected.len();
+        let close = |(edge, expected): (&EdgeRecord, &covbeam_render::edges::Edge)| {
+            // A share of what the search resolves, 5 %.
+            (edge.depth / expected.depth - 1.0).abs() < 0.01
+                && (edge.distance / expected.distance - 1.0).abs() < 0.01
+                && Vec3::from(edge.towards).dot(expected.towards) > 0.999
+        };
+        let equal = usize::from(counts[i]) == expected.len() && edges[i].iter().zip(&expected).all(close);
+        same += usize::from(equal);
+    }
+    assert!(found > count / 2, "the rays pass hardly any edges");
+    // The meshes' hierarchies and roundings differ; a search that splits at an edge of a triangle may go the other way.
+    assert!(same as f64 > 0.995 * count as f64, "{same} of {count} rays have the same edges");
+}

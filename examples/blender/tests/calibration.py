@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whether covbeam and Cycles see the same light, in scenes that both can do: region means of their pictures.
+
+    python calibration.py [--size 32] [--seeds 4] [--samples 256] [--passes 16] [--photons 20000] [--only POINT ...]
+
+The first scenes are the shadow of a black ball in coloured fog under each kind of light, scattered once. The others have a box of
+fog, a lamp above it, and out of sight what sends its light back: they test scattering and surfaces. Prints the means of both
+pictures and differences of these and of 16 regions x 3 channels, and exits with 1 if one is above 1 %, noise of regions allowed for.
+"""
+
+import argparse
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
+import cycles_scenes as scenes
+from addon.export.scene import export
+from addon.host.session import Session, Settings
+
+#: Red, green and blue differ in scattering and in absorption.
+COLOURED = scenes.fog((1.0, 0.8, 0.5), 0.2, 0.3, (0.5, 1.0, 1.0), 0.1)
+
+#: Regions darker than this share of the picture's mean are left out: a relative difference of next to nothing says little.
+DARK = 0.05
+
+
+def black_ball(light, **values):
+    """A scene of the first kind; lights of the sun stand over a box of fog: they do not get through a world of it."""
+
+    def build(scene):
+        if light == "SUN":
+            scenes.wire(scene.world, [])
+            scenes.cube("Fog", (0, 0, 0), (30, 30, 4), scenes.material("Fog", *COLOURED))
+        else:
+            scenes.wire(scene.world, COLOURED)
+        scenes.ball("Ball", (0, 0, 0), 0.5, scenes.material("Black", scenes.BLACK))
+        made = scenes.lamp(light, (0.3, 0, 2.5), **values)
+        if hasattr(made.data, "use_soft_falloff"):
+            made.data.use_soft_falloff = False
+
+    return build, 0
+
+
+def fog_box(nodes, *surface, bounces, medium=None):
+    """A scene of the second kind: `surface` is the material of a square, or of a ball (if its name says so), below the picture."""
+
+    def build(scene):
+        scenes.wire(scene.world, [])
+        scenes.cube("Fog", (0, 0, 0), (4, 4, 5), scenes.material("Fog", *(medium or scenes.fog((1, 0.9, 0.8), 0.2))))
+        # Above the fog: in a point's neighbourhood light that is scattered twice is nothing but noise.
+        scenes.lamp("AREA", (0.2, 0.1, 2.8), (0.2, 0.1, -3), energy=300, shape="SQUARE", size=0.6, spread=1.2)
+        for node in nodes:
+            node()
+        if surface:
+            bpy.ops.mesh.primitive_plane_add(size=2, location=(0, 0, -2.6))
+            bpy.context.object.data.materials.append(scenes.material("Square", *surface))
+
+    return build, bounces
+
+
+def _tinted(kind, **values):
+    return (f"ShaderNodeBsdf{kind}", {"Color": (0.9, 0.6, 0.3, 1), **values}, "Surface")
+
+
+def _glass_ball():
+    # Just out of sight; what it gathers falls into the fog below.
+    glass = ("ShaderNodeBsdfGlass", {"Color": (1, 1, 1, 1), "Roughness": 0.0, "IOR": 1.45}, "Surface")
+    scenes.ball("Lens", (0.2, 0.1, 2.15), 0.3, scenes.material("Glass", glass))
+
+
+def _shining_square():
+    bpy.ops.mesh.primitive_plane_add(size=0.5, location=(0, 0, 2.3))
+    shine = ("ShaderNodeEmission", {"Color": (1.0, 0.5, 0.2, 1), "Strength": 30.0}, "Surface")
+    bpy.context.object.data.materials.append(scenes.material("Shine", shine))
+
+
+SCENES = {
+    "POINT": black_ball("POINT", energy=300.0, shadow_soft_size=0.0),
+    "BALL": black_ball("POINT", energy=300.0, shadow_soft_size=0.4),
+    "SPOT": black_ball("SPOT", energy=300.0, shadow_soft_size=0.05, spot_size=1.0, spot_blend=0.4),
+    "AREA": black_ball("AREA", energy=100.0, shape="RECTANGLE", size=1.0, size_y=0.5),
+    "DISK": black_ball("AREA", energy=100.0, shape="DISK", size=1.0, spread=1.2),
+    "SUN": black_ball("SUN", energy=3.0, angle=0.05, color=(0.3, 0.6, 1.0)),
+    "MESH": fog_box([_shining_square], bounces=0),
+    "MULTIPLE": fog_box([], bounces=16, medium=scenes.fog((1, 0.9, 0.8), 0.4, -0.4)),
+    "DIFFUSE": fog_box([], _tinted("Diffuse"), bounces=1),
+    "METAL": fog_box([], _tinted("Glossy", Roughness=0.4), bounces=1),
+    "GLASS": fog_box([_glass_ball], bounces=8, medium=scenes.fog((1, 0.9, 0.8), 0.02)),
+}
+
+
+def make(name, size, samples):
+    """The Blender scene of a name, and how often light is scattered or reflected before it is seen."""
+    scene = scenes.empty_scene(size, samples)
+    scenes.look((0, -5, 0.5), (0, 0, 0))
+    build, bounces = SCENES[name]
+    build(scene)
+    scene.cycles.max_bounces = scene.cycles.volume_bounces = bounces
+    return scene, bounces
+
+
+def covbeam_picture(passes, photons, seed, bounces):
+    """Renders with covbeam: float32 (h, w, 3), rows from the top."""
+    exported, report = export(bpy.context.evaluated_depsgraph_get())
+    assert not len(report), str(report)
+    session = Session(exported, Settings(seed=seed, photons=photons, bounces=bounces))
+    try:
+        for _ in range(passes):
+            session.render_pass()
+        return session.picture().in_scattered
+    finally:
+        session.close()
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """covbeam over Cycles, less 1, of whole pictures and of regions, per channel, with standard errors."""
+
+    name: str
+    means: np.ndarray
+    mean_difference: np.ndarray
+    mean_error: np.ndarray
+    difference: np.ndarray
+    error: np.ndarray
+
+    @property
+    def regions_agree(self):
+        """Whether no region differs by more than 1 % beyond noise.
+
+        Student's t of two means of 4 seeds each exceeds 4 in 1 of 140 cases, and of 48 regions and channels, which share light
+        paths, about 10 are independent: so 5, which is 1 in 400.
+        """
+        return bool((np.abs(self.difference) < 0.01 + 5 * self.error).all())
+
+    def __str__(self):
+        return (
+            f"{self.name:8} covbeam {self.means[0].round(5)} Cycles {self.means[1].round(5)} differ by "
+            f"{(100 * self.mean_difference).round(2)} % +- {(100 * self.mean_error).round(2)}; regions by up to "
+            f"{100 * np.abs(self.difference).max():.1f} %, which are {np.abs(self.difference / self.error).max():.1f} standard "
+            f"errors at most"
+        )
+
+
+def compare(name, size, seeds, samples, passes, photons, brighter=1.0):
+    """Compares both in one scene. `brighter` is a factor on covbeam's picture, to see whether it would be noticed."""
+    scene, bounces = make(name, size, samples)
+
+    def cycles(seed):
+        scene.cycles.seed = seed
+        return scenes.region_means(scenes.cycles_picture(scene))
+
+    def ours(seed):
+        return brighter * scenes.region_means(covbeam_picture(passes, photons, seed, bounces))
+
+    runs = [np.array([picture(seed) for seed in range(seeds)]) for picture in (ours, cycles)]
+    wholes = [run.mean(axis=1) for run in runs]
+    errors = [run.std(axis=0, ddof=1) / np.sqrt(seeds) for run in runs]
+    means = np.array([whole.mean(axis=0) for whole in wholes])
+    mean_error = np.hypot(*(whole.std(axis=0, ddof=1) / np.sqrt(seeds) for whole in wholes)) / means[1]
+    found, expected = (run.mean(axis=0) for run in runs)
+    lit = expected > DARK * expected.mean(axis=0)
+    difference = (found - expected)[lit] / expected[lit]
+    return Comparison(name, means, means[0] / means[1] - 1, mean_error, difference, np.hypot(*errors)[lit] / expected[lit])
+
+
+def main(words):
+    """Runs the comparison."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--size", type=int, default=32)
+    parser.add_argument("--seeds", type=int, default=4)
+    parser.add_argument("--samples", type=int, default=256)
+    parser.add_argument("--passes", type=int, default=16)
+    parser.add_argument("--photons", type=int, default=20_000)
+    parser.add_argument("--only", nargs="*", choices=SCENES, default=list(SCENES))
+    arguments = parser.parse_args(words)
+    agreed = True
+    for name in arguments.only:
+        comparison = compare(
+            name, arguments.size, arguments.seeds, arguments.samples, arguments.passes, arguments.photons
+        )
+        print(comparison, flush=True)
+        whole = np.abs(comparison.mean_difference) < 0.01
+        agreed &= bool(whole.all()) and comparison.regions_agree
+    return 0 if agreed else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

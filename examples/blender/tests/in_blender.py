@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tests of the add-on on the host of fake_host, whose pictures are known exactly."""
+
+import tempfile
+import unittest
+from pathlib import Path
+
+import bpy
+import exr
+import fake_host
+from harness import write_exr
+
+import addon
+
+fake_host.install()
+
+
+class InBlender(unittest.TestCase):
+    """Each test begins with Blender's factory settings, a small covbeam scene, and a folder of its own."""
+
+    @classmethod
+    def setUpClass(cls):
+        bpy.ops.wm.read_factory_settings()
+        addon.register()
+
+    @classmethod
+    def tearDownClass(cls):
+        addon.unregister()
+
+    def setUp(self):
+        bpy.ops.wm.read_homefile(use_factory_startup=True)
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        fake_host.Session.seconds = 0.0
+        fake_host.Session.settings.clear()
+        self.scene = bpy.context.scene
+        render = self.scene.render
+        render.engine = "COVBEAM"
+        render.resolution_x, render.resolution_y, render.resolution_percentage = 80, 40, 50
+        write_exr(render.image_settings)
+        self.scene.covbeam.passes = 3
+
+    def tearDown(self):
+        self.assertEqual(fake_host.Session.open, 0, "a session is still open")
+
+    def render(self, name="picture", **options):
+        self.scene.render.filepath = str(self.folder / name)
+        bpy.ops.render.render(write_still=True, **options)
+        return exr.read(self.folder / f"{name}.exr")

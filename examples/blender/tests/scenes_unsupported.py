@@ -1,0 +1,258 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A Blender scene with everything in it that covbeam cannot render as Cycles does, and what the report has to say."""
+
+import bpy
+import scenes_export as scenes
+from scenes_export import add, joined, node, shader
+
+
+def build():
+    """Makes the scene. Returns the expected entries: set of pairs of a source and the start of `what`."""
+    scene = scenes.empty()
+    scenes.look(scene.camera, (0, -20, 5), (0, 0, 0))
+    expected = set()
+    for part in (_settings, _world, _objects, _flags, _surfaces, _textures, _volumes, _lights):
+        expected |= part(scene)
+    bpy.context.view_layer.update()
+    return expected
+
+
+def _all(source, *whats):
+    return {(source, what) for what in whats}
+
+
+def _settings(scene):
+    scene.render.use_motion_blur = scene.render.use_multiview = True
+    scene.cycles.film_exposure = 2.0
+    layer = bpy.context.view_layer
+    layer.use_solid = layer.use_volumes = False
+    layer.material_override = bpy.data.materials.new("Override")
+    camera = scene.camera.data
+    camera.dof.use_dof = True
+    camera.clip_end, camera.clip_start = 15.0, 0.1
+    return (
+        _all('Scene "Scene"', "motion blur", "stereoscopy", "Film Exposure")
+        | _all('View layer "ViewLayer"', "Surfaces", "Volumes", "material override")
+        | _all('Camera "Camera"', "depth of field", "objects beyond Clip End", "Clip End, which ends the fog")
+    )
+
+
+def _world(scene):
+    def surface(tree):
+        background = node(tree, "Background")
+        tree.links.new(node(tree, "TexEnvironment").outputs[0], background.inputs["Color"])
+        return background
+
+    scenes.world(surface, shader("VolumePrincipled", {"Density": 0.02, "Emission Strength": 1.0}))
+    whats = "light from the background", "light that the volume emits"
+    return _all('World "World"', *whats) | _all('Volume of "World"', "may overlap")
+
+
+def _objects(scene):
+    add(bpy.data.hair_curves.new("Hair Curves"))
+    add(bpy.data.pointclouds.new("Points"))
+    add(bpy.data.volumes.new("Cloud"))
+    pencil = bpy.ops.object.grease_pencil_add if bpy.app.version >= (4, 3) else bpy.ops.object.gpencil_add
+    pencil(type="EMPTY")
+    bpy.context.object.name = "Pencil"
+    scenes.box("Fluffy").modifiers.new("Hair", "PARTICLE_SYSTEM")
+    system = bpy.data.objects["Fluffy"].particle_systems[0]
+    system.name, system.settings.type = "Fur", "HAIR"
+    smoke = scenes.box("Smoke").modifiers.new("Fluid", "FLUID")
+    smoke.fluid_type = "DOMAIN"
+    # Nothing is simulated: that aborts in the bpy package.
+    smoke.show_viewport = smoke.show_render = False
+    diced = scenes.box("Diced")
+    modifier = diced.modifiers.new("Subdivision", "SUBSURF")
+    (modifier if bpy.app.version >= (5, 0) else diced.cycles).use_adaptive_subdivision = True
+    scenes.box("Broken").data.vertices[0].co.x = float("inf")
+    return (
+        _all('Object "Hair Curves"', "hair curves")
+        | _all('Object "Points"', "point cloud")
+        | _all('Object "Cloud"', "OpenVDB volume")
+        | _all('Object "Pencil"', "grease pencil")
+        | _all('Object "Fluffy"', "hair of particle system Fur")
+        | _all('Object "Smoke"', "smoke domain")
+        | _all('Object "Diced"', "adaptive subdivision")
+        | _all('Object "Broken"', "coordinates that are too large")
+    )
+
+
+def _flags(scene):
+    thing = scenes.box("Hidden")
+    for rays in ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow"):
+        setattr(thing, f"visible_{rays}", False)
+    thing.is_shadow_catcher = thing.is_holdout = True
+    thing.light_linking.blocker_collection = bpy.data.collections.new("Blockers")
+    expected = _all('Object "Hidden"', "casts no shadow", "shadow catcher", "holdout", "light or shadow linking")
+    rays = "the camera", "diffuse", "glossy", "transmission", "volume scatter"
+    expected |= _all('Object "Hidden"', *(f"hidden from {each}" for each in rays))
+    maker = add(None, "Maker", instance_type="COLLECTION", instance_collection=bpy.data.collections.new("Made"))
+    maker.instance_collection.objects.link(bpy.data.objects.new("Twin", scenes.box("First").data))
+    maker.visible_camera = False
+    expected |= _all('Object "Maker"', "visibility of all instances")
+    for name in ("holdout", "indirect_only"):
+        collection = bpy.data.collections.new(name)
+        scene.collection.children.link(collection)
+        setattr(bpy.context.view_layer.layer_collection.children[name], name, True)
+        member = scenes.box(f"In {name}")
+        scene.collection.objects.unlink(member)
+        collection.objects.link(member)
+        expected.add((f'Object "In {name}"', name.replace("_", " ")))
+    return expected
+
+
+#: What a material has, and what the report says of it.
+_SURFACES = {
+    "Car": (
+        shader(
+            "BsdfPrincipled",
+            {
+                **{"Coat Weight": 1.0, "Sheen Weight": 1.0, "Anisotropic": 0.5, "Thin Film Thickness": 300.0},
+                **{"Subsurface Weight": 0.5, "Specular Tint": (1, 0.5, 0.2)},
+            },
+        ),
+        ("coat", "sheen", "anisotropic reflection", "thin film", "subsurface scattering", "specular tint"),
+    ),
+    "Gold": (shader("BsdfPrincipled", {"Metallic": 1.0, "Specular Tint": (1, 0.5, 0.2)}), ("edge tint of metal",)),
+    "Clay": (shader("BsdfDiffuse", {"Roughness": 0.5}), ("roughness of Diffuse",)),
+    "Lens": (shader("BsdfRefraction", {"Roughness": 0.2}), ("Refraction BSDF", "Beckmann microfacets")),
+    "Brushed": (shader("BsdfAnisotropic", {"Anisotropy": 0.5}), ("anisotropic reflection",)),
+    "Skin": (shader("SubsurfaceScattering"), ("subsurface scattering",)),
+    "Toon": (shader("BsdfToon"), ("Toon BSDF",)),
+    "Velvet": (shader("BsdfSheen"), ("Sheen BSDF",)),
+    "Hair": (shader("BsdfHair"), ("Hair BSDF",)),
+    "Hole": (shader("Holdout"), ("Holdout",)),
+    "Door": (shader("BsdfRayPortal"), ("Ray Portal BSDF",)),
+    "Two": (
+        joined(
+            "AddShader",
+            shader("BsdfGlass", {"Roughness": 0.3, "IOR": 1.3}),
+            joined("MixShader", shader("BsdfGlass", {"IOR": 1.8}), shader("BsdfTransparent"), 0.3),
+        ),
+        ("several indices of refraction", "several roughnesses", "reflects more light", "Transparent Shadows"),
+    ),
+}
+
+
+def _surfaces(scene):
+    expected = set()
+    for name, (surface, whats) in _SURFACES.items():
+        material = scenes.material(name, surface)
+        material.use_transparent_shadow = name != "Two"
+        scenes.box(name, material=material)
+        expected |= _all(f'Material "{name}"', *whats)
+    return expected
+
+
+def _linked(kind, output, target, **settings):
+    """A closure of type `target`, whose first input comes from an output of a node of type `kind`."""
+
+    def make(tree):
+        source, closure = node(tree, kind, **settings), node(tree, target)
+        tree.links.new(source.outputs[output], closure.inputs[0])
+        return closure
+
+    return make
+
+
+def _textures(scene):
+    def bumpy(tree):
+        diffuse = node(tree, "BsdfDiffuse")
+        tree.links.new(node(tree, "Bump").outputs[0], diffuse.inputs["Normal"])
+        return diffuse
+
+    image = bpy.data.images.new("Bricks", 4, 4)
+    materials = {
+        "Noise": (_linked("TexNoise", 0, "BsdfDiffuse"), "Color of Diffuse BSDF comes from Noise Texture"),
+        "Attribute": (_linked("Attribute", 0, "BsdfDiffuse"), "Color of Diffuse BSDF comes from Attribute"),
+        "Image": (_linked("TexImage", 0, "BsdfDiffuse", image=image), "image texture Bricks"),
+        "Lost": (_linked("TexImage", 0, "BsdfDiffuse"), "Color of Diffuse BSDF comes from Image Texture, whose image"),
+        "Bumpy": (bumpy, "bump or normal map"),
+        "Path": (_linked("LightPath", "Is Camera Ray", "MixShader"), "Light Path, Is Camera Ray"),
+        "Fresnel": (_linked("Fresnel", 0, "MixShader"), "Fresnel as a factor"),
+        "Facing": (_linked("LayerWeight", "Facing", "MixShader"), "Layer Weight as a factor"),
+    }
+    expected = set()
+    for name, (surface, what) in materials.items():
+        scenes.box(name, material=scenes.material(name, surface))
+        expected.add((f'Material "{name}"', what))
+    for method, what in (("DISPLACEMENT", "displacement"), ("BUMP", "bump or normal map")):
+        material = scenes.material(method, shader("BsdfDiffuse"))
+        material.displacement_method = method
+        tree = material.node_tree
+        tree.links.new(node(tree, "Displacement").outputs[0], tree.nodes["Material Output"].inputs["Displacement"])
+        scenes.box(method, material=material)
+        expected.add((f'Material "{method}"', what))
+    return expected
+
+
+def _volumes(scene):
+    """Each in a box of its own; those of 4.2 can be fewer."""
+
+    def noisy(tree):
+        fog = node(tree, "VolumePrincipled", {"Blackbody Intensity": 1.0})
+        tree.links.new(node(tree, "TexNoise").outputs[0], fog.inputs["Density"])
+        return fog
+
+    two = joined("AddShader", shader("VolumeScatter", {"Anisotropy": 0.5}), shader("VolumeScatter"))
+    volumes = {
+        "Noisy Fog": (noisy, ("Density of Principled Volume comes from Noise Texture", "light that the volume emits")),
+        "Two Fogs": (two, ("sum of different phase functions",)),
+        "No Fog": (shader("BsdfDiffuse"), ("Diffuse BSDF as a volume",)),
+    }
+    if bpy.app.version >= (4, 3):
+        for kind in ("MIE", "DRAINE", "FOURNIER_FORAND"):
+            name = kind.replace("_", "-").title()
+            volumes[name] = (shader("VolumeScatter", phase=kind), (f"{name} phase function",))
+    expected = set()
+    for k, (name, (volume, whats)) in enumerate(volumes.items()):
+        scenes.box(name, material=scenes.material(name, volume=volume)).location = (5 * k, 30, 0)
+        expected |= _all(f'Material "{name}"', *whats)
+        if name != "No Fog":
+            expected.add((f'Volume of "{name}"', "may overlap"))
+    mixed = scenes.box("Mixed", material=bpy.data.materials["Two Fogs"])
+    mixed.data.materials.append(bpy.data.materials["Noisy Fog"])
+    mixed.data.polygons[0].material_index, mixed.location = 1, (0, 40, 0)
+    scenes.grid("Open", material=bpy.data.materials["Two Fogs"]).location = (5, 40, 0)
+    for name, what in (("Mixed", "several materials with volumes"), ("Open", "a volume in a mesh that is not closed")):
+        expected |= {(f'Object "{name}"', what), (f'Volume of "{name}"', "may overlap")}
+    return expected
+
+
+def _lights(scene):
+    def lamp(name, kind, **settings):
+        data = bpy.data.lights.new(name, kind)
+        for key, value in settings.items():
+            setattr(data, key, value)
+        return add(data)
+
+    thing = lamp("Lamp", "POINT", shadow_soft_size=0.2, use_shadow=False)
+    thing.visible_diffuse = thing.visible_glossy = thing.visible_transmission = False
+    thing.data.cycles.max_bounces = 3
+    thing.light_linking.receiver_collection = bpy.data.collections.new("Lit")
+    lamp("Outside", "POINT").visible_volume_scatter = False
+    lamp("Dark", "SUN", energy=-1.0)
+    lamp("Wide", "SPOT", shadow_soft_size=0.0).scale = (2, 1, 1)
+    lamp("Narrow", "AREA", spread=0.0)
+    lamp("Nothing", "POINT", shadow_soft_size=0.0).scale = (1, 0, 1)
+    parent = add(None, "Parent", scale=(1, 1, 3), rotation_euler=(0.5, 0, 0))
+    lean = lamp("Leaning", "AREA")
+    lean.parent, lean.rotation_euler = parent, (0, 0.7, 0)
+    for name, kind in (("Measured", "TexIES"), ("Falling", "LightFalloff")):
+        tree = scenes.tree_of(lamp(name, "POINT", shadow_soft_size=0.0).data)
+        emission = node(tree, "Emission")
+        tree.links.new(node(tree, kind).outputs[0], emission.inputs["Strength"])
+        tree.links.new(emission.outputs[0], node(tree, "OutputLight").inputs["Surface"])
+    return (
+        _all('Light "Lamp"', "Soft Falloff", "Cast Shadow is off", "Max Bounces", "light or shadow linking")
+        | {('Light "Lamp"', f"hidden from {rays} rays") for rays in ("diffuse", "glossy", "transmission")}
+        | _all('Light "Outside"', "hidden from volume scatter rays")
+        | _all('Light "Dark"', "negative strength")
+        | _all('Light "Nothing"', "a scale of 0")
+        | _all('Light "Wide"', "spot with uneven scale")
+        | _all('Light "Narrow"', "area light without spread")
+        | _all('Light "Leaning"', "sheared area light")
+        | _all('Light "Measured"', "Strength of Emission comes from IES Texture")
+        | _all('Light "Falling"', "Strength of Emission comes from Light Falloff")
+    )

@@ -1,0 +1,321 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Add Beams to Cycles: what Blender's compositor makes of Cycles' picture and a picture that is known exactly."""
+
+from types import SimpleNamespace
+from unittest import mock
+
+import bpy
+import exr
+import fake_host
+import harness
+import numpy as np
+from in_blender import InBlender
+
+from addon import beam_render, compositor, latest
+from addon.add_beams import COVBEAM_OT_add_beams
+
+
+def volume_material(density):
+    material = bpy.data.materials.new("Fog")
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    volume, output = tree.nodes.new("ShaderNodeVolumeScatter"), tree.nodes.new("ShaderNodeOutputMaterial")
+    volume.inputs["Density"].default_value = density
+    tree.links.new(volume.outputs["Volume"], output.inputs["Volume"])
+    return material
+
+
+class AddBeams(InBlender):
+    """The factory's scene, its cube filled with fog, black around: all light that reaches the camera is the fog's."""
+
+    def setUp(self):
+        super().setUp()
+        scene = self.scene
+        scene.render.engine = "CYCLES"
+        scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.volume_bounces = 4, False, 4
+        scene.world.use_nodes = True
+        scene.world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.0
+        cube = bpy.data.objects["Cube"].data
+        cube.materials.clear()
+        cube.materials.append(volume_material(0.5))
+        scene.covbeam.folder = str(self.folder / "beams")
+        self.layer = scene.view_layers[0]
+        self.file = self.folder / "beams" / f"beams_{self.layer.name}_0001.exr"
+
+    def final(self):
+        """The composited picture: (height, width, 4)."""
+        harness.write_exr(self.scene.render.image_settings, layers=False)
+        self.scene.render.image_settings.color_mode = "RGBA"
+        channels = self.render()
+        return np.stack([channels[letter] for letter in "RGBA"], axis=-1)
+
+    def tree(self):
+        return compositor._tree(self.scene)
+
+    def names(self):
+        return sorted(node.bl_idname for node in self.tree().nodes)
+
+
+class Composite(AddBeams):
+    def test_cycles_fog_light_is_replaced_by_covbeams(self):
+        before = self.final()
+        # There is fog light to be replaced.
+        self.assertGreater(before[..., :3].max(), 0.01)
+        bpy.ops.covbeam.add_beams()
+        after = self.final()
+        expected = fake_host.picture(40, 20, passes=3).first
+        # Sums and differences of numbers near 1 and below, in float32.
+        np.testing.assert_allclose(after[..., :3], expected, rtol=0, atol=1e-5)
+        np.testing.assert_array_equal(after[..., 3], before[..., 3])
+
+    def test_what_is_not_fog_light_stays(self):
+        bpy.ops.mesh.primitive_plane_add(size=40, location=(0, 0, -1.5))
+        bpy.ops.covbeam.add_beams()
+        self.scene.render.use_compositing = False
+        harness.write_exr(self.scene.render.image_settings)
+        layers = self.render("layers")
+        names = ("VolumeDir", "VolumeInd") if bpy.app.version < (5, 0, 0) else ("Volume Direct", "Volume Indirect")
+        first = fake_host.picture(40, 20, passes=3).first
+        self.scene.render.use_compositing = True
+        final = self.final()
+        for index, letter in enumerate("RGB"):
+            fogs = [layers[f"{self.layer.name}.{name}.{letter}"] for name in names]
+            # All three kinds of light are there.
+            for light in fogs:
+                self.assertGreater(light.max(), 0.001)
+            fog = sum(fogs)
+            surfaces = layers[f"{self.layer.name}.Combined.{letter}"] - fog
+            self.assertGreater(surfaces.max(), 0.01)
+            np.testing.assert_allclose(final[..., index], surfaces + first[..., index], rtol=1e-5, atol=1e-5)
+
+    def test_a_denoised_scene_is_denoised_without_its_fog_light(self):
+        self.scene.cycles.use_denoising = True
+        bpy.ops.covbeam.add_beams()
+        self.assertIn("CompositorNodeDenoise", self.names())
+        self.assertTrue(any("noisy image" in line for line in latest.get().advice))
+        expected = fake_host.picture(40, 20, passes=3).first
+        # The denoiser gets a black picture, to rounding, and may leave as much.
+        np.testing.assert_allclose(self.final()[..., :3], expected, rtol=0, atol=1e-3)
+
+    def test_nodes_of_the_artist_stay_behind_the_sum(self):
+        bpy.ops.covbeam.add_beams()
+        bpy.ops.covbeam.remove_beams()
+        tree = self.tree()
+        output = compositor._output_input(tree)
+        invert = tree.nodes.new("CompositorNodeInvert")
+        layers = next(node for node in tree.nodes if node.bl_idname == "CompositorNodeRLayers")
+        tree.links.new(layers.outputs["Image"], invert.inputs["Color"])
+        tree.links.new(invert.outputs["Color"], output)
+        bpy.ops.covbeam.add_beams()
+        expected = 1 - fake_host.picture(40, 20, passes=3).first
+        np.testing.assert_allclose(self.final()[..., :3], expected, rtol=0, atol=1e-5)
+
+
+class Nodes(AddBeams):
+    def test_a_second_time_replaces_the_nodes_and_the_picture(self):
+        bpy.ops.covbeam.add_beams()
+        names, images = self.names(), len(bpy.data.images)
+        self.scene.covbeam.passes = 5
+        bpy.ops.covbeam.add_beams()
+        self.assertEqual(self.names(), names)
+        self.assertEqual(len(bpy.data.images), images)
+        # Blue counts the passes.
+        np.testing.assert_allclose(self.final()[..., 2], 2.5, rtol=0, atol=1e-5)
+
+    def test_a_picture_that_is_used_elsewhere_shows_the_new_one_too(self):
+        bpy.ops.covbeam.add_beams()
+        image = next(image for image in bpy.data.images if image.filepath)
+        image.use_fake_user = True
+        self.final()
+        self.scene.covbeam.passes = 5
+        bpy.ops.covbeam.add_beams()
+        np.testing.assert_allclose(self.final()[..., 2], 2.5, rtol=0, atol=1e-5)
+        self.assertEqual([image.name for image in bpy.data.images if image.filepath], [image.name])
+
+    def test_removing_them_leaves_the_picture_and_the_scene_as_they_were(self):
+        before = self.final()
+        bpy.ops.covbeam.add_beams()
+        self.assertTrue(self.layer.cycles.use_pass_volume_direct and self.layer.cycles.use_pass_volume_indirect)
+        bpy.ops.covbeam.remove_beams()
+        self.assertFalse(self.layer.cycles.use_pass_volume_direct or self.layer.cycles.use_pass_volume_indirect)
+        self.assertFalse(bpy.ops.covbeam.remove_beams.poll())
+        self.assertEqual(len(self.tree().nodes), 2)
+        self.assertEqual([image.name for image in bpy.data.images if image.filepath], [])
+        np.testing.assert_array_equal(self.final(), before)
+
+    def test_a_pass_that_was_on_before_stays_on(self):
+        self.layer.cycles.use_pass_volume_direct = True
+        bpy.ops.covbeam.add_beams()
+        bpy.ops.covbeam.add_beams()
+        bpy.ops.covbeam.remove_beams()
+        self.assertTrue(self.layer.cycles.use_pass_volume_direct)
+        self.assertFalse(self.layer.cycles.use_pass_volume_indirect)
+
+    def test_an_artists_own_denoiser_gets_the_sum(self):
+        self.scene.cycles.use_denoising = True
+        tree = compositor._make_tree(self.scene)
+        tree.nodes.clear()
+        layers = compositor._render_layers(tree, self.scene, self.layer)
+        denoise = tree.nodes.new("CompositorNodeDenoise")
+        tree.links.new(layers.outputs["Noisy Image"], denoise.inputs["Image"])
+        tree.links.new(denoise.outputs["Image"], compositor._output_input(tree))
+        bpy.ops.covbeam.add_beams()
+        self.assertEqual(self.names().count("CompositorNodeDenoise"), 1)
+        self.assertEqual(denoise.inputs["Image"].links[0].from_node.label, "Add Light in Fog")
+        bpy.ops.covbeam.remove_beams()
+        self.assertEqual(denoise.inputs["Image"].links[0].from_socket.name, "Noisy Image")
+
+    def test_undo_takes_the_nodes_away(self):
+        bpy.ops.ed.undo_push(message="before")
+        bpy.ops.covbeam.add_beams()
+        bpy.ops.ed.undo_push(message="Add Beams")
+        self.assertTrue(compositor.has_beams(bpy.context.scene))
+        bpy.ops.ed.undo()
+        self.assertFalse(compositor.has_beams(bpy.context.scene))
+        bpy.ops.ed.redo()
+        self.assertTrue(compositor.has_beams(bpy.context.scene))
+        self.scene = bpy.context.scene
+
+
+class InTheInterface(AddBeams):
+    """With a window, Blender renders in a job of its own: what the operator does while that runs, and at its end."""
+
+    def setUp(self):
+        super().setUp()
+        bpy.ops.covbeam.add_beams()
+        bpy.ops.covbeam.remove_beams()
+        self.running = True
+        # The operator itself, but for what only a window has.
+        self.operator = SimpleNamespace(report=lambda *said: self.said.append(said), _timer=None)
+        self.operator._end = lambda: COVBEAM_OT_add_beams._end(self.operator)
+        self.operator._render = beam_render.begin(self.scene, self.layer, False)
+        self.said = []
+
+    def event(self, kind):
+        app = SimpleNamespace(version=bpy.app.version, is_job_running=lambda job: self.running)
+        context = SimpleNamespace(window_manager=SimpleNamespace(event_timer_remove=lambda timer: None))
+        with mock.patch.object(bpy, "app", app):
+            return COVBEAM_OT_add_beams.modal(self.operator, context, SimpleNamespace(type=kind))
+
+    def test_it_waits_for_the_job_and_sets_up_the_nodes_at_its_end(self):
+        self.assertEqual(self.event("TIMER"), {"PASS_THROUGH"})
+        self.running = False
+        self.assertEqual(self.event("MOUSEMOVE"), {"PASS_THROUGH"})
+        self.assertFalse(compositor.has_beams(self.scene))
+        self.assertEqual(self.event("TIMER"), {"FINISHED"})
+        self.assertTrue(compositor.has_beams(self.scene))
+        self.assertEqual(len(bpy.data.scenes), 1)
+
+    def test_a_job_that_was_stopped_leaves_nothing(self):
+        self.running = False
+        latest.begin("stopped").outcome = latest.Outcome.CANCELLED
+        self.assertEqual(self.event("TIMER"), {"CANCELLED"})
+        self.assertFalse(compositor.has_beams(self.scene))
+        self.assertEqual(len(bpy.data.scenes), 1)
+
+    def test_a_job_that_has_failed_is_told(self):
+        self.running = False
+        record = latest.begin("failed")
+        record.outcome, record.error = latest.Outcome.FAILED, "There is not enough memory"
+        self.assertEqual(self.event("TIMER"), {"CANCELLED"})
+        self.assertEqual(self.said, [({"ERROR"}, "There is not enough memory")])
+
+    def test_a_job_that_never_began_is_not_taken_for_the_one_before(self):
+        with mock.patch.object(beam_render, "render"):
+            self.assertEqual(bpy.ops.covbeam.add_beams(), {"CANCELLED"})
+
+    def test_a_scene_that_was_renamed_meanwhile_is_told(self):
+        self.running = False
+        self.scene.name = "Another"
+        self.assertEqual(self.event("TIMER"), {"CANCELLED"})
+        self.assertIn("renamed", self.said[0][1])
+
+    def test_a_frame_that_was_not_written_is_told(self):
+        self.running = False
+        self.file.unlink()
+        self.assertEqual(self.event("TIMER"), {"CANCELLED"})
+        self.assertIn("has not been written", self.said[0][1])
+        self.assertFalse(compositor.has_beams(self.scene))
+
+
+class Files(AddBeams):
+    def test_only_the_active_view_layer_is_rendered_and_the_scene_is_left_alone(self):
+        self.scene.view_layers.new("Second")
+        self.scene.render.filepath = "kept"
+        scenes = len(bpy.data.scenes)
+        bpy.ops.covbeam.add_beams()
+        self.assertEqual(len(fake_host.Session.settings), 1)
+        self.assertEqual(len(bpy.data.scenes), scenes)
+        self.assertEqual((self.scene.render.engine, self.scene.render.filepath), ("CYCLES", "kept"))
+
+    def test_an_animation_shows_each_frame_its_own_file(self):
+        self.scene.frame_start, self.scene.frame_end = 3, 5
+        self.scene.covbeam.animate_seed = False
+        session_init = fake_host.Session.__init__
+        frames = iter((3, 4, 5))
+
+        def init(session, *given):
+            session_init(session, *given)
+            # Blue counts passes, and so tells the frame.
+            session.passes = next(frames) - 3
+
+        fake_host.Session.__init__ = init
+        try:
+            bpy.ops.covbeam.add_beams(animation=True)
+        finally:
+            fake_host.Session.__init__ = session_init
+        self.assertEqual(len(list((self.folder / "beams").iterdir())), 3)
+        self.scene.covbeam.passes = 3
+        for frame in (4, 5, 3):
+            channels = exr.read(self.folder / "beams" / f"beams_{self.layer.name}_{frame:04}.exr")
+            self.scene.frame_set(frame)
+            final = self.final()
+            np.testing.assert_allclose(
+                final[..., 0], channels[f"{self.layer.name}.In-Scattered.R"], rtol=0, atol=1e-5, err_msg=str(frame)
+            )
+
+    def test_an_unsaved_file_and_an_unwritable_folder_are_told_before_anything_is_rendered(self):
+        for folder, words in (
+            ("//covbeam/", "has not been saved"),
+            ("", "set Folder"),
+            ("/proc/nowhere", "Nothing can be written into"),
+        ):
+            self.scene.covbeam.folder = folder
+            with self.assertRaisesRegex(RuntimeError, words):
+                bpy.ops.covbeam.add_beams()
+        self.assertEqual(fake_host.Session.settings, [])
+        self.assertFalse(compositor.has_beams(self.scene))
+
+    def test_other_engines_and_missing_cameras_are_told(self):
+        self.scene.render.engine = "BLENDER_WORKBENCH"
+        with self.assertRaisesRegex(RuntimeError, "choose Cycles"):
+            bpy.ops.covbeam.add_beams()
+        self.scene.render.engine = "CYCLES"
+        self.scene.camera = None
+        with self.assertRaisesRegex(RuntimeError, "no camera"):
+            bpy.ops.covbeam.add_beams()
+
+    def test_a_render_that_fails_is_told_and_leaves_nothing(self):
+        def render_pass(session, poll):
+            raise MemoryError
+
+        original = fake_host.Session.render_pass
+        fake_host.Session.render_pass = render_pass
+        try:
+            with self.assertRaisesRegex(RuntimeError, "fewer photons"):
+                bpy.ops.covbeam.add_beams()
+        finally:
+            fake_host.Session.render_pass = original
+        self.assertFalse(compositor.has_beams(self.scene))
+        self.assertEqual(len(bpy.data.scenes), 1)
+
+    def test_a_copy_left_by_an_undo_is_removed(self):
+        beam_render.begin(self.scene, self.layer, False)
+        self.assertEqual(len(bpy.data.scenes), 2)
+        bpy.ops.covbeam.add_beams()
+        self.assertEqual(len(bpy.data.scenes), 1)
+
+
+if __name__ == "__main__":
+    harness.main()

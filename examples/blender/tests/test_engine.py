@@ -1,0 +1,333 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The render engine inside Blender, on pictures that are known exactly: what is in the files that Blender writes."""
+
+import time
+
+import bpy
+import fake_host
+import harness
+import numpy as np
+from in_blender import InBlender
+
+import addon
+from addon import budget, latest, panels, requirements, text
+from addon.engine import CovbeamEngine
+
+
+class Pictures(InBlender):
+    def test_every_pass_is_in_the_multilayer_exr_upright_and_exact(self):
+        channels = self.render()
+        expected = fake_host.picture(40, 20, passes=3)
+        layer = self.scene.view_layers[0].name
+        for index, letter in enumerate("RGB"):
+            np.testing.assert_array_equal(channels[f"{layer}.Combined.{letter}"], expected.in_scattered[..., index])
+            np.testing.assert_array_equal(channels[f"{layer}.In-Scattered.{letter}"], expected.first[..., index])
+        np.testing.assert_array_equal(channels[f"{layer}.Combined.A"], np.ones((20, 40), np.float32))
+        np.testing.assert_array_equal(channels[f"{layer}.Radius.X"], expected.radius)
+        np.testing.assert_array_equal(channels[f"{layer}.Bandwidth.X"], expected.bandwidth)
+
+    def test_a_border_is_rendered_in_its_place_and_black_around(self):
+        render = self.scene.render
+        render.use_border = True
+        render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.25, 0.75, 0.1, 0.4
+        x, y, width, height = fake_host.border(render)
+        full = self.render()[f"{self.scene.view_layers[0].name}.Radius.X"]
+        expected = np.zeros((20, 40), np.float32)
+        # The border is counted from the bottom, rows of the file from the top.
+        expected[20 - y - height : 20 - y, x : x + width] = fake_host.picture(width, height).radius
+        np.testing.assert_array_equal(full, expected)
+        render.use_crop_to_border = True
+        cropped = self.render("cropped")[f"{self.scene.view_layers[0].name}.Radius.X"]
+        np.testing.assert_array_equal(cropped, fake_host.picture(width, height).radius)
+
+    def test_each_view_layer_that_is_in_use_is_rendered(self):
+        self.scene.view_layers.new("Second")
+        self.scene.view_layers.new("Unused").use = False
+        channels = self.render()
+        self.assertEqual(len(fake_host.Session.settings), 2)
+        self.assertIn("Second.In-Scattered.R", channels)
+        self.assertNotIn("Unused.In-Scattered.R", channels)
+
+    def test_an_animation_writes_a_file_a_frame(self):
+        self.scene.frame_start, self.scene.frame_end = 4, 6
+        self.scene.render.filepath = str(self.folder / "frame_##")
+        bpy.ops.render.render(animation=True)
+        self.assertEqual(sorted(path.name for path in self.folder.iterdir()), [f"frame_0{n}.exr" for n in (4, 5, 6)])
+
+    def test_the_compositor_runs_on_the_engines_passes(self):
+        self.assertTrue(CovbeamEngine.bl_use_postprocess)
+        if bpy.app.version >= (5, 0, 0):
+            tree = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
+            tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+            self.scene.compositing_node_group = tree
+            output = tree.nodes.new("NodeGroupOutput")
+        else:
+            self.scene.use_nodes = True
+            tree = self.scene.node_tree
+            output = next(node for node in tree.nodes if node.bl_idname == "CompositorNodeComposite")
+        layers = tree.nodes.new("CompositorNodeRLayers")
+        tree.links.new(layers.outputs["In-Scattered"], output.inputs[0])
+        harness.write_exr(self.scene.render.image_settings, layers=False)
+        np.testing.assert_array_equal(self.render()["R"], fake_host.picture(40, 20).first[..., 0])
+
+
+class Settings(InBlender):
+    def test_settings_reach_the_session(self):
+        chosen = self.scene.covbeam
+        chosen.seed, chosen.animate_seed = 7, False
+        chosen.photons, chosen.grid, chosen.radius, chosen.quality, chosen.bounces = 1234, 9, 0.5, 0.25, 3
+        self.scene.unit_settings.scale_length = 0.1
+        self.scene.render.threads_mode, self.scene.render.threads = "FIXED", 3
+        self.render()
+        (settings,) = fake_host.Session.settings
+        # A unit of Blender is a metre for Cycles, whatever it is shown as.
+        self.assertEqual(settings, fake_host.Settings(7, 1234, 9, 0.5, 0.25, 3, 3))
+
+    def test_animated_settings_and_seeds_are_those_of_the_frame(self):
+        chosen = self.scene.covbeam
+        for frame in (1, 2):
+            chosen.photons = 1000 * frame
+            self.scene.keyframe_insert("covbeam.photons", frame=frame)
+        self.scene.frame_start, self.scene.frame_end = 1, 2
+        self.scene.render.filepath = str(self.folder / "frame")
+        bpy.ops.render.render(animation=True)
+        first, second = fake_host.Session.settings
+        self.assertEqual((first.photons, second.photons), (1000, 2000))
+        self.assertEqual((first.seed, second.seed), (chosen.seed_of(1), chosen.seed_of(2)))
+
+    def test_no_bound_on_bounces_is_none(self):
+        self.render()
+        self.assertIsNone(fake_host.Session.settings[0].bounces)
+
+    def test_the_seed_changes_with_the_frame_only_if_it_is_animated(self):
+        chosen = self.scene.covbeam
+        animated = {chosen.seed_of(frame) for frame in range(1000)}
+        self.assertEqual(len(animated), 1000)
+        self.assertTrue(all(0 <= seed < 2**31 for seed in animated))
+        chosen.animate_seed = False
+        self.assertEqual({chosen.seed_of(frame) for frame in range(10)}, {chosen.seed})
+
+    def test_a_time_limit_ends_a_render_before_its_passes_do(self):
+        fake_host.Session.seconds = 0.1
+        self.scene.covbeam.passes, self.scene.covbeam.time_limit = 1000, 0.5
+        start = time.perf_counter()
+        passes = self.render()[f"{self.scene.view_layers[0].name}.Combined.B"][0, 0]
+        # Half a pass of 0.1 s too early or too late, and a second for all that is not passes on a busy machine.
+        self.assertLess(time.perf_counter() - start, 1.6)
+        self.assertGreaterEqual(passes, 2)
+        self.assertLessEqual(passes, 5)
+
+    def test_a_budget_stops_at_the_pass_nearest_to_the_time(self):
+        limit = budget.Budget(100, 10.0)
+        self.assertFalse(limit.enough(4, 8.0))
+        self.assertTrue(limit.enough(4, 9.0))
+        self.assertTrue(budget.Budget(3, 0.0).enough(3, 0.1))
+        self.assertFalse(budget.Budget(3, 1.0).enough(0, 5.0))
+        self.assertEqual(budget.Budget(10, 0.0).left(5, 20.0), 20.0)
+        self.assertEqual(budget.Budget(10, 25.0).left(5, 20.0), 5.0)
+        self.assertEqual(budget.Budget(10, 25.0).progress(5, 20.0), 0.8)
+
+    def test_durations_read_as_people_write_them(self):
+        for seconds, words in (
+            (0.42, "0.4 s"),
+            (9.96, "10 s"),
+            (59.7, "1:00 min"),
+            (185, "3:05 min"),
+            (7800, "2:10 h"),
+        ):
+            self.assertEqual(text.duration(seconds), words)
+
+
+class Stopping(InBlender):
+    def stop_after(self, seconds):
+        """Lets the artist press Esc; the time that Blender needs from then on is asserted by the caller."""
+        self.stopped = time.perf_counter() + seconds
+        goes_on = CovbeamEngine.goes_on
+        self.addCleanup(setattr, CovbeamEngine, "goes_on", goes_on)
+        CovbeamEngine.goes_on = lambda engine: time.perf_counter() < self.stopped and goes_on(engine)
+
+    def test_esc_ends_a_render_within_0_3_s_and_keeps_what_was_rendered(self):
+        fake_host.Session.seconds = 0.1
+        self.scene.covbeam.passes = 1000
+        self.stop_after(0.55)
+        passes = self.render()[f"{self.scene.view_layers[0].name}.Combined.B"][0, 0]
+        self.assertLess(time.perf_counter() - self.stopped, 0.3)
+        self.assertGreaterEqual(passes, 2)
+        self.assertEqual(latest.get().outcome, latest.Outcome.CANCELLED)
+
+    def test_esc_while_the_scene_is_read_ends_the_render(self):
+        self.stop_after(0.0)
+        from addon.host import ask
+
+        export = fake_host.export
+        self.addCleanup(setattr, fake_host, "export", export)
+        fake_host.export = lambda depsgraph, poll: ask(poll) or export(depsgraph, poll)
+        self.render()
+        self.assertEqual(latest.get().outcome, latest.Outcome.CANCELLED)
+        self.assertEqual(fake_host.Session.settings, [])
+
+    def test_showing_pictures_takes_less_than_a_tenth_of_the_time(self):
+        fake_host.Session.seconds = 0.02
+        self.scene.covbeam.passes = 60
+        picture = fake_host.Session.picture
+        self.addCleanup(setattr, fake_host.Session, "picture", picture)
+        shown = []
+
+        def slow(session, poll=None):
+            shown.append(session.passes)
+            time.sleep(0.03)
+            return picture(session, poll)
+
+        fake_host.Session.picture = slow
+        self.render()
+        self.assertEqual((shown[0], shown[-1]), (1, 60))
+        # 60 passes of 0.02 s are 1.2 s: 0.12 s are four pictures of 0.03 s; the first and the last are always shown.
+        self.assertGreaterEqual(len(shown), 4)
+        self.assertLessEqual(len(shown), 6)
+
+
+class Messages(InBlender):
+    def assert_told(self, words):
+        with self.assertRaisesRegex(RuntimeError, words):
+            self.render()
+        self.assertRegex(latest.get().error, words)
+        self.assertEqual(latest.get().outcome, latest.Outcome.FAILED)
+
+    def test_an_export_that_makes_no_sense_is_told_in_its_own_words(self):
+        from addon.export.report import Untranslatable
+
+        def export(depsgraph, poll):
+            raise Untranslatable("The scene has no camera: add one with Add > Camera.")
+
+        self.addCleanup(setattr, fake_host, "export", fake_host.export)
+        fake_host.export = export
+        self.assert_told("no camera: add one")
+
+    def test_no_memory_is_told_with_what_to_lower(self):
+        def render_pass(session, poll):
+            raise MemoryError
+
+        self.addCleanup(setattr, fake_host.Session, "render_pass", fake_host.Session.render_pass)
+        fake_host.Session.render_pass = render_pass
+        self.assert_told("fewer photons")
+
+    def test_a_scene_without_fog_is_black_and_that_is_told(self):
+        export = fake_host.export
+        self.addCleanup(setattr, fake_host, "export", export)
+
+        def without_fog(depsgraph, poll):
+            scene, report = export(depsgraph, poll)
+            scene.volumes = ()
+            return scene, report
+
+        fake_host.export = without_fog
+        self.assertEqual(self.render()[f"{self.scene.view_layers[0].name}.Combined.R"].max(), 0)
+        self.assertEqual(latest.get().outcome, latest.Outcome.DONE)
+        self.assertIn("no fog", latest.get().advice[0])
+
+    def test_a_defect_is_told_and_blender_goes_on(self):
+        def render_pass(session, poll):
+            raise ZeroDivisionError("a defect")
+
+        original = fake_host.Session.render_pass
+        fake_host.Session.render_pass = render_pass
+        try:
+            self.assert_told("a defect")
+        finally:
+            fake_host.Session.render_pass = original
+        self.render()
+        self.assertEqual(latest.get().outcome, latest.Outcome.DONE)
+
+    def test_the_report_has_what_was_left_out_and_the_figures(self):
+        self.render()
+        record = latest.get()
+        self.assertEqual(record.untranslated, ['Object "Cube": hair: left out'])
+        self.assertRegex(record.title, "^Scene, ViewLayer, frame 1$")
+        self.assertIn("Geometry: 12 triangles, 0.0 MB", record.figures)
+        self.assertTrue(any(line.startswith("Passes: 3 of 3 in ") for line in record.figures))
+        self.assertIn("Of the time: photons 0 %, gather 0 %", record.figures)
+        self.assertIn("Memory of light and image: 7.0 MB", record.figures)
+
+
+class Layout:
+    """Stands in for Blender's layout, which needs a window: refuses what Blender would refuse."""
+
+    icons = set(bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items.keys())
+
+    def __init__(self):
+        self.drawn = []
+
+    def column(self, align=False):
+        return self
+
+    row = column
+
+    def label(self, text="", icon="NONE"):
+        assert icon in self.icons, icon
+        self.drawn.append(text)
+
+    def prop(self, data, name):
+        self.drawn.append(data.bl_rna.properties[name].name)
+
+    def operator(self, name, text="", icon="NONE"):
+        assert icon in self.icons, icon
+        group, operator = name.split(".")
+        self.drawn.append(text)
+        known = getattr(getattr(bpy.ops, group), operator).get_rna_type().properties.keys()
+        return type("Properties", (), dict.fromkeys(known) | {"__slots__": ()})
+
+
+class Panels(InBlender):
+    def draw(self, engine):
+        """All that our panels draw for a scene of an engine."""
+        self.scene.render.engine = engine
+        layout = Layout()
+        for panel in panels._CLASSES:
+            if panel.poll(bpy.context):
+                panel.draw(type("Panel", (), {"layout": layout}), bpy.context)
+        return layout.drawn
+
+    def test_every_setting_has_its_place_and_a_tool_tip(self):
+        names = {p.name for p in self.scene.covbeam.bl_rna.properties if p.identifier not in ("rna_type", "name")}
+        drawn = self.draw("COVBEAM")
+        # Where images go matters for Add Beams only.
+        self.assertEqual(names - set(drawn), {"Folder"})
+        self.assertEqual(names - set(self.draw("CYCLES")), set())
+        for setting in self.scene.covbeam.bl_rna.properties:
+            if setting.identifier not in ("rna_type", "name"):
+                self.assertGreater(len(setting.description), 20, setting.identifier)
+
+    def test_the_report_is_drawn_for_both_ways_to_use_it(self):
+        self.render()
+        for engine in ("COVBEAM", "CYCLES"):
+            drawn = self.draw(engine)
+            self.assertIn('Object "Cube": hair: left out', drawn)
+            self.assertIn("Geometry: 12 triangles, 0.0 MB", drawn)
+
+    def test_a_problem_takes_the_place_of_settings(self):
+        self.addCleanup(setattr, requirements, "_found", None)
+        requirements._found = "The library is missing."
+        for engine in ("COVBEAM", "CYCLES"):
+            drawn = self.draw(engine)
+            self.assertIn("The library is missing.", drawn)
+            self.assertNotIn("Photons", drawn)
+            self.assertNotIn("Add Beams", drawn)
+
+    def test_cycles_material_panels_show_with_this_engine_and_only_they_do(self):
+        self.assertIn("COVBEAM", bpy.types.CYCLES_MATERIAL_PT_volume.COMPAT_ENGINES)
+        self.assertIn("COVBEAM", bpy.types.DATA_PT_lens.COMPAT_ENGINES)
+        self.assertNotIn("COVBEAM", bpy.types.CYCLES_RENDER_PT_sampling.COMPAT_ENGINES)
+
+    def test_unregistering_leaves_no_trace_in_other_panels(self):
+        addon.unregister()
+        try:
+            left = [p for p in bpy.types.Panel.__subclasses__() if "COVBEAM" in getattr(p, "COMPAT_ENGINES", ())]
+            # Our own classes still exist, unregistered.
+            self.assertEqual([panel for panel in left if not panel.__name__.startswith("COVBEAM")], [])
+            self.assertFalse(hasattr(bpy.types.Scene, "covbeam"))
+        finally:
+            addon.register()
+
+
+if __name__ == "__main__":
+    harness.main()

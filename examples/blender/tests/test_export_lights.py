@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Exported lights: the irradiance that the host's Light means, against what Cycles shows on a white diffuse surface."""
+
+import sys
+import unittest
+from math import pi, radians, tan
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+sys.path[:0] = [str(Path(__file__).parents[1]), str(Path(__file__).parent)]
+
+import scenes_export as scenes  # noqa: E402
+
+from addon.host.scene import LightKind  # noqa: E402
+
+#: Where the surface is; its front is up.
+POINT = np.array([0.4, -0.3, 0.1])
+
+
+def irradiance(light):
+    """[W/m^2] at POINT of a host.scene.Light by the words of its class, with sums over its surface."""
+    if light.kind == LightKind.SUN:
+        return light.irradiance * -light.axis[2]
+    if light.kind in (LightKind.POINT, LightKind.SPOT):
+        # A ball all above the horizon gives what a point would.
+        d = light.position - POINT
+        distance = np.linalg.norm(d)
+        value = light.intensity * (d[2] / distance) / distance**2
+        if light.kind == LightKind.SPOT:
+            t = np.clip((light.axis @ -d / distance - light.cosine) / light.blend, 0, 1)
+            value = value * (t * t * (3 - 2 * t))
+        return value
+    if light.kind == LightKind.MESH:
+        a, b, c = (light.triangles[:, k].astype(np.float64) for k in range(3))
+        return sum(_patch((a + b + c) / 3, np.cross(b - a, c - a) / 2, light.radiance, both=True))
+    s = (np.arange(300) + 0.5) / 300 - 0.5
+    x, y = (m.ravel()[:, None] for m in np.meshgrid(s, s))
+    inside = x**2 + y**2 <= 0.25 if light.round else np.full(x.shape, True)
+    across = np.cross(light.u, light.v)
+    patches = _patch(light.position + x * light.u + y * light.v, across / s.size**2, light.radiance, light.spread)
+    return np.sum(patches * inside, axis=0)
+
+
+def _patch(positions, area, radiance, spread=pi / 2, both=False):
+    """Irradiance at POINT of small pieces of surface with vectors of area."""
+    d = POINT - positions
+    square = np.sum(d * d, axis=-1, keepdims=True)
+    area = np.broadcast_to(area, d.shape)
+    size = np.linalg.norm(area, axis=-1, keepdims=True)
+    cosine = np.sum(d * area, axis=-1, keepdims=True) / np.sqrt(square) / size
+    cosine = np.abs(cosine) if both else np.maximum(cosine, 0)
+    if spread < pi / 2:
+        tangent = np.sqrt(1 / np.maximum(cosine, 1e-9) ** 2 - 1)
+        radiance = radiance * np.maximum(tan(spread) - tangent, 0) / (tan(spread) - spread)
+    return radiance * cosine * size * np.maximum(-d[:, 2:], 0) / square**1.5
+
+
+class Lights(unittest.TestCase):
+    def setUp(self):
+        scene = scenes.empty()
+        scene.cycles.max_bounces = 0
+        white = scenes.material("White", scenes.shader("BsdfDiffuse", {"Color": (1, 1, 1)}))
+        scenes.grid(size=0.1, material=white).location = POINT
+
+    def compare(self, tolerance=2e-3, samples=256):
+        """The export's irradiance is that of Cycles; the tolerance is for the noise of 16 x `samples` samples."""
+        exported, _ = scenes.exported()
+        expected = sum(irradiance(light) for light in exported.lights)
+        # The surface reflects radiance E / pi.
+        shown = scenes.cycles_at(POINT, samples) * pi
+        np.testing.assert_allclose(expected, shown, rtol=tolerance)
+        self.assertGreater(shown.min(), 0)
+
+    def lamp(self, kind, position=(0.2, 0.1, 2.5), target=(0.3, -0.2, 0), scale=(1, 1, 1), **settings):
+        """A lamp whose settings the version at hand has."""
+        data = bpy.data.lights.new(kind.title(), kind)
+        data.energy, data.color = 7.0, (1.0, 0.5, 0.25)
+        for name, value in settings.items():
+            setattr(data, name, value)
+        thing = scenes.add(data, scale=scale)
+        scenes.look(thing, position, target)
+        return thing
+
+    def test_a_point_light_without_size_has_the_intensity_of_cycles(self):
+        self.lamp("POINT", shadow_soft_size=0.0)
+        self.compare(1e-4)
+
+    def test_a_ball_has_the_intensity_of_cycles_whatever_its_scale(self):
+        self.lamp("POINT", shadow_soft_size=0.5, use_soft_falloff=False, scale=(2, 2, 2))
+        self.compare()
+
+    def test_a_spot_has_the_cone_and_blend_of_cycles(self):
+        for size, blend in ((40, 0.0), (40, 1.0), (60, 0.3), (170, 0.8)):
+            with self.subTest(size=size, blend=blend):
+                self.setUp()
+                # 10 degrees off the axis.
+                shape = {"spot_size": radians(size), "spot_blend": blend}
+                thing = self.lamp("SPOT", shadow_soft_size=0.0, scale=(3, 3, 3), **shape)
+                scenes.look(thing, POINT + (0, 0, 2), POINT + (2 * tan(radians(10)), 0, 0))
+                self.compare(1e-3)
+
+    def test_areas_of_all_shapes_have_the_radiance_of_cycles(self):
+        for shape in ("SQUARE", "RECTANGLE", "DISK", "ELLIPSE"):
+            with self.subTest(shape=shape):
+                self.setUp()
+                self.lamp("AREA", shape=shape, size=0.7, size_y=1.6, scale=(1.5, 0.5, 1), position=(0.2, 1.1, 1.5))
+                self.compare()
+
+    def test_a_mirrored_area_shines_to_the_same_side(self):
+        self.lamp("AREA", size=0.7, scale=(-1.5, 1, 1))
+        self.compare()
+
+    def test_spread_narrows_an_area_as_in_cycles(self):
+        for spread in (15, 60, 150):
+            with self.subTest(spread=spread):
+                self.setUp()
+                self.lamp("AREA", size=0.3, spread=radians(spread), target=POINT + (0, 0.02, 0))
+                # Many samples see the light dark, or at the border of its spread.
+                self.compare(1e-2, samples=1024)
+
+    def test_a_sun_has_the_irradiance_of_cycles_and_half_its_angle(self):
+        for angle in (0.0, 0.5, 40.0):
+            with self.subTest(angle=angle):
+                self.setUp()
+                self.lamp("SUN", angle=radians(angle), position=(1, 1, 3))
+                self.compare()
+                exported, _ = scenes.exported()
+                self.assertAlmostEqual(exported.lights[0].angle, radians(angle) / 2, 6)
+
+    @unittest.skipIf(bpy.app.version < (5, 0), "Blender 4.2 has no such settings")
+    def test_exposure_temperature_and_normalize_count(self):
+        cases = [
+            ("POINT", {"shadow_soft_size": 0.3, "use_soft_falloff": False, "normalize": False}),
+            ("POINT", {"shadow_soft_size": 0.0, "normalize": False}),
+            ("SPOT", {"shadow_soft_size": 0.2, "use_soft_falloff": False, "normalize": False, "spot_size": 3.0}),
+            ("AREA", {"size": 0.5, "shape": "DISK", "normalize": False}),
+            ("SUN", {"angle": 0.6, "normalize": False}),
+            ("SUN", {"angle": 0.0, "normalize": False}),
+            ("AREA", {"size": 0.5, "exposure": -1.5, "use_temperature": True, "temperature": 3000}),
+        ]
+        for kind, settings in cases:
+            with self.subTest(kind=kind, **settings):
+                self.setUp()
+                self.lamp(kind, **settings)
+                self.compare()
+
+    def test_the_emission_node_of_a_light_multiplies_its_strength(self):
+        thing = self.lamp("POINT", shadow_soft_size=0.0)
+        tree = scenes.tree_of(thing.data)
+        emission = scenes.node(tree, "Emission", {"Color": (0.2, 0.5, 1.0), "Strength": 3.0})
+        tree.links.new(emission.outputs[0], scenes.node(tree, "OutputLight").inputs["Surface"])
+        self.compare(1e-4)
+
+    def test_emitting_triangles_shine_to_both_sides(self):
+        glow = scenes.material("Glow", scenes.shader("Emission", {"Color": (1, 0.5, 0.2), "Strength": 4.0}))
+        inputs = {"Emission Color": (0, 1, 1), "Emission Strength": 2.0}
+        shine = scenes.material("Shine", scenes.shader("BsdfPrincipled", inputs))
+        for material, turn, x in ((glow, 0.3, 0.5), (shine, pi - 0.4, -0.7)):
+            # Small against its distance: the sum over whole triangles is then within 1e-3.
+            thing = scenes.grid(size=0.05, material=material)
+            thing.location, thing.rotation_euler, thing.scale = (x, 0, 1.6), (turn, 0, 0), (1, 2, 1)
+        self.compare(3e-3, samples=1024)
+
+    def test_a_blackbody_has_the_colour_of_cycles(self):
+        for temperature in (1200, 2700, 6500, 11000):
+            with self.subTest(temperature=temperature):
+                self.setUp()
+
+                def make(tree, temperature=temperature):
+                    emission, heat = scenes.node(tree, "Emission"), scenes.node(tree, "Blackbody")
+                    heat.inputs[0].default_value = temperature
+                    tree.links.new(heat.outputs[0], emission.inputs["Color"])
+                    return emission
+
+                scenes.grid(size=0.05, material=scenes.material("Glow", make)).location = (0.3, 0, 1.5)
+                made, _ = scenes.exported()
+                colour = scenes.cycles_at((0.3, 0, 1.5), 4)
+                # The fit of the colour matching functions is worst in the deep red, where what glows below 2000 K is.
+                np.testing.assert_allclose(
+                    made.lights[0].radiance, colour, atol=(0.05 if temperature < 2000 else 0.015) * colour.max()
+                )
+
+    def test_lights_that_cycles_keeps_out_of_fog_are_left_out(self):
+        self.lamp("POINT").visible_volume_scatter = False
+        self.lamp("POINT").hide_render = True
+        self.lamp("POINT", energy=0.0)
+        thing = scenes.grid(material=scenes.material("Glow", scenes.shader("Emission")))
+        thing.visible_volume_scatter = False
+        self.assertEqual(scenes.exported()[0].lights, [])
+
+    def test_instances_of_lights_are_lights(self):
+        thing = self.lamp("POINT")
+        collection = bpy.data.collections.new("Lamps")
+        collection.objects.link(thing)
+        bpy.context.scene.collection.objects.unlink(thing)
+        for x in (1.0, -2.0):
+            scenes.add(None, instance_type="COLLECTION", instance_collection=collection, location=(x, 0, 0))
+        positions = [light.position for light in scenes.exported()[0].lights]
+        np.testing.assert_allclose(positions, [(1.2, 0.1, 2.5), (-1.8, 0.1, 2.5)], atol=1e-6)
+
+
+if __name__ == "__main__":
+    unittest.main()

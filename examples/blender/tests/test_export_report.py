@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the report says: everything that is not rendered as Cycles renders it, by name, and nothing else."""
+
+import sys
+import unittest
+from pathlib import Path
+
+import bpy
+
+sys.path[:0] = [str(Path(__file__).parents[1]), str(Path(__file__).parent)]
+
+import scenes_export as scenes  # noqa: E402
+import scenes_unsupported  # noqa: E402
+
+from addon.export.report import Report  # noqa: E402
+from addon.export.scene import export  # noqa: E402
+
+
+class ReportTest(unittest.TestCase):
+    def test_everything_unsupported_is_named_and_nothing_else(self):
+        expected = scenes_unsupported.build()
+        _, report = export(bpy.context.evaluated_depsgraph_get())
+        found = {(source, entry.what) for entry in report.entries for source in entry.sources}
+        missing = {e for e in expected if not any(f[0] == e[0] and f[1].startswith(e[1]) for f in found)}
+        surplus = {f for f in found if not any(f[0] == e[0] and f[1].startswith(e[1]) for e in expected)}
+        self.assertEqual(sorted(missing), [])
+        self.assertEqual(sorted(surplus), [])
+        for entry in report.entries:
+            self.assertTrue(entry.instead)
+            self.assertNotIn("\n", str(entry))
+
+    def test_a_scene_that_is_rendered_as_in_cycles_has_an_empty_report(self):
+        scenes.empty()
+        data = bpy.data.lights.new("Key", "AREA")
+        scenes.add(data)
+        scenes.grid(material=scenes.material("Wall", scenes.shader("BsdfPrincipled")))
+        scenes.box(material=scenes.material("Glass", scenes.shader("BsdfPrincipled", {"Transmission Weight": 1.0})))
+        scenes.box("Fog", (-9, -9, -9), (9, 9, 9), scenes.material("Fog", volume=scenes.shader("VolumePrincipled")))
+        _, report = scenes.exported()
+        self.assertEqual(str(report), "")
+
+    def test_equal_entries_are_one_line_with_all_sources_in_order(self):
+        report = Report()
+        for source in ("B", "A", "B"):
+            report.add(source, "this", "that")
+        report.add("A", "other", "that")
+        self.assertEqual(str(report), "B, A: this: that\nA: other: that")
+        self.assertEqual(len(report), 2)
+
+
+if __name__ == "__main__":
+    unittest.main()

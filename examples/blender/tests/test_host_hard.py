@@ -1,0 +1,537 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Hard cases of the host: places, scales and lights that are hard on single precision, insides of every kind, energy, and light
+that is scattered many times."""
+
+import resource
+import sys
+import unittest
+import warnings
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
+import bpy  # noqa: F401  the add-on is a package of Blender's
+import host_scenes as scenes
+from addon.host.emission import Ball, Emitter
+from addon.host.extent import lit_ball, scene_ball
+from addon.host.eyes import EyeTracer
+from addon.host.interior import Interiors
+from addon.host.photons import PhotonTracer
+from addon.host.sampler import Sampler
+from addon.host.scene import Light, LightKind
+from addon.host.session import Session, Settings
+from covbeam import Phase
+
+
+def setUpModule():
+    # A division by zero or an overflow is a defect, whatever comes of it.
+    warnings.simplefilter("error", RuntimeWarning)
+
+
+def rendered(scene, passes=2, **settings):
+    """`in_scattered` after some passes of few photons, float64; finite and not negative."""
+    session = Session(scene, Settings(**{"photons": 3000, **settings}))
+    try:
+        for _ in range(passes):
+            session.render_pass()
+        picture = session.picture().in_scattered.astype(np.float64)
+    finally:
+        session.close()
+    assert np.isfinite(picture).all() and (picture >= 0).all()
+    return picture
+
+
+def seeds(scene, count=4, **settings):
+    """Mean radiance of the picture for some seeds, (count,)."""
+    return np.array([rendered(scene, seed=seed, **settings).mean() for seed in range(count)])
+
+
+def standard_error(*samples):
+    """Of the difference of the means of some samples."""
+    return np.sqrt(sum(np.var(sample, ddof=1) / len(sample) for sample in samples))
+
+
+def difference(found, expected):
+    """Of the means of two samples, relative, and what noise may make of it: four standard errors."""
+    return found.mean() / expected.mean() - 1, 4 * standard_error(found, expected) / expected.mean()
+
+
+def tracer(scene):
+    """The scene's (PhotonTracer, Emitter)."""
+    lit = lit_ball(scene)
+    emitter = Emitter(scene.lights, lit, scene_ball(scene, lit))
+    return PhotonTracer(scene, emitter, Interiors(scene), 0), emitter
+
+
+def flux(emitter, count):
+    """Mean power of `count` paths, summed over the channels."""
+    sampler = Sampler(0, 0, np.arange(count, dtype=np.uint32))
+    return emitter.emit(sampler, count, False).power.sum(axis=1, dtype=np.float64).mean()
+
+
+def cube(half, center=(0, 0, 0)):
+    """A box around a place."""
+    center = np.asarray(center, float)
+    return scenes.box(center - half, center + half)
+
+
+def inverted(mesh):
+    """With its triangles turned round."""
+    return mesh[0], np.ascontiguousarray(mesh[1][:, ::-1]), None
+
+
+def light(kind, **values):
+    """A Light; vectors as tuples, radiometric values as one number."""
+    grey = ("intensity", "radiance", "irradiance")
+    values = {n: np.full(3, float(v)) if n in grey else v for n, v in values.items()}
+    return Light("lamp", kind, **{n: np.asarray(v, float) if isinstance(v, tuple) else v for n, v in values.items()})
+
+
+VIEW = scenes.camera((0, 0, -4), (0, 0, 0), 40, 16, 16)
+LAMP = scenes.point((1.3, 1.1, 0.9), 10)
+SUN = light(LightKind.SUN, axis=(-0.5, -0.7, 0.5), irradiance=1)
+FOG = scenes.volume("fog", 0.3, 0.1, low=-1, high=1)
+
+
+def fog_box(lamps, fog=FOG, view=VIEW):
+    """A cube of fog from -1 to 1."""
+    return scenes.scene([(cube(1), scenes.BOUND, 0)], lamps, [fog], view)
+
+
+class Scales(unittest.TestCase):
+    """The unit of length, the unit of power and the origin mean nothing."""
+
+    def test_a_scene_of_any_size_gives_the_same_picture(self):
+        expected = rendered(scenes.mixed())
+        for scale in (2.0**-10, 2.0**13, 1e-3, 1e4):
+            found = rendered(scenes.mixed(scale=scale))
+            # Paths turn off where a rounding decides, which is one path of thousands.
+            self.assertLess(abs(found.mean() / expected.mean() - 1), 2e-3, scale)
+            self.assertLess(np.median(np.abs(found - expected) / expected.mean()), 1e-3, scale)
+
+    def test_powers_from_microwatts_to_terawatts_scale_the_picture(self):
+        expected = rendered(scenes.mixed())
+        for power in (2.0**-20, 2.0**40):
+            np.testing.assert_array_equal(rendered(scenes.mixed(power=power)) / power, expected)
+
+    def test_a_scene_far_from_the_origin_gives_the_same_picture(self):
+        # 1e4 m away single precision knows places to 1e-3 m, of a scene of 2 m: other paths, and noise.
+        near, far = (seeds(scenes.mixed(at=at), 4, photons=4000) for at in ((0, 0, 0), (1e4, -1e4, 1e4)))
+        change, noise = difference(far, near)
+        self.assertLess(abs(change), 0.01 + noise)
+        self.assertLess(noise, 0.15, "noise hides nothing")
+
+    def test_a_sun_on_little_fog_in_a_huge_scene_has_its_irradiance(self):
+        emitter = Emitter(
+            [light(LightKind.SUN, irradiance=2, axis=(0.6, 0, -0.8))], Ball(np.zeros(3), 1.0), Ball(np.zeros(3), 1e6)
+        )
+        sampler = Sampler(0, 0, np.arange(1 << 14, dtype=np.uint32))
+        power = emitter.emit(sampler, 1 << 14, False).power[:, 0].astype(np.float64)
+        # Three quarters are aimed at the fog, with pi R^2 E/0.75 each; of the others next to none gets there.
+        self.assertAlmostEqual(float((power < 100).mean()), 0.75, delta=1e-3)
+        np.testing.assert_allclose(power[power < 100], np.pi * 2 / 0.75, rtol=1e-4)
+
+    def test_a_wide_suns_irradiance_is_that_across_its_axis(self):
+        emitter = Emitter(
+            [light(LightKind.SUN, irradiance=2, angle=np.pi / 3)], Ball(np.zeros(3), 1.0), Ball(np.zeros(3), 1.0)
+        )
+        sampler = Sampler(0, 0, np.arange(1 << 12, dtype=np.uint32))
+        out = emitter.emit(sampler, 1 << 12, False)
+        # Each photon of power P stands for P/(pi R^2) across its direction. A net of 2^12 points.
+        across = (out.power[:, 0] * -out.direction[:, 2]).mean(dtype=np.float64) / np.pi
+        self.assertAlmostEqual(across, 2, delta=0.005)
+        self.assertAlmostEqual(float((-out.direction[:, 2]).min()), 0.5, delta=1e-3)
+
+
+class Lights(unittest.TestCase):
+    """Lights that hardly are one, and lights where nobody puts them."""
+
+    def test_odd_lights_make_finite_pictures(self):
+        flat = np.array([[[0, 0, 2], [1, 0, 2], [2, 0, 2]]], np.float32)
+        sliver = np.array([[[0, 0, 2], [1, 1e-9, 2], [2, 0, 2]]], np.float32)
+        dark = [
+            light(LightKind.AREA, u=(0, 0, 0), v=(0, 1, 0), radiance=1),
+            light(LightKind.MESH, triangles=flat, radiance=1),
+            scenes.point((0, 0, 2), 0),
+        ]
+        for odd in dark:
+            with self.subTest(odd.kind):
+                self.assertEqual(rendered(fog_box([odd])).max(), 0)
+        expected = seeds(fog_box([LAMP])).mean()
+        # Means of 16 x 16 pixels of 2 passes: 3 % of noise.
+        self.assertAlmostEqual(seeds(fog_box([*dark, LAMP, *dark])).mean() / expected, 1, delta=0.05)
+        bright = [
+            light(LightKind.MESH, triangles=sliver, radiance=1),
+            light(LightKind.SPOT, position=(0, 0, 2), cosine=0.9, blend=1e-6, intensity=1),
+            light(LightKind.SPOT, position=(0, 0, 2), cosine=-1.0, blend=1e-6, intensity=1),
+            light(LightKind.SPOT, position=(0, 0, 2), cosine=1 - 1e-6, blend=1e-7, intensity=1),
+            light(LightKind.SUN, irradiance=1),
+            light(LightKind.SUN, irradiance=1, angle=np.pi / 2),
+        ]
+        for odd in bright:
+            with self.subTest(odd.kind, blend=odd.blend, angle=odd.angle):
+                self.assertGreater(rendered(fog_box([odd])).max(), 0)
+
+    def test_a_lamp_or_a_camera_on_the_bound_of_fog_is_as_one_beside_it(self):
+        def picture(place, eye):
+            view = scenes.camera(eye, (0.2, 0.1, 8), 40, 16, 16)
+            return rendered(fog_box([scenes.point(place, 10)], view=view)).mean()
+
+        for lamp, eye in (((1, 0.3, 0.2), (0, 0, -4)), ((-1, 0, 0), (0, 0, -4)), ((0.5, 1.2, 0.3), (0.3, 0.2, -1))):
+            expected = picture(np.array(lamp) * 1.0005, np.array(eye) * 1.0005)
+            self.assertGreater(expected, 0)
+            # 5e-4 m of 2 m, near a lamp that kernels see to a few per cent.
+            self.assertAlmostEqual(picture(lamp, eye) / expected, 1, delta=0.05)
+
+    def test_nothing_of_a_ball_of_light_shines_into_fog_that_it_swallows(self):
+        self.assertEqual(rendered(fog_box([scenes.point((0, 0, 0), 10, radius=3)])).max(), 0)
+
+    def test_an_area_light_that_sticks_out_of_fog_is_the_sum_of_its_parts(self):
+        def part(start, end):
+            middle = (0.5 * (start + end), 0.3, 0.2)
+            return light(LightKind.AREA, position=middle, u=(end - start, 0, 0), v=(0, 0, 0.4), radiance=9)
+
+        dense = scenes.volume("fog", 3.0, 0.5, low=-1, high=1)
+        whole = seeds(fog_box([part(-0.5, 3.5)], dense), 6, passes=4)
+        change, noise = difference(whole, seeds(fog_box([part(-0.5, 1), part(1, 3.5)], dense), 6, passes=4))
+        self.assertLess(abs(change), noise)
+        self.assertLess(noise, 0.25, "noise hides nothing")
+
+    def test_a_sun_from_any_side_starts_outside_of_everything(self):
+        fog = scenes.volume("fog", 0.1, 0.02, low=-2.5, high=2.5)
+        found = []
+        for side in (1, -1):
+            view = scenes.camera((0, 0, -9 * side), (0, 0, 0), 40, 12, 12, up=(0, side, 0))
+            axis = tuple(np.full(3, side / 3**0.5))
+            sun = light(LightKind.SUN, axis=axis, irradiance=1)
+            found.append(seeds(scenes.scene([(cube(2.5), scenes.BOUND, 0)], [sun], [fog], view), 6))
+        # The point reflection of one is the other.
+        change, noise = difference(*found)
+        self.assertLess(abs(change), noise)
+        self.assertLess(noise, 0.15, "noise hides nothing")
+
+
+class Fog(unittest.TestCase):
+    """Media and their bounds."""
+
+    def test_a_channel_without_extinction_darkens_no_other(self):
+        for make in (lambda fog: scenes.scene([], [LAMP], [fog], VIEW, world=0), lambda fog: fog_box([LAMP], fog)):
+            blue, grey = (
+                np.mean([rendered(make(scenes.volume("fog", s, 0, low=-1, high=1)), 1, seed=n) for n in range(3)], axis=(0, 1, 2))
+                for s in ((0, 0, 0.3), 0.3)
+            )
+            np.testing.assert_array_equal(blue[:2], 0)
+            # Independent paths: noise of 3 % each.
+            self.assertAlmostEqual(blue[2] / grey[2], 1, delta=0.12)
+
+    def test_fog_that_does_not_scatter_is_black_and_any_other_ends(self):
+        self.assertEqual(rendered(fog_box([LAMP], scenes.volume("fog", 0, 0.3, low=-1, high=1))).max(), 0)
+        for scattering in (1e4, 1e-9):
+            fog = scenes.volume("fog", scattering, 0, low=-1, high=1)
+            self.assertGreater(rendered(fog_box([scenes.point((0.3, 0.2, -1.5), 1)], fog), 1, photons=300).max(), 0)
+            endless = scenes.scene([], [LAMP], [scenes.volume("fog", scattering, 0)], VIEW, world=0)
+            rendered(endless, 1, photons=300)
+
+    def test_thin_fog_is_as_bright_as_it_is_thin(self):
+        thin, thick = (seeds(fog_box([LAMP], scenes.volume("fog", s, 0, low=-1, high=1))).mean() for s in (1e-9, 1e-3))
+        # 1e-3 a metre: 0.3 % is lost; the same paths but for that.
+        self.assertAlmostEqual(thin / thick * 1e6, 1, delta=0.01)
+
+    def test_two_halves_or_a_part_within_or_overlaps_are_one_piece_of_fog(self):
+        def fog(low, high):
+            return scenes.volume("fog", 0.3, 0.1, low=low, high=high)
+
+        whole = ((-1, -1, -1), (1, 1, 1))
+        expected = seeds(fog_box([LAMP]), passes=3)
+        cases = {
+            "touching": [(whole[0], (0, 1, 1)), ((0, -1, -1), whole[1])],
+            "overlapping": [(whole[0], (0.4, 1, 1)), ((-0.3, -1, -1), whole[1])],
+            "nested": [whole, ((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5))],
+            "nested on the same floor": [whole, ((-0.5, -1, -0.5), (0.5, 0.5, 0.5))],
+            "twice": [whole, whole],
+        }
+        for name, parts in cases.items():
+            with self.subTest(name):
+                meshes = [(scenes.box(*part), scenes.BOUND, number) for number, part in enumerate(parts)]
+                scene = scenes.scene(meshes, [LAMP], [fog(*part) for part in parts], VIEW)
+                found = seeds(scene, passes=3)
+                change, noise = difference(found, expected)
+                # Kernels end at bounds, which costs some of them their shape.
+                self.assertLess(abs(change), 0.02 + noise)
+                self.assertLess(noise, 0.15, "noise hides nothing")
+
+    def test_fog_within_the_same_fog_changes_nothing_wherever_lamp_and_camera_are(self):
+        world = scenes.volume("world", 0.3, 0.1)
+        expected = seeds(scenes.scene([], [LAMP], [world], VIEW, world=0))
+        for low, high in (((-1, -1, -1), (1, 1, 1)), ((-2, -2, -2), (2, 2, 2)), ((-2, -2, -6), (2, 2, 2))):
+            fog = scenes.volume("fog", 0.3, 0.1, low=low, high=high)
+            found = seeds(scenes.scene([(scenes.box(low, high), scenes.BOUND, 0)], [LAMP], [fog, world], VIEW, world=1))
+            change, noise = difference(found, expected)
+            self.assertLess(abs(change), 0.02 + noise)
+            self.assertLess(noise, 0.2, "noise hides nothing")
+
+    def test_fog_that_stands_on_a_floor_keeps_the_light_that_the_floor_sends_back(self):
+        floor = scenes.material(diffuse=0.8)
+        view = scenes.camera((0, 0.5, -4), (0, -0.6, 0), 40, 16, 16)
+        sheet = np.array([[-2, -1, -2], [2, -1, -2], [2, -1, 2], [-2, -1, 2]], np.float32)
+        for mesh in (scenes.box((-2, -2, -2), (2, -1, 2)), (sheet, np.array([[0, 2, 1], [0, 3, 2]], np.int32), None)):
+            found = []
+            for bottom in (-1.0, -0.999):
+                fog = scenes.volume("fog", 0.3, 0.1, low=(-1, bottom, -1), high=1)
+                meshes = [(scenes.box((-1, bottom, -1), (1, 1, 1)), scenes.BOUND, 0), (mesh, floor, -1)]
+                found.append(rendered(scenes.scene(meshes, [scenes.point((0.3, 0.4, 0.2), 10)], [fog], view)).mean())
+            # The same paths but for 1e-3 m; those through the floor would cost 5 %.
+            self.assertAlmostEqual(found[0] / found[1], 1, delta=0.01)
+
+    def test_open_and_inverted_meshes_of_fog_make_finite_pictures(self):
+        sheet = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)
+        plane = (sheet, np.array([[0, 1, 2], [0, 2, 3]], np.int32), None)
+        flat = scenes.volume("fog", 0.3, 0, low=(-1, -1, 0), high=(1, 1, 0))
+        for mesh, fog in ((plane, flat), (inverted(plane), flat), (scenes.box((-1, -1, 0), (1, 1, 0)), flat), (inverted(cube(1)), FOG)):
+            rendered(scenes.scene([(mesh, scenes.BOUND, 0)], [LAMP], [fog], VIEW))
+
+    def test_more_than_64_volumes_are_refused_with_a_remedy(self):
+        for count in (64, 65):
+            meshes = [(cube(0.1, (i, 0, 0)), scenes.BOUND, i) for i in range(count)]
+            volumes = [scenes.volume(str(i), 0.3, 0, low=(i - 0.1, -0.1, -0.1), high=(i + 0.1, 0.1, 0.1)) for i in range(count)]
+            scene = scenes.scene(meshes, [LAMP], volumes, VIEW)
+            if count == 64:
+                inside = Interiors(scene).at((63, 0, 0))[0]
+                self.assertEqual(Interiors(scene).volumes(np.array([inside]))[0], 63)
+            else:
+                with self.assertRaisesRegex(ValueError, "65 volumes.*64.*join"):
+                    Session(scene, Settings())
+
+    def test_the_near_plane_cuts_fog_that_the_camera_is_in_or_before(self):
+        def piece(near, eye):
+            camera = replace(scenes.camera((0, 0, eye), (0, 0, 9), 30, 4, 4), near=near)
+            scene = fog_box([], view=camera)
+            eyes = EyeTracer(scene, Interiors(scene), 0)
+            straight = np.array([[0, 0, 1]], np.float32)
+            stretch, number, _, _ = eyes.first_surfaces(straight, None)
+            return stretch[0] if number[0] == 0 else None
+
+        for eye in (-3.0, -1.0, 0.5):
+            for near in (0.0, 0.25, 1.999, 2.5, 3.9):
+                low, high = max(near, -1 - eye), 1 - eye
+                found = piece(near, eye)
+                if low < high:
+                    np.testing.assert_allclose(found, (low, high), atol=1e-4)
+                else:
+                    self.assertIsNone(found)
+
+
+class Pictures(unittest.TestCase):
+    """Sizes and parts."""
+
+    def test_pictures_of_few_pixels_show_the_mean_of_what_is_there(self):
+        for width, height in ((1, 1), (37, 1), (1, 37), (5, 3)):
+            few = scenes.camera((0, 0, -4), (0, 0, 0), 40, width, height)
+            fine = scenes.camera((0, 0, -4), (0, 0, 0), 40, 8 * width, 8 * height)
+            found, expected = (seeds(fog_box([SUN], view=v), 3, passes=16, photons=1000) for v in (few, fine))
+            # One eye ray a pixel and pass: 48 places of a pixel that holds all of the fog and its rim, about half of it.
+            self.assertAlmostEqual(found.mean() / expected.mean(), 1, delta=0.15, msg=f"{width} x {height}")
+
+    def test_a_part_of_a_picture_is_that_part(self):
+        whole = scenes.camera((0, 0, -4), (0, 0, 0), 40, 40, 40)
+        x, y, width, height = 13, 3, 11, 29
+        part = replace(
+            whole, left=whole.left + x * whole.step[0], top=whole.top - y * whole.step[1], width=width, height=height
+        )
+        full = rendered(fog_box([SUN], view=whole), 8)[y : y + height, x : x + width]
+        cut = rendered(fog_box([SUN], view=part), 8)
+        # The same photons; filters and choices of eye rays differ, one in ten pixels has one a pass.
+        self.assertAlmostEqual(cut.mean() / full.mean(), 1, delta=0.04)
+        self.assertLess(np.abs(cut - full).mean(), 0.15 * full.mean())
+
+    def test_a_large_odd_picture_is_as_bright_as_a_small_one(self):
+        small, large = (scenes.camera((0, 0, -4), (0, 0, 0), 40, *size) for size in ((51, 27), (257, 135)))
+        found = [seeds(fog_box([SUN], view=v), 3, passes=3) for v in (small, large)]
+        change, noise = difference(*found)
+        # Pixels of two sizes on the rim of the fog.
+        self.assertLess(abs(change), 0.02 + noise)
+        self.assertLess(noise, 0.1, "noise hides nothing")
+
+    def test_fog_whose_bound_is_seen_edge_on_is_there(self):
+        # The camera lies in the plane of the upper face.
+        found, beside = (
+            rendered(fog_box([LAMP], view=scenes.camera((0, y, -4), (0, y, 0), 40, 16, 16)), 4).mean() for y in (1.0, 1.002)
+        )
+        self.assertAlmostEqual(found / beside, 1, delta=0.03)
+
+
+class Energy(unittest.TestCase):
+    """Light is neither made nor lost."""
+
+    def test_a_white_box_full_of_white_fog_loses_no_photon(self):
+        metal = scenes.material(metal=1, edge=1, roughness=0.3)
+        frosted = scenes.material(glass_reflection=1, glass_transmission=1, roughness=0.3)
+        walls = (inverted(cube(2)), scenes.material(diffuse=1), -1)
+        things = {
+            "empty": [],
+            "metal": [(scenes.icosphere(0.6, (0.8, 0, 0), 3), metal, -1)],
+            "glass": [(scenes.icosphere(0.6, (0.8, 0, 0), 3), scenes.GLASS, -1)],
+            "frosted": [(scenes.icosphere(0.6, (0.8, 0, 0), 3), frosted, -1)],
+            "translucent": [(cube(0.6, (0.8, 0, 0)), scenes.material(diffuse=0.3, translucent=0.7), -1)],
+            "coated": [(cube(0.6, (0.8, 0, 0)), scenes.material(diffuse=1, coat=1), -1)],
+            "half there": [(cube(0.6, (0.8, 0, 0)), scenes.material(diffuse=0.4, transparent=0.6), -1)],
+        }
+        fog = scenes.volume("fog", 0.4, 0)
+        for name, meshes in things.items():
+            with self.subTest(name):
+                scene = scenes.scene([walls, *meshes], [scenes.point((-1, 0.5, 0.3), 10)], [fog], VIEW, world=0)
+                traced, emitter = tracer(scene)
+                step, powers = traced._step, []
+
+                def watched(photons, *rest, step=step, powers=powers):
+                    alive = step(photons, *rest)
+                    powers.append((alive.mean(), photons.power[alive].sum(dtype=np.float64)))
+                    return alive
+
+                traced._step = watched
+                traced.trace(0, 0, 1000, 1000, False, None)
+                alive, power = np.array(powers[:60]).T
+                # Weights that should be 1 are rounded: one photon in 1e7 a step.
+                np.testing.assert_array_equal(alive, 1)
+                np.testing.assert_allclose(power, flux(emitter, 1000), rtol=1e-4)
+                # Roulette of 5 % a step ends them: of 1000, one in e^-18 is left after 500 steps.
+                self.assertLess(len(powers), 500)
+
+    def test_colours_of_fog_keep_each_channels_power(self):
+        fog = scenes.volume("fog", (0.1, 1.0, 3.0), 0)
+        walls = (inverted(cube(1)), scenes.material(diffuse=1), -1)
+        traced, emitter = tracer(scenes.scene([walls], [scenes.point((0, 0, 0), 1)], [fog], VIEW, world=0))
+        step, powers = traced._step, []
+
+        def watched(photons, *rest):
+            alive = step(photons, *rest)
+            powers.append(photons.power[alive].sum(axis=0, dtype=np.float64) / (4 * np.pi))
+            return alive
+
+        traced._step = watched
+        traced.trace(0, 0, 4000, 4000, False, None)
+        # Each channel's weight is a martingale between 0 and 3; after 8 steps its mean of 4000 is known to 2 %.
+        np.testing.assert_allclose(powers[7], 1, atol=0.08)
+
+    def test_the_weight_of_long_paths_is_bounded_in_the_mean(self):
+        fog = scenes.volume("fog", 1.0, 0.0)
+        walls = (inverted(cube(1)), scenes.material(diffuse=1), -1)
+        traced, emitter = tracer(scenes.scene([walls], [scenes.point((0, 0, 0), 1)], [fog], VIEW, world=0))
+        step, powers = traced._step, []
+
+        def watched(photons, *rest):
+            powers.append(photons.power[:, 0].sum(dtype=np.float64) / (4 * np.pi))
+            return step(photons, *rest)
+
+        traced._step = watched
+        traced.trace(0, 0, 4000, 4000, False, None)
+        # After k rounds of roulette 0.95^k of 4000 are left: at 20 it is 1430, a standard error of 2.1 %.
+        np.testing.assert_allclose(powers[:85], 1, atol=0.1)
+
+
+class ManyTimes(unittest.TestCase):
+    """Light that is scattered many times, against Chandrasekhar's H function of isotropic scattering."""
+
+    ALBEDO = 0.9
+
+    @staticmethod
+    def h(mu, albedo, nodes=64):
+        """1/H(mu) = sqrt(1 - a) + a/2 int_0^1 t H(t)/(mu + t) dt, by iteration (Radiative Transfer, 1950, section 41)."""
+        t, weight = np.polynomial.legendre.leggauss(nodes)
+        t, weight = 0.5 * (t + 1), 0.5 * weight
+        value = np.ones(nodes)
+
+        def inverse(x):
+            return np.sqrt(1 - albedo) + 0.5 * albedo * (weight * value * t / (np.reshape(x, (-1, 1)) + t)).sum(axis=1)
+
+        for _ in range(200):
+            value = 0.5 * (value + 1 / inverse(t))
+        return 1 / inverse(mu)[0]
+
+    def ground(self, extinction, half, lamp, view):
+        """Fog that reaches so far down and aside that it might have no end."""
+        low, high = (-half, -half, -half), (half, 0, half)
+        fog = scenes.volume("fog", extinction * self.ALBEDO, extinction * (1 - self.ALBEDO), low=low, high=high)
+        return scenes.scene([(scenes.box(low, high), scenes.BOUND, 0)], [lamp], [fog], view)
+
+    def test_the_h_function_is_that_of_the_tables(self):
+        # Chandrasekhar, table XI: H(1) of a = 0.9 and a = 1.
+        self.assertAlmostEqual(self.h(1, 0.9), 1.8501, delta=2e-4)
+        self.assertAlmostEqual(self.h(1, 1.0), 2.9078, delta=2e-3)
+
+    def test_half_of_space_sends_back_what_the_h_function_says(self):
+        lamp = light(LightKind.SPOT, position=(0, 1, 0), axis=(0, -1, 0), cosine=1 - 1e-6, blend=1e-6, intensity=1)
+        scene = self.ground(10.0, 20.0, lamp, VIEW)
+        traced, emitter = tracer(scene)
+        step, back, count = traced._step, [], 8192
+
+        def watched(photons, *rest):
+            gone = ~np.isfinite(scene.geometry.cast(photons.origin, photons.direction)["distance"])
+            back.append(photons.power[gone & (photons.direction[:, 1] > 0)].sum(dtype=np.float64))
+            return step(photons, *rest)
+
+        traced._step = watched
+        traced.trace(0, 0, count, count, False, None)
+        expected = 1 - np.sqrt(1 - self.ALBEDO) * self.h(1, self.ALBEDO)
+        # A photon comes back or not: a standard error of 0.0055.
+        self.assertAlmostEqual(sum(back) / flux(emitter, count), expected, delta=0.02)
+
+    def test_half_of_space_in_the_sun_is_as_bright_as_the_h_function_says(self):
+        sun = light(LightKind.SUN, axis=(0, -1, 0), irradiance=np.pi)
+        for mu in (1.0, 0.5):
+            eye = 8 * np.array([np.sqrt(1 - mu * mu), mu, 0])
+            scene = self.ground(6.0, 2.0, sun, scenes.camera(eye, (0, 0, 0), 6, 16, 16, up=(0, 0, 1)))
+            # a/4 F mu0/(mu0 + mu) H(mu) H(mu0), of an irradiance of pi F, F = 1 and mu0 = 1.
+            expected = self.ALBEDO / 4 / (1 + mu) * self.h(mu, self.ALBEDO) * self.h(1, self.ALBEDO)
+            found = seeds(scene, 6, passes=5, photons=4000)
+            error = standard_error(found)
+            self.assertLess(abs(found.mean() - expected), 0.02 * expected + 4 * error)
+            self.assertLess(error, 0.04 * expected, "noise hides nothing")
+
+
+class Repeats(unittest.TestCase):
+    """The same bits, and the same memory."""
+
+    def test_paths_do_not_depend_on_those_beside_them(self):
+        scene = scenes.mixed()
+        traced, _ = tracer(scene)
+
+        def beams(*parts):
+            lists = [traced.trace(0, first, count, 300, True, None).beams for first, count in parts]
+            rows = [row.tobytes() for record in lists for arrays in record.values() for array in arrays for row in array]
+            return sorted(rows)
+
+        self.assertEqual(beams((0, 300)), beams((200, 100), (0, 1), (1, 199)))
+
+    def test_eye_paths_do_not_depend_on_their_order(self):
+        scene = scenes.mixed(size=12)
+        eyes = EyeTracer(scene, Interiors(scene), 0)
+        y, x = (a.ravel() for a in np.mgrid[0:12, 0:12])
+        directions, yes = scene.camera.directions(x + 0.5, y + 0.5), np.ones(144, bool)
+        pixels = np.arange(144, dtype=np.uint32)
+        order = np.random.default_rng(1).permutation(144)
+        straight = eyes.trace(directions, pixels, yes, yes, 3, None)
+        shuffled = eyes.trace(directions[order], pixels[order], yes, yes, 3, None)
+
+        def rows(segments, pixel):
+            fields = zip(segments.ray, segments.region, segments.throughput, pixel, segments.signature)
+            return sorted(b"".join(np.asarray(value).tobytes() for value in row) for row in fields)
+
+        self.assertEqual(rows(straight, straight.eye), rows(shuffled, order[shuffled.eye]))
+
+    def test_sessions_give_their_memory_back(self):
+        scene = scenes.mixed(size=48)
+        peaks = []
+        for _ in range(12):
+            rendered(scene, 1)
+            peaks.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+        # Each holds a grid of 48^3 voxels: 9 MB. The peak of the process, in KiB (bytes on macOS), has stopped rising.
+        unit = 1 if sys.platform == "darwin" else 1024
+        self.assertLess((peaks[-1] - peaks[3]) * unit, 9e6)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# The extension for Blender as an artist gets it: zip built, accepted by Blender's own tool, and all its tests in two versions of Blender.
+#   tests/clients/blender.sh PREFIX     PREFIX: where install.sh has installed
+# Blender is its bpy package, in environments of its own (350 MB each); BLENDER_VENVS names a folder that has them, as bpy-VERSION.
+set -euo pipefail
+
+prefix="$(realpath "$1")"
+repository="$(realpath "$(dirname "$0")/../..")"
+versions=(5.0.1 4.2.23)
+work="$(mktemp -d)"
+trap 'rm -rf "$work"' EXIT
+export PYTHONDONTWRITEBYTECODE=1 PIP_DISABLE_PIP_VERSION_CHECK=1
+unset PYTHONPATH COVBEAM_LIBRARY COVBEAM_RAYS_LIBRARY
+
+fail() { echo "blender: $*" >&2; exit 1; }
+
+library="$(find "$prefix" -name libcovbeam.so | head -n 1)"
+[ -n "$library" ] || fail "no shared library under $prefix"
+python="$(python3 -c 'import sys; print(sys.version_info[0], sys.version_info[1], sep=".")')"
+[ "$python" = 3.11 ] || fail "bpy ${versions[*]} is for Python 3.11, and python3 is $python"
+
+# environment VERSION: makes the environment of a version.
+environment() {
+    python3 -m venv "$venvs/bpy-$1"
+    "$venvs/bpy-$1/bin/pip" install --quiet "bpy==$1"
+}
+
+venvs="${BLENDER_VENVS:-$work}"
+jobs=()
+for version in "${versions[@]}"; do
+    if [ ! -e "$venvs/bpy-$version" ]; then
+        environment "$version" > "$work/pip-$version" 2>&1 &
+        jobs+=("$! $version")
+    fi
+done
+
+# Meanwhile, the zip, with the library that is installed.
+python3 -m venv "$work/build"
+"$work/build/bin/pip" install --quiet hatchling
+COVBEAM_LIBRARY="$library" "$work/build/bin/python" "$repository/examples/blender/build.py" --output "$work"
+zip=("$work"/covbeam-*.zip)
+# What the extension brings: for the tests that do not install it.
+"$work/build/bin/python" -m zipfile -e "${zip[0]}" "$work/zip"
+"$work/build/bin/pip" install --quiet --no-deps --target "$work/site" "$work"/zip/wheels/*.whl
+
+for job in "${jobs[@]}"; do
+    wait "${job% *}" || { cat "$work/pip-${job#* }"; fail "bpy ${job#* } cannot be installed (above)"; }
+done
+
+cd "$repository/examples/blender/tests"
+for version in "${versions[@]}"; do
+    blender="$venvs/bpy-$version/bin/python"
+    "$blender" -c 'import bpy' || fail "bpy $version cannot be imported (above)"
+    for test in test_*.py; do
+        PYTHONPATH="$work/site" COVBEAM_ZIP="${zip[0]}" "$blender" -X faulthandler "$test" > "$work/log" 2>&1 < /dev/null ||
+            { cat "$work/log"; fail "$test fails in Blender $version (above)"; }
+        # A program that ends early, without its tests, is no success.
+        ran="$(grep -E '^Ran [1-9][0-9]* tests? in' "$work/log")" || { cat "$work/log"; fail "$test ran no test in Blender $version (above)"; }
+        echo "blender $version: $test: $ran"
+        grep -E '^(figures|20 renders|cancelled): ' "$work/log" || true
+    done
+done
