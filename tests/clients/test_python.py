@@ -126,6 +126,13 @@ class Picture(unittest.TestCase):
             # The same numbers, added in another order.
             np.testing.assert_allclose(gathered["radiance"], expected["radiance"], rtol=1e-5)
 
+    def test_a_medium_tells_what_it_was_made_of(self):
+        medium = cb.Medium((0.25, 0.5, 1.0), 0.125, cb.Phase.henyey_greenstein(0.5))
+        self.assertEqual(medium.scattering, (0.25, 0.5, 1.0))
+        self.assertEqual(medium.absorption, (0.125,) * 3)
+        self.assertEqual(medium.phase.evaluate(0.3), cb.Phase.henyey_greenstein(0.5).evaluate(0.3))
+        self.assertEqual(cb.Medium(1).phase.evaluate(0.3), cb.Phase.isotropic().evaluate(0.3))
+
     def test_tables_of_columns_of_my_own_give_what_the_library_makes_itself(self):
         values = np.random.default_rng(5).random((8, 8, 8), np.float32)
         density = cb.Density(LAYOUT, values)

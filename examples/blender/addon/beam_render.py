@@ -78,6 +78,7 @@ def begin(scene, view_layer, animation):
     copy = scene.copy()
     copy.name = f"{scene.name} (beams)"
     copy[_MARK] = True
+    copy.covbeam.beyond = False
     copy.frame_start, copy.frame_end = first, last
     step = copy.frame_step = scene.frame_step if animation else 1
     for layer in copy.view_layers:

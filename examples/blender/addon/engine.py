@@ -137,6 +137,7 @@ class _Job:
             radius=chosen.radius,
             quality=chosen.quality,
             bounces=chosen.bounces or None,
+            beyond=chosen.beyond,
             # Blender answers with all processors where the artist has set no number.
             threads=scene.render.threads,
         )

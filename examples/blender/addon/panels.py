@@ -45,6 +45,7 @@ def _draw_advanced(layout, settings):
     column.prop(settings, "grid")
     column.prop(settings, "radius")
     column.prop(settings, "bounces")
+    column.prop(settings, "beyond")
     column.prop(settings, "seed")
     column.prop(settings, "animate_seed")
 

@@ -84,6 +84,14 @@ class CovbeamSettings(bpy.types.PropertyGroup):
         min=0,
         soft_max=64,
     )
+    beyond: BoolProperty(
+        name="Behind Glass and in Mirrors",
+        description=(
+            "Fog that is seen through glass and in mirrors too. It takes most of the time where there is much of them. "
+            "Add Beams never needs it: there it stays Cycles'"
+        ),
+        default=True,
+    )
     seed: IntProperty(
         name="Seed",
         description="Another seed gives another noise. The same seed gives the same image",

@@ -147,7 +147,7 @@ def read_exr(path):
         bpy.data.images.remove(image)
 
 
-def region_means(picture, across=4):
+def region_means(picture, across):
     """Means over across x across equal squares: float64 (across^2, 3)."""
     height, width, _ = picture.shape
     squares = picture.astype(np.float64).reshape(across, height // across, across, width // across, 3)

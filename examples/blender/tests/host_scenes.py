@@ -13,7 +13,8 @@ def icosphere(radius, center=(0, 0, 0), levels=5):
     g = (1 + 5**0.5) / 2
     points = [(-1, g, 0), (1, g, 0), (-1, -g, 0), (1, -g, 0), (0, -1, g), (0, 1, g), (0, -1, -g), (0, 1, -g)]
     points += [(g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1)]
-    faces = "0 11 5 0 5 1 0 1 7 0 7 10 0 10 11 1 5 9 5 11 4 11 10 2 10 7 6 7 1 8 3 9 4 3 4 2 3 2 6 3 6 8 3 8 9 4 9 5 2 4 11 6 2 10 8 6 7 9 8 1"
+    faces = "0 11 5 0 5 1 0 1 7 0 7 10 0 10 11 1 5 9 5 11 4 11 10 2 10 7 6 7 1 8 "
+    faces += "3 9 4 3 4 2 3 2 6 3 6 8 3 8 9 4 9 5 2 4 11 6 2 10 8 6 7 9 8 1"
     points, faces = np.array(points, np.float64), np.array(faces.split(), int).reshape(-1, 3)
     points /= np.linalg.norm(points, axis=1, keepdims=True)
     for _ in range(levels):
@@ -75,9 +76,8 @@ def camera(position, look_at, vertical_fov, width, height, up=(0, 1, 0)):
 
 def point(position, intensity, radius=0.0):
     """A ball of light."""
-    return Light(
-        "lamp", LightKind.POINT, position=np.asarray(position, float), intensity=np.full(3, float(intensity)), radius=radius
-    )
+    place, grey = np.asarray(position, float), np.full(3, float(intensity))
+    return Light("lamp", LightKind.POINT, position=place, intensity=grey, radius=radius)
 
 
 def scene(meshes, lights, volumes, view, world=-1):
@@ -106,11 +106,12 @@ def open_glass_ball(size):
 def black_ball(size, fog=None):
     """examples/scenes/black-ball.toml without floor and room: a shadow in fog without end."""
     view = camera((0, 0.5, -5), (0, 0, 0), 35, size, size)
-    return scene([(icosphere(0.5), BLACK, -1)], [point((0, 2.5, 0), 25)], [fog or volume("fog", 0.2, 0.02)], view, world=0)
+    fog = fog or volume("fog", 0.2, 0.02)
+    return scene([(icosphere(0.5), BLACK, -1)], [point((0, 2.5, 0), 25)], [fog], view, world=0)
 
 
 def mixed(scale=1.0, at=(0, 0, 0), power=1.0, size=16):
-    """Fog of three colours with a glass ball in it, over a floor, and a light of each kind: of any size, anywhere, of any power."""
+    """Fog of three colours, a glass ball in it, a floor, a light of each kind: of any size and power, anywhere."""
 
     def place(*v):
         return scale * np.array(v, float) + np.asarray(at, float)
@@ -118,7 +119,7 @@ def mixed(scale=1.0, at=(0, 0, 0), power=1.0, size=16):
     grey = np.ones(3)
     corner = np.array([place(2, 0, 0), place(2, 0.5, 0), place(2.1, 0.1, 0.4)], np.float32)
     lights = [
-        Light("ball", LightKind.POINT, position=place(0.3, 1.9, 0.2), radius=0.05 * scale, intensity=10 * power * scale**2 * grey),
+        point(place(0.3, 1.9, 0.2), 10 * power * scale**2, radius=0.05 * scale),
         Light(
             "spot",
             LightKind.SPOT,

@@ -68,6 +68,9 @@ class Composite(AddBeams):
         # Sums and differences of numbers near 1 and below, in float32.
         np.testing.assert_allclose(after[..., :3], expected, rtol=0, atol=1e-5)
         np.testing.assert_array_equal(after[..., 3], before[..., 3])
+        # No time goes into what Cycles shows anyway; and that is no setting of the artist's scene.
+        self.assertFalse(fake_host.Session.settings[-1].beyond)
+        self.assertTrue(self.scene.covbeam.beyond)
 
     def test_what_is_not_fog_light_stays(self):
         bpy.ops.mesh.primitive_plane_add(size=40, location=(0, 0, -1.5))

@@ -28,15 +28,16 @@ class Calibration(unittest.TestCase):
     def agree(self, names):
         for name in names:
             with self.subTest(name):
-                comparison = calibration.compare(name, 32, SEEDS, SAMPLES, PASSES, PHOTONS)
+                comparison = calibration.compare(name, 32, SEEDS, SAMPLES, PASSES, PHOTONS, 2)
                 print("figures:", comparison)
                 # Student's t of 4 + 4 runs: 3.7 is exceeded in 1 of 100 cases.
                 self.assertTrue((np.abs(comparison.mean_difference) < 0.01 + 3.7 * comparison.mean_error).all(), comparison)
                 self.assertLess(comparison.mean_error.max(), 0.006, "noise would hide a difference of 1 %")
-                self.assertTrue(comparison.regions_agree, comparison)
+                # Kernels and filters may each blur by 1 % in the first pass, and by 0.7 % in the mean of six.
+                self.assertTrue(comparison.regions_agree(0.015), comparison)
 
     def test_a_difference_of_three_percent_is_noticed(self):
-        comparison = calibration.compare("POINT", 32, SEEDS, SAMPLES, PASSES, PHOTONS, brighter=1.03)
+        comparison = calibration.compare("POINT", 32, SEEDS, SAMPLES, PASSES, PHOTONS, 2, 1.03)
         self.assertFalse((np.abs(comparison.mean_difference) < 0.01 + 3.7 * comparison.mean_error).all(), comparison)
 
 

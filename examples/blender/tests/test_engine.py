@@ -76,12 +76,13 @@ class Settings(InBlender):
         chosen = self.scene.covbeam
         chosen.seed, chosen.animate_seed = 7, False
         chosen.photons, chosen.grid, chosen.radius, chosen.quality, chosen.bounces = 1234, 9, 0.5, 0.25, 3
+        chosen.beyond = False
         self.scene.unit_settings.scale_length = 0.1
         self.scene.render.threads_mode, self.scene.render.threads = "FIXED", 3
         self.render()
         (settings,) = fake_host.Session.settings
         # A unit of Blender is a metre for Cycles, whatever it is shown as.
-        self.assertEqual(settings, fake_host.Settings(7, 1234, 9, 0.5, 0.25, 3, 3))
+        self.assertEqual(settings, fake_host.Settings(7, 1234, 9, 0.5, 0.25, 3, False, 3))
 
     def test_animated_settings_and_seeds_are_those_of_the_frame(self):
         chosen = self.scene.covbeam

@@ -22,7 +22,7 @@ _LIFT = 1e-5
 
 @dataclass
 class Emitted:
-    """Photons that leave lights. power [W] is divided by the probability of being drawn, not by the number of photons."""
+    """Photons that leave lights. power [W] is divided by the probability of being drawn, not by how many they are."""
 
     origin: np.ndarray
     direction: np.ndarray
@@ -99,7 +99,7 @@ def _lifted(origin, size, normal):
 
 
 class _Point:
-    """A ball, or a point. In each direction a ball shines as a disk across it, evenly: its cosine is its foreshortening.
+    """A ball, or a point. In each direction a ball shines as a disk across it, evenly: the cosine foreshortens it.
 
     No light is inside of a ball; Cycles lights the fog there too, more or less.
     """
@@ -146,8 +146,8 @@ class _Spot(_Point):
         return direction, q * q * (3 - 2 * q)
 
     def fields(self, direction, normal):
-        # The Hessian of I(theta)/d^2 across the ray, over I/d^2: I''/I - 2 towards the axis and I' cot(theta)/I - 2 around it.
-        # Where I has its inflection the gradient speaks.
+        # The Hessian of I(theta)/d^2 across the ray, over I/d^2: I''/I - 2 towards the axis and I' cot(theta)/I - 2
+        # around it. Where I has its inflection the gradient speaks.
         light = self._light
         axis = np.broadcast_to(light.axis, direction.shape)
         cosine = np.clip(np.einsum("ij,ij->i", direction.astype(np.float64), axis), -1, 1)
@@ -169,8 +169,8 @@ class _Spot(_Point):
 
 
 def _diffuse_fields(direction, normal, radius):
-    """Of a patch that shines as a Lambert surface: cos/d^2 has a relative curvature of 3/d^2, and beyond 60 degrees the gradient
-    of the cosine, its tangent squared, outweighs it."""
+    """Of a patch that shines as a Lambert surface: cos/d^2 has a relative curvature of 3/d^2, and beyond 60 degrees the
+    gradient of the cosine, its tangent squared, outweighs it."""
     field = light_field.disk(direction, normal, radius, 3 * _CURVATURE)
     cosine = np.maximum(np.abs(dot(direction, normal)), 1e-3)
     more = np.maximum((1 / cosine**2 - 4) * np.float32(_CURVATURE), 0)
@@ -251,8 +251,8 @@ class _Sun:
         radius = np.where(aimed, self._balls[0].radius, self._balls[1].radius)[:, None]
         center = np.where(aimed[:, None], self._balls[0].center, self._balls[1].center)
         origin = center + radius * (disk[:, :1] * e + disk[:, 1:] * f) - self._start * direction
-        # The density of both disks together at this photon's line. In double precision, directions too: the scene may be 1e6
-        # times as large as the fog.
+        # The density of both disks together at this photon's line. In double precision, directions too: the scene may
+        # be 1e6 times as large as the fog.
         density = np.zeros(count)
         for ball, area, share in zip(self._balls, self._areas, (_AIMED, 1 - _AIMED)):
             to = origin - ball.center

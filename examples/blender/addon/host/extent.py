@@ -11,15 +11,16 @@ from .scene import LightKind
 _DEPTH = 4.0
 
 
-#: How far the bounds of fog are drawn in, in shares of the scene's largest coordinate: four times what rays start off surfaces.
-#: Those of different objects differ, or the faces of fog in fog would still coincide; so many do.
+#: How far the bounds of fog are drawn in, in shares of the scene's largest coordinate: four times what rays start off
+#: surfaces. Those of different objects differ, or the faces of fog in fog would still coincide; so many do.
 _INSET, _INSETS = 2.0**-18, 8
 
 
 def inset(matrix, low, high, reach, number):
     """The transform (4, 4) of an object that does nothing but bound fog, made smaller by a hair, and its corners then.
 
-    Fog stands on floors and touches walls and other fog. Of two faces in one plane a ray would cross one only, or the wrong one.
+    Fog stands on floors and touches walls and other fog. Of two faces in one plane a ray would cross one only, or the
+    wrong one.
 
     - low, high: corners of the object in the world [m]; reach: the largest coordinate of the scene [m].
     - number: of the object.
@@ -45,7 +46,7 @@ def _lights_and_camera(scene):
 
 
 def volume_box(scene, number):
-    """(low, high) of where a volume matters: its bounds, or for the world's what lies around camera, lights and geometry."""
+    """(low, high) of where a volume matters: its bounds, or for the world's what camera, lights and geometry fill."""
     volume = scene.volumes[number]
     if number != scene.world_volume:
         return np.asarray(volume.min, np.float64), np.asarray(volume.max, np.float64)

@@ -33,7 +33,8 @@ class Segments:
     throughput: np.ndarray
     #: Index of the eye ray it belongs to.
     eye: np.ndarray
-    #: Equal for paths that have met the same surfaces in the same way; 0 before the first that is more than a bound of fog.
+    #: Equal for paths that have met the same surfaces in the same way; 0 before the first that is more than a bound
+    #: of fog.
     signature: np.ndarray
 
 
@@ -183,8 +184,8 @@ class EyeTracer:
     def first_surfaces(self, directions, poll):
         """What lies behind pixels: (fog, depth, show).
 
-        - fog: where the first piece of fog starts and ends, and its volume: float32 (n, 2), int32 (n,) with -1 for none, or for
-          more than one piece before the first surface.
+        - fog: where the first piece of fog starts and ends, and its volume: float32 (n, 2), int32 (n,), -1 for none or
+          for more than one piece before the first surface.
         - depth: distance of the first surface that is more than a bound of fog; inf where there is none.
         - show: whether it shows what lies beyond.
         """

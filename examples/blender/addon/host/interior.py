@@ -15,13 +15,13 @@ _SURFACES = 512
 _PROBE = np.array([[0.4081073, 0.8672051, 0.2853429]], np.float32)
 _PROBE /= np.linalg.norm(_PROBE)
 
-#: What points are moved by to be off a surface that they may lie on: more than the rounding of places on it, in shares of
-#: the largest coordinate, and for the origin [m].
+#: What points are moved by to be off a surface that they may lie on: more than the rounding of places on it, in
+#: shares of the largest coordinate, and for the origin [m].
 _CLEAR, _LEAST_CLEAR = 2.0**-21, 1e-9
 
 
 def cleared(points):
-    """Points (..., 3) that lie on no surface that passes through the given ones: float64, moved by a hair, all along one line."""
+    """Points (..., 3) moved by a hair, all the same way, off surfaces that pass through them: float64."""
     points = np.asarray(points, np.float64)
     return points + clearance(points)[..., None] * _PROBE[0].astype(np.float64)
 
@@ -34,8 +34,8 @@ def clearance(points):
 class Interiors:
     """Tells which medium fills the places that rays get to.
 
-    A ray's `inside` is a set of volumes, one bit each (uint64), and its `glass` whether it is inside of glass, in which fog goes
-    on. Where volumes overlap the smallest one counts.
+    A ray's `inside` is a set of volumes, one bit each (uint64), and its `glass` whether it is inside of glass, in which
+    fog goes on. Where volumes overlap the smallest one counts.
     """
 
     def __init__(self, scene):
@@ -69,7 +69,7 @@ class Interiors:
         return np.where(fronts, inside | bits, inside & ~bits)
 
     def glazed(self, glass, objects, fronts):
-        """Whether rays are inside of glass after they have crossed surfaces of it: a pane without thickness has no inside."""
+        """Whether rays are inside of glass after they crossed its surface: a pane without thickness has no inside."""
         return np.where(self._closed[objects], fronts, glass)
 
     def at(self, point):

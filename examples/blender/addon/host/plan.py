@@ -17,6 +17,9 @@ _SLICE = 32768
 #: Largest standard deviation of a filter, as a share of the side of a square as large as the picture.
 _WIDEST = 1 / 16
 
+#: Smallest share of the pixels that get an eye ray: light may be smooth, but a ray sees few beams and is noisy.
+_LEAST_DENSITY = np.float32(0.05)
+
 #: Share of the passes in which pixels with nothing to see look beyond the fog: for what is smaller than a pixel.
 _BLACK_DENSITY = np.float32(0.25)
 
@@ -51,10 +54,11 @@ class View:
         if np.ptp(self.volume) > 0 or np.ptp(starts) > 1e-4 * starts.max():
             fog = image.regions(width, height, np.where(starts > 0, starts, np.float32(1)).astype(np.float32))
             ask(poll)
-            pair = self.regions.astype(np.uint64) << np.uint64(32) | fog
-            pair = (pair << np.uint64(8)) + (self.volume + 1).astype(np.uint64)
-            _, labels = np.unique(pair, return_inverse=True)
-            self.regions = np.where((self.regions == 0) | (fog == 0), 0, labels.reshape(-1) + 1).astype(np.uint32)
+            # Only which are equal matters.
+            labels = mix(mix(self.regions.astype(np.uint64) << np.uint64(32) | fog) ^ self.volume.astype(np.uint64))
+            labels = (labels >> np.uint64(32)).astype(np.uint32) | np.uint32(1)
+            ask(poll)
+            self.regions = np.where((self.regions == 0) | (fog == 0), np.uint32(0), labels)
 
     def steps(self, at):
         """PIXEL_STEP (n, 2) of the pieces of fog of some pixels."""
@@ -110,7 +114,7 @@ class Plan:
             known = here["weight"] > 0
             if known.any():
                 self.filters[pixels[known]] = image.filters(here[known], error, widest)
-        self.density = image.densities(self.filters)
+        self.density = np.maximum(image.densities(self.filters), _LEAST_DENSITY)
 
     def wanted(self, view, pass_, seed):
         """What the pass asks each pixel for: (the fog before the first surface, what is beyond), bool. Others in each pass."""

@@ -48,6 +48,7 @@ class Settings:
     - radius: of the kernels in pass 1 [m]; 0 is automatic.
     - quality: relative bias that kernels and filters of pass 1 may cause, in (0, 1]; it falls with the passes.
     - bounces: largest number of scatterings and reflections of light, None for any.
+    - beyond: whether fog behind the first surface is rendered too, through glass and in mirrors.
     - threads: 0 for all cores.
     """
 
@@ -57,6 +58,7 @@ class Settings:
     radius: float = 0.0
     quality: float = 0.01
     bounces: int | None = None
+    beyond: bool = True
     threads: int = 0
 
 
@@ -142,6 +144,7 @@ class Session:
         clock.lap("beams")
         plan = Plan(self._view, self._scene, self._grids, kernel.error, poll)
         first, beyond = plan.wanted(self._view, number, settings.seed)
+        beyond &= settings.beyond
         clock.lap("plan")
         pieces = self._look(number, first, beyond, poll)
         clock.lap("eyes")
