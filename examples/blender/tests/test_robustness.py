@@ -13,6 +13,7 @@ import bpy
 import exr
 import harness
 import numpy as np
+import scenes_unsupported
 
 import addon
 from addon import latest
@@ -89,6 +90,25 @@ class Robustness(unittest.TestCase):
         np.testing.assert_array_equal(self.render(), first)
         bpy.context.scene.covbeam.seed = 1
         self.assertFalse(np.array_equal(self.render(), first))
+
+    def test_a_scene_with_everything_unsupported_renders_and_lists_it(self):
+        expected = scenes_unsupported.build()
+        scene = bpy.context.scene
+        scene.render.engine, scene.render.filepath = "COVBEAM", str(self.path)
+        scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 96, 64, 100
+        harness.write_exr(scene.render.image_settings)
+        scene.covbeam.passes, scene.covbeam.photons = 2, 2000
+        bpy.ops.render.render(write_still=True)
+        record = latest.get()
+        self.assertEqual((record.outcome, record.error), (latest.Outcome.DONE, ""))
+        for source, what in expected:
+            self.assertTrue(any(source in line and what in line for line in record.untranslated), (source, what))
+        # Two eyes make two pictures; either will do.
+        written = [exr.read(path) for path in self.path.parent.glob("*.exr")]
+        for channels in written:
+            for values in channels.values():
+                self.assertTrue(np.isfinite(values).all())
+        self.assertGreater(max(values.max() for name, values in written[0].items() if name.endswith("Combined.R")), 0)
 
     def test_a_border_of_any_size_fits_into_blenders_picture(self):
         scene = bpy.context.scene

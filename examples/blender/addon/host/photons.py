@@ -307,8 +307,10 @@ def _free_flight(power, extinction, u):
     share = power / power.sum(axis=1, keepdims=True)
     grey = (extinction[:, 0] == extinction[:, 1]) & (extinction[:, 1] == extinction[:, 2])
     bounds = np.cumsum(share, axis=1)
-    channel = np.where(grey, 0, np.minimum((u[:, None] >= bounds[:, :2]).sum(axis=1), 2))
     rows = np.arange(len(u))
+    channel = np.where(grey, 0, np.minimum((u[:, None] >= bounds[:, :2]).sum(axis=1), 2))
+    # Rounding of the sums may leave room for a channel without power.
+    channel = np.where(share[rows, channel] > 0, channel, power.argmax(axis=1))
     below = np.where(channel > 0, bounds[rows, channel - 1], np.float32(0))
     rest = np.where(grey, u, (u - below) / np.maximum(share[rows, channel], np.float32(1e-38)))
     rest = np.clip(rest, 0, np.float32(1 - 2.0**-24))
