@@ -1,4 +1,8 @@
-"""Build hook of the wheel: the shared library goes in, and the tag says where it runs."""
+"""Build hook of wheels: the shared library goes in, and the tag says where it runs.
+
+Its table in pyproject.toml has: package, of the workspace; library, whose module the wheel has; variable of the environment
+that names a built library.
+"""
 
 import json
 import os
@@ -10,10 +14,12 @@ from pathlib import Path
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 
-def built_library(root: Path) -> Path:
-    """Builds the library with cargo and returns where cargo has put it."""
-    command = ["cargo", "build", "--release", "--package", "covbeam-ffi", "--message-format", "json-render-diagnostics"]
-    output = subprocess.run(command, cwd=root.parent.parent, check=True, stdout=subprocess.PIPE).stdout
+def built_library(package: str, root: str) -> Path:
+    """Builds the library of a package with cargo and returns where cargo has put it."""
+    command = ["cargo", "rustc", "--release", "--package", package, "--crate-type", "cdylib"]
+    # What debuggers read would be many times the library.
+    command += ["--message-format", "json-render-diagnostics", "--", "-C", "strip=debuginfo"]
+    output = subprocess.run(command, cwd=root, check=True, stdout=subprocess.PIPE).stdout
     for line in output.splitlines():
         message = json.loads(line)
         if message["reason"] == "compiler-artifact" and "cdylib" in message["target"]["crate_types"]:
@@ -35,14 +41,15 @@ def platform_tag(library: Path) -> str:
 
 
 class LibraryHook(BuildHookInterface):
-    """Takes the library that COVBEAM_LIBRARY names; without it cargo builds one."""
+    """Takes the library that the variable names; without it cargo builds one."""
 
     def initialize(self, version, build_data):
-        given = os.environ.get("COVBEAM_LIBRARY")
+        given = os.environ.get(self.config["variable"])
         # A link such as libcovbeam.so -> libcovbeam.so.0 stands for its target.
-        library = (Path(given) if given else built_library(Path(self.root))).resolve(strict=True)
+        library = (Path(given) if given else built_library(self.config["package"], self.root)).resolve(strict=True)
         extension = next(e for e in (".so", ".dylib", ".dll") if e in library.name)
-        name = f"covbeam{extension}" if extension == ".dll" else f"libcovbeam{extension}"
-        build_data["force_include"][str(library)] = f"covbeam/{name}"
+        module = self.config["library"]
+        name = f"{module}{extension}" if extension == ".dll" else f"lib{module}{extension}"
+        build_data["force_include"][str(library)] = f"{module}/{name}"
         build_data["pure_python"] = False
         build_data["tag"] = f"py3-none-{platform_tag(library)}"

@@ -14,6 +14,9 @@ DISPLAY_SHARE = 0.1
 #: Seconds between texts in the status bar while a pass runs.
 STATUS_INTERVAL = 0.25
 
+#: How many times as long as a coarse picture a whole one takes, at most.
+COARSE = 16
+
 #: A cancelled render shows its last passes only if making the picture takes no longer than this [s].
 LAST_PICTURE = 0.1
 
@@ -29,8 +32,8 @@ class Passes:
         self.engine, self.session, self.budget, self.result = engine, session, budget, result
         self.cancelled = False
         self._start = self._told = perf_counter()
-        # Seconds spent on pictures, the latest one's, and the passes that it shows.
-        self._display = self._latest_display = 0.0
+        # Seconds spent on pictures, those that the next one is expected to take, and the passes that the latest shows.
+        self._display = self._next_display = 0.0
         self._shown = 0
 
     def run(self):
@@ -38,12 +41,15 @@ class Passes:
             while not self._enough():
                 self.session.render_pass(self._poll)
                 self._tell()
-                affordable = self._display + self._latest_display <= DISPLAY_SHARE * self._elapsed()
-                if affordable or self._enough():
+                affordable = self._display + self._next_display <= DISPLAY_SHARE * self._elapsed()
+                if self._enough():
                     self._show(self._poll)
+                elif affordable:
+                    # Something to see as soon as there is.
+                    self._show(self._poll, coarse=self._shown == 0)
         except Cancelled:
             self.cancelled = True
-            if self.session.passes > self._shown > 0 and self._latest_display <= LAST_PICTURE:
+            if self.session.passes > self._shown > 0 and self._next_display <= LAST_PICTURE:
                 self._show(None)
 
     def figures(self):
@@ -77,10 +83,10 @@ class Passes:
         self.engine.update_progress(budget.progress(done, elapsed))
         self.engine.update_stats("", f"Covbeam: pass {min(done + 1, budget.passes)} of {budget.passes}{left}")
 
-    def _show(self, poll):
+    def _show(self, poll, coarse=False):
         """Hands the picture so far to Blender."""
         start = perf_counter()
-        picture = self.session.picture(poll)
+        picture = self.session.picture(poll, coarse)
         height, width = picture.radius.shape
         # Light that is added to a picture covers nothing of it, but as a picture of its own it is opaque: alpha is 1.
         combined = np.ones((height, width, 4), np.float32)
@@ -95,6 +101,7 @@ class Passes:
             # Blender counts rows from the bottom.
             layer.rect.foreach_set(np.ascontiguousarray(values[layer.name][::-1], np.float32).reshape(-1))
         self.engine.update_result(self.result)
-        self._latest_display = perf_counter() - start
-        self._display += self._latest_display
+        taken = perf_counter() - start
+        self._next_display = COARSE * taken if coarse else taken
+        self._display += taken
         self._shown = self.session.passes

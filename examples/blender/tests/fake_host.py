@@ -82,7 +82,7 @@ class Session:
             ask(poll)
         self.passes += 1
 
-    def picture(self, poll=None):
+    def picture(self, poll=None, coarse=False):
         return picture(self.scene.camera.width, self.scene.camera.height, self.passes)
 
     def close(self):

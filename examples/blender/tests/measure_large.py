@@ -107,7 +107,7 @@ def main(words):
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
     shown = []
     show = Passes._show
-    Passes._show = lambda passes, poll: (show(passes, poll), shown.append(perf_counter()))
+    Passes._show = lambda *given, **named: (show(*given, **named), shown.append(perf_counter()))
     start = perf_counter()
     bpy.ops.render.render(write_still=True)
     latest = addon.latest.get()

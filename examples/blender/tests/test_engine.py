@@ -174,9 +174,10 @@ class Stopping(InBlender):
         self.addCleanup(setattr, fake_host.Session, "picture", picture)
         shown = []
 
-        def slow(session, poll=None):
+        def slow(session, poll=None, coarse=False):
             shown.append(session.passes)
-            time.sleep(0.03)
+            self.assertEqual(coarse, session.passes == 1)
+            time.sleep(0.03 / (16 if coarse else 1))
             return picture(session, poll)
 
         fake_host.Session.picture = slow

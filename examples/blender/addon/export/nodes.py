@@ -56,6 +56,24 @@ def follow(socket, groups=()):
             return End(node, output, groups)
 
 
+def closures(values, socket, groups, weight):
+    """The shader nodes that lead to the input `socket` by way of Add and Mix Shader nodes: (node, its groups, its share of `weight`)
+    for each whose share is not 0. values: Values."""
+    end = follow(socket, groups)
+    if weight == 0 or end.node is None:
+        return
+    node, groups = end.node, end.groups
+    if node.type == "ADD_SHADER":
+        for shader in node.inputs:
+            yield from closures(values, shader, groups, weight)
+    elif node.type == "MIX_SHADER":
+        factor = min(max(values.number(node, "Fac", groups), 0.0), 1.0)
+        yield from closures(values, node.inputs[1], groups, weight * (1 - factor))
+        yield from closures(values, node.inputs[2], groups, weight * factor)
+    else:
+        yield node, groups, weight
+
+
 class Values:
     """Values of inputs of the nodes of one `source` (such as 'Material "Wall"'); what is not constant is reported."""
 

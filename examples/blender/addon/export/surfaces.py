@@ -3,33 +3,18 @@
 
 import numpy as np
 
-from .nodes import follow
+from .nodes import closures
 from .principled import edge_of_tint, principled
 
 
 def add_surface(values, socket, groups, weight, lobes):
     """Adds the closures that lead to the shader input `socket`, times `weight`, to `lobes`. values: nodes.Values."""
-    end = follow(socket, groups)
-    if weight == 0 or end.node is None:
-        return
-    node, groups = end.node, end.groups
-    if node.type == "ADD_SHADER":
-        for shader in node.inputs:
-            add_surface(values, shader, groups, weight, lobes)
-    elif node.type == "MIX_SHADER":
-        factor = mix_factor(values, node, groups)
-        add_surface(values, node.inputs[1], groups, weight * (1 - factor), lobes)
-        add_surface(values, node.inputs[2], groups, weight * factor, lobes)
-    elif node.type in _CLOSURES:
-        _note_normal(values, node)
-        _CLOSURES[node.type](values, node, groups, weight, lobes)
-    else:
-        values.note(node.bl_label, "black there")
-
-
-def mix_factor(values, node, groups):
-    """The factor of a Mix Shader node, in [0, 1]."""
-    return min(max(values.number(node, "Fac", groups), 0.0), 1.0)
+    for node, of, share in closures(values, socket, groups, weight):
+        if node.type in _CLOSURES:
+            _note_normal(values, node)
+            _CLOSURES[node.type](values, node, of, share, lobes)
+        else:
+            values.note(node.bl_label, "black there")
 
 
 def _note_normal(values, node):

@@ -8,8 +8,7 @@ import numpy as np
 
 from ..host.scene import Volume
 from . import phases
-from .nodes import follow
-from .surfaces import mix_factor
+from .nodes import closures
 
 
 @dataclass(frozen=True)
@@ -73,21 +72,11 @@ def _phase(values, lobes):
 
 
 def _add(values, socket, groups, weight, total):
-    end = follow(socket, groups)
-    if weight == 0 or end.node is None:
-        return
-    node, groups = end.node, end.groups
-    if node.type == "ADD_SHADER":
-        for shader in node.inputs:
-            _add(values, shader, groups, weight, total)
-    elif node.type == "MIX_SHADER":
-        factor = mix_factor(values, node, groups)
-        _add(values, node.inputs[1], groups, weight * (1 - factor), total)
-        _add(values, node.inputs[2], groups, weight * factor, total)
-    elif node.type in _CLOSURES:
-        _CLOSURES[node.type](values, node, groups, weight, total)
-    else:
-        values.note(f"{node.bl_label} as a volume", "ignored")
+    for node, of, share in closures(values, socket, groups, weight):
+        if node.type in _CLOSURES:
+            _CLOSURES[node.type](values, node, of, share, total)
+        else:
+            values.note(f"{node.bl_label} as a volume", "ignored")
 
 
 def _density(values, node, groups, weight):

@@ -60,12 +60,9 @@ class EyeTracer:
         self._scene, self._interiors, self._seed = scene, interiors, seed
         camera = scene.camera
         self._start = interiors.at(camera.position)
-        count = len(scene.volumes)
-        self._extinction = np.zeros((count + 1, 3), np.float32)
-        for index, volume in enumerate(scene.volumes):
-            self._extinction[index] = volume.scattering + volume.absorption
+        self._extinction = scene.extinctions
         materials = scene.materials
-        self.boundary = (materials["transparent"] >= 1).all(axis=1)
+        self._bounds = scene.bounds
         names = ("transparent", "metal", "edge", "glass_reflection", "glass_transmission", "coat")
         #: Whether anything can be seen through or in a material.
         self.shows = np.any([materials[name].any(axis=1) for name in names], axis=0)
@@ -125,7 +122,7 @@ class EyeTracer:
         onward = np.isfinite(hit["distance"])
         material = hit["material"]
         # Before its first surface a path that is not wanted beyond it goes on through bounds only.
-        bound = self.boundary[material]
+        bound = self._bounds[material]
         onward &= self.shows[material] & (bound | (paths.signature != 0) | beyond[paths.eye])
         at = np.flatnonzero(onward)
         paths, hit, volume = paths.take(at), hit[at], volume[at]
@@ -174,7 +171,7 @@ class EyeTracer:
             paths.inside = self._interiors.crossed(paths.inside, m.hit["object"], m.front)
         if lobe == Lobe.GLASS_TRANSMISSION:
             paths.glass = self._interiors.glazed(paths.glass, m.hit["object"], m.front)
-        bound = self.boundary[m.hit["material"]]
+        bound = self._bounds[m.hit["material"]]
         kind = (m.hit["object"].astype(np.uint64) << np.uint64(3)) ^ np.uint64(lobe)
         met = np.where(bound, paths.signature, mix(paths.signature ^ kind) | np.uint64(1))
         paths.signature = met
@@ -209,7 +206,7 @@ class EyeTracer:
             number[new] = volume[of]
             pieces[at[fog]] += 1
             hits = np.isfinite(hit["distance"])
-            bound = hits & self.boundary[hit["material"]]
+            bound = hits & self._bounds[hit["material"]]
             stop = hits & ~bound
             depth[at[stop]] = end[stop]
             show[at[stop]] = self.shows[hit["material"][stop]]

@@ -11,6 +11,9 @@ from . import ask
 #: Pixels from one to the next in which radius and bandwidth are found.
 _LAYERS = 4
 
+#: Pixels from one to the next of a coarse picture.
+_COARSE = 4
+
 #: Pixels, and rows of them, that are worked on at a time: much less than a tenth of a second.
 _SLICE, _ROWS = 1 << 18, 128
 
@@ -62,12 +65,18 @@ class Film:
         self._gather += sums
         self.passes += 1
 
-    def picture(self, gather, view, filters, poll):
-        """The Picture so far, filtered with the filters of the latest pass. `gather`: a covbeam_rays.Gather."""
+    def picture(self, gather, view, filters, poll, coarse=False):
+        """The Picture so far, filtered with the filters of the latest pass. `gather`: a covbeam_rays.Gather.
+
+        `coarse`: the fog before the first surface of every _COARSE-th pixel across and down, and straight lines between them.
+        """
         width, height = self._size
+        step = _COARSE if coarse else 1
+        nodes = np.arange(width * height).reshape(height, width)[::step, ::step]
         # A pixel's sums over the passes' mean density, not each ray over its own: one from an early pass, when the grid knew
         # little and wanted few, must not outweigh all later ones (the balance heuristic).
-        volume = self._filtered(gather, view, self._volume, slice(None), filters, poll).reshape(height, width, 3)
+        volume = self._filtered(gather, view, self._volume, nodes.ravel(), filters, poll).reshape(*nodes.shape, 3)
+        volume = _enlarged(volume, step, height, width, slice(None)) if coarse else volume
         ask(poll)
         # What is beyond has no filter.
         rays = self._surfaces[:, 3:]
@@ -76,12 +85,12 @@ class Film:
         # Radius and bandwidth vary slowly: every fourth pixel is enough.
         nodes = np.arange(width * height).reshape(height, width)[::_LAYERS, ::_LAYERS]
         sums = np.concatenate([self._gather, self._volume[:, 3:]], axis=1)
-        coarse = self._filtered(gather, view, sums, nodes.ravel(), filters, poll).reshape(*nodes.shape, 3)
+        layer_sums = self._filtered(gather, view, sums, nodes.ravel(), filters, poll).reshape(*nodes.shape, 3)
         layers = np.zeros((2, height, width), np.float32)
         for start in range(0, height, _ROWS):
             ask(poll)
             rows = slice(start, start + _ROWS)
-            weight, radius, bandwidth = np.moveaxis(_enlarged(coarse, height, width, rows), 2, 0)
+            weight, radius, bandwidth = np.moveaxis(_enlarged(layer_sums, _LAYERS, height, width, rows), 2, 0)
             lit = weight > 0
             for layer, values in zip(layers, (radius, bandwidth)):
                 layer[rows] = np.where(lit, values / np.where(lit, weight, 1), 0)
@@ -101,10 +110,10 @@ class Film:
             return gather.reconstruct(reconstruction, view.pixels[at], filters[at], poll=poll)
 
 
-def _enlarged(nodes, height, width, rows):
-    """Some rows of a picture from every _LAYERS-th pixel across and down, bilinear between them."""
+def _enlarged(nodes, step, height, width, rows):
+    """Some rows of a picture from every step-th pixel across and down, bilinear between them."""
     for axis, places in ((0, np.arange(height)[rows]), (1, np.arange(width))):
-        position = np.minimum(places / _LAYERS, nodes.shape[axis] - 1)
+        position = np.minimum(places / step, nodes.shape[axis] - 1)
         low = position.astype(np.int64)
         high = np.minimum(low + 1, nodes.shape[axis] - 1)
         share = (position - low).astype(np.float32).reshape([-1 if i == axis else 1 for i in range(3)])

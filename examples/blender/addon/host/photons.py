@@ -73,18 +73,16 @@ class PhotonTracer:
         self._inside[self._sun], self._glass[self._sun] = 0, False
         count = len(scene.volumes)
         self._scattering = np.zeros((count, 3), np.float32)
-        self._extinction = np.zeros((count + 1, 3), np.float32)
         for index, volume in enumerate(scene.volumes):
             self._scattering[index] = volume.scattering
-            self._extinction[index] = volume.scattering + volume.absorption
+        self._extinction = scene.extinctions
         # A channel in which nothing is scattered shows nothing, however far its light gets.
         shows = np.zeros((count + 1, 3), bool)
         shows[:count] = self._scattering > 0
         least = np.where(shows, self._extinction, np.inf).min(axis=1)
         self._opaque = np.where(shows.any(axis=1), _OPAQUE / np.maximum(least, 1e-30), np.inf).astype(np.float32)
         self._lobes = [volume.medium.phase.angular_variance() for volume in scene.volumes]
-        boundary = (scene.materials["transparent"] >= 1).all(axis=1)
-        self._boundary = boundary
+        self._bounds = scene.bounds
 
     def _place(self, light):
         """A point of a light, on the side that shines: what a photon's start is inside of is found from there."""
@@ -195,7 +193,7 @@ class PhotonTracer:
     def _carry(self, photons, hit, volume, flight, record):
         """Records what light fields leave along whole segments, cut at silhouettes, and moves them on by the flight."""
         geometry = self._scene.geometry
-        counts, edges = geometry.edges(photons.origin, photons.direction, hit, self._boundary)
+        counts, edges = geometry.edges(photons.origin, photons.direction, hit, self._bounds)
         reach = np.minimum(hit["distance"], self._opaque[volume])
         ahead = photons.light.copy()
         extinction = self._extinction[volume].mean(axis=1)

@@ -21,7 +21,7 @@ _WIDEST = 1 / 16
 _LEAST_DENSITY = np.float32(0.05)
 
 #: Share of the passes in which pixels with nothing to see look beyond the fog: for what is smaller than a pixel.
-_BLACK_DENSITY = np.float32(0.25)
+_BLACK_DENSITY = np.float32(1 / 16)
 
 #: Keep the choices of pixels for both apart.
 _VOLUME_PURPOSE, _SURFACE_PURPOSE = 0xF0900000, 0x5AFACE00

@@ -154,3 +154,14 @@ class Scene:
     world_volume: int
     lights: list[Light]
     camera: Camera
+
+    @property
+    def extinctions(self):
+        """Extinction coefficients of the volumes [1/m], and of nothing: float32 (n + 1, 3), so that -1 is nothing's index."""
+        values = [volume.scattering + volume.absorption for volume in self.volumes]
+        return np.array([*values, np.zeros(3)], np.float32)
+
+    @property
+    def bounds(self):
+        """Which materials do nothing but bound fog: bool, (n,)."""
+        return (self.materials["transparent"] >= 1).all(axis=1)

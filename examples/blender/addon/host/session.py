@@ -109,11 +109,11 @@ class Session:
         except (covbeam.Cancelled, covbeam_rays.Cancelled):
             raise Cancelled from None
 
-    def picture(self, poll=None):
-        """The Picture of the passes done, at least one."""
+    def picture(self, poll=None, coarse=False):
+        """The Picture of the passes done, at least one. Large ones take seconds; `coarse` ones are 16 times as quick, and blurred."""
         start = perf_counter()
         try:
-            return self._film.picture(self._gather, self._view, self._filters, poll)
+            return self._film.picture(self._gather, self._view, self._filters, poll, coarse)
         except (covbeam.Cancelled, covbeam_rays.Cancelled):
             raise Cancelled from None
         finally:
