@@ -15,7 +15,7 @@ DISPLAY_SHARE = 0.1
 STATUS_INTERVAL = 0.25
 
 #: How many times as long as a coarse picture a whole one takes, at most.
-COARSE = 16
+COARSE = 32
 
 #: A cancelled render shows its last passes only if making the picture takes no longer than this [s].
 LAST_PICTURE = 0.1

@@ -177,7 +177,7 @@ class Stopping(InBlender):
         def slow(session, poll=None, coarse=False):
             shown.append(session.passes)
             self.assertEqual(coarse, session.passes == 1)
-            time.sleep(0.03 / (16 if coarse else 1))
+            time.sleep(0.03 / (32 if coarse else 1))
             return picture(session, poll)
 
         fake_host.Session.picture = slow

@@ -110,7 +110,7 @@ class Session:
             raise Cancelled from None
 
     def picture(self, poll=None, coarse=False):
-        """The Picture of the passes done, at least one. Large ones take seconds; `coarse` ones are 16 times as quick, and blurred."""
+        """The Picture of the passes done, at least one. Large ones take seconds; `coarse` ones are up to 32 times as quick, and blurred."""
         start = perf_counter()
         try:
             return self._film.picture(self._gather, self._view, self._filters, poll, coarse)
