@@ -16,11 +16,13 @@ from addon.host import Cancelled
 from addon.host.emission import Ball, Emitter
 from addon.host.eyes import EyeTracer
 from addon.host.interior import Interiors
+from addon.host.photons import PhotonTracer
+from addon.host.plan import _interpolated
 from addon.host.sampler import Sampler, sobol
 from addon.host.scene import MATERIAL, Light, LightKind
 from addon.host.session import Session, Settings
 from addon.host.surfaces import Lobe, follow, meet, weights
-from covbeam import Phase
+from covbeam import IMAGE_SPECTRUM, Phase
 
 
 def session(scene, poll=None, **settings):
@@ -249,6 +251,45 @@ class Paths(unittest.TestCase):
         # error of sqrt(0.0016 x 0.02 / 4000) = 9e-5; five of them.
         through = segments.throughput[beyond, 0].sum(dtype=np.float64) / count
         self.assertAlmostEqual(through, 0.96 / 1.04, delta=4.5e-4)
+        # In glass, radiance is the square of the index times as large: the camera sees 1/n^2 of it.
+        inside = segments.throughput[segments.region == 1]
+        self.assertAlmostEqual(float(inside.max()), 0.96 / 1.5**2, delta=1e-5)
+
+
+class Light_paths(unittest.TestCase):
+    """What photons leave."""
+
+    def test_the_normals_of_beams_point_away_from_what_they_end_at(self):
+        scene = scenes.open_glass_ball(8)
+        ball = Ball(np.zeros(3), 5.0)
+        tracer = PhotonTracer(scene, Emitter(scene.lights, ball, ball), Interiors(scene), 0)
+        # The ball covers 0.93 % of what the lamp sees: 149 paths of these meet it.
+        record = tracer.trace(0, 0, 16_000, 16_000, False, None)
+        beams = np.concatenate(record.beams[0])
+        for name, side in (("start_normal", 1), ("end_normal", -1)):
+            cosine = side * np.einsum("ij,ij->i", beams[name], beams["direction"])
+            self.assertGreater((cosine > 0.1).sum(), 50, "some beams begin or end at the ball")
+            self.assertGreaterEqual(cosine.min(), 0)
+        # Outwards from the ball, where they touch it.
+        ends = beams["end_normal"].any(axis=1)
+        at = beams["origin"][ends] + beams["length"][ends, None] * beams["direction"][ends]
+        self.assertGreater(np.einsum("ij,ij->i", at, beams["end_normal"][ends]).min(), 0)
+
+
+class Plans(unittest.TestCase):
+    """Filters of pixels."""
+
+    def test_spectra_are_bilinear_between_the_pixels_where_they_are_found(self):
+        width, height = 31, 25
+        columns, rows = np.arange(3, width, 6), np.arange(3, height, 6)
+        nodes = (rows[:, None] * width + columns).ravel()
+        y, x = (v.ravel().astype(np.float32) for v in np.mgrid[0:height, 0:width])
+        spectra = np.zeros(len(nodes), IMAGE_SPECTRUM)
+        spectra["weight"], spectra["xx"] = 1, (2 * x + 3 * y)[nodes]
+        same = np.ones(width * height, np.uint32)
+        found = _interpolated(spectra, same, nodes, columns, rows, np.arange(width * height), width, height)
+        inner = (x >= 3) & (x <= columns[-1]) & (y >= 3) & (y <= rows[-1])
+        np.testing.assert_allclose(found["xx"][inner], (2 * x + 3 * y)[inner], rtol=1e-5)
 
 
 class Sessions(unittest.TestCase):
