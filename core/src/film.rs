@@ -11,19 +11,34 @@
 //!
 //! Surfaces have spectra that the grid does not know: a host samples them on their own and adds them to the picture.
 
+mod error;
 mod filter;
+mod lattice;
 mod mask;
 mod reconstruction;
 mod regions;
 mod spectrum;
+mod sums;
+mod symmetric;
+mod verify;
 
+pub use error::standard_errors;
 pub use filter::ImageFilter;
+pub use lattice::{FilmFilterNode, FilmFilters, FilmLattice};
 pub use mask::pixel_threshold;
-pub use reconstruction::{FilmNode, FilmSample, Reconstruction};
+pub use reconstruction::{FILM_TILE, FILM_TILE_PIXELS, FilmNode, FilmPixel, FilmSample, Reconstruction};
 pub use regions::film_regions;
 pub use spectrum::{ImageSpectrum, PixelStep};
+pub use sums::{FilmSums, FilmUnit};
+pub use verify::{FilmEvidence, verify_filters};
 
 use core::fmt;
+use glam::Vec3;
+
+/// Luminance of a linear colour with Rec. 709 primaries.
+pub(crate) fn luminance(color: Vec3) -> f32 {
+    color.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+}
 
 /// Largest number of pixels across or down.
 pub(crate) const MOST_PIXELS: u32 = 1 << 16;

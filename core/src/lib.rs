@@ -50,8 +50,9 @@ pub use beam_map::{BeamMap, Contact, GatherScratch, MAX_BEAMS, Stop, Unfinished}
 pub use column::{Column, Knot};
 pub use density::{Density, DensityGrid, Derivatives, ExponentialDensity};
 pub use film::{
-    FilmNode, FilmSample, FilmSizeError, ImageFilter, ImageSpectrum, PixelStep, Reconstruction, film_regions,
-    pixel_threshold,
+    FILM_TILE, FILM_TILE_PIXELS, FilmEvidence, FilmFilterNode, FilmFilters, FilmLattice, FilmNode, FilmPixel,
+    FilmSample, FilmSizeError, FilmSums, FilmUnit, ImageFilter, ImageSpectrum, PixelStep, Reconstruction,
+    film_regions, pixel_threshold, standard_errors, verify_filters,
 };
 pub use fluence::FluenceSpectrum;
 pub use grid::{Attenuation, CovarianceGrid, FluenceCell, FluenceGrid, GridCell, GridError, GridLayout};

@@ -1,5 +1,6 @@
 //! Reconstruction filters and the density of eye rays that goes with them.
 
+use super::symmetric::Symmetric;
 use core::f32::consts::PI;
 use libm::sqrtf;
 
@@ -41,5 +42,15 @@ impl ImageFilter {
         let (xx, yy) = (self.xx + PIXEL_VARIANCE, self.yy + PIXEL_VARIANCE);
         let area = 4.0 * PI * sqrtf((xx * yy - self.xy * self.xy).max(0.0));
         if area > RAYS_A_FILTER && area < f32::INFINITY { RAYS_A_FILTER / area } else { 1.0 }
+    }
+
+    pub(super) fn matrix(&self) -> Symmetric {
+        Symmetric { xx: self.xx, xy: self.xy, yy: self.yy }
+    }
+}
+
+impl From<Symmetric> for ImageFilter {
+    fn from(Symmetric { xx, xy, yy }: Symmetric) -> Self {
+        Self { xx, xy, yy }
     }
 }

@@ -1,12 +1,13 @@
 //! The spectrum of the picture around one pixel, read off the covariance grid along its eye ray.
 
 use super::ImageFilter;
+use super::symmetric::Symmetric;
 use crate::grid::Surroundings;
 use crate::walk::{Lattice, Walk};
 use crate::{Column, Density, EyeRay, FluenceGrid, Medium};
 use core::f32::consts::PI;
 use glam::Vec3;
-use libm::{ceilf, expf, sqrtf};
+use libm::{ceilf, expf};
 
 /// Most steps along one eye ray.
 const MOST_STEPS: f32 = 1024.0;
@@ -138,12 +139,12 @@ impl ImageSpectrum {
             return ImageFilter::NONE;
         }
         let scale = error / (4.0 * PI * PI);
-        through_eigenvalues([xx, xy, yy], |variance| {
+        let filter = Symmetric { xx, xy, yy }.through_eigenvalues(|variance| {
             let most = widest * widest;
             // NaN-free where the variance is 0 or, by rounding, below.
             if variance * most > scale { scale / variance } else { most }
-        })
-        .map_or(ImageFilter::NONE, |[xx, xy, yy]| ImageFilter { xx, xy, yy })
+        });
+        filter.map_or(ImageFilter::NONE, ImageFilter::from)
     }
 
     fn mean(self) -> Self {
@@ -192,9 +193,13 @@ impl DepthShape {
             let [rx, ry] = slope.map(|slope| slope / here);
             // Hess(ρ e^-τ)/(ρ e^-τ) = Hess ρ/ρ - Hess τ + (∇ρ/ρ - ∇τ)(∇ρ/ρ - ∇τ)ᵀ - (∇ρ/ρ)(∇ρ/ρ)ᵀ.
             let entry = |index: usize, outer: f32| hessian[index] / here - self.hessian[index] + outer;
-            let relative =
-                [entry(0, gx * gx - rx * rx), entry(1, gx * gy - rx * ry), entry(2, gy * gy - ry * ry)];
-            through_eigenvalues(relative, |curvature| curvature.abs() / (4.0 * PI * PI)).unwrap_or_default()
+            let relative = Symmetric {
+                xx: entry(0, gx * gx - rx * rx),
+                xy: entry(1, gx * gy - rx * ry),
+                yy: entry(2, gy * gy - ry * ry),
+            };
+            let magnitude = relative.through_eigenvalues(|curvature| curvature.abs() / (4.0 * PI * PI));
+            magnitude.map_or([0.0; 3], |m| [m.xx, m.xy, m.yy])
         } else {
             [0.0; 3]
         };
@@ -210,22 +215,4 @@ impl DepthShape {
             *sum += depth * second;
         }
     }
-}
-
-/// The symmetric matrix \[xx, xy, yy\] with `change`d eigenvalues; None unless all of it is finite.
-fn through_eigenvalues([xx, xy, yy]: [f32; 3], change: impl Fn(f32) -> f32) -> Option<[f32; 3]> {
-    let (middle, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-    let spread = sqrtf(half * half + xy * xy);
-    let (high, low) = (middle + spread, middle - spread);
-    // Of a nearly singular matrix the difference has no digits left; determinant over the other eigenvalue has.
-    let low = if middle > 0.0 && high > 0.0 { low.max((xx * yy - xy * xy) / high) } else { low };
-    let (a, b) = (change(high), change(low));
-    // Cosine and sine of twice the angle of the first axis, and squares of those of the angle: nothing here cancels, so that the
-    // smaller of two very unequal values keeps its digits.
-    let (c, s) = if spread > 0.0 { (half / spread, xy / spread) } else { (1.0, 0.0) };
-    let large = 0.5 * (1.0 + c.abs());
-    let small = 0.25 * s * s / large;
-    let (cc, ss) = if c > 0.0 { (large, small) } else { (small, large) };
-    let changed = [a * cc + b * ss, 0.5 * (a - b) * s, a * ss + b * cc];
-    changed.iter().all(|value| value.is_finite()).then_some(changed)
 }

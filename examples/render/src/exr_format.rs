@@ -14,6 +14,9 @@ use std::io::Cursor;
 /// Names of the channels of [`Layers`]: layer.channel, as Blender, Nuke and the OpenEXR tools understand it.
 const LAYER_CHANNELS: [&str; 3] = ["radius.Y", "sigma.Y", "samples.Y"];
 
+/// Name of the channel of the standard error.
+const ERROR_CHANNEL: &str = "error.Y";
+
 /// Names of the channels of [`Maps`].
 const MAP_CHANNELS: [&str; 7] =
     ["volume.R", "volume.G", "volume.B", "filter.xx", "filter.xy", "filter.yy", "density.Y"];
@@ -28,6 +31,10 @@ pub(crate) fn encode(picture: &Picture, info: &RenderInfo) -> Result<Vec<u8>, St
         let samples = [&layers.radius, &layers.sigma, &layers.samples];
         channels
             .extend(LAYER_CHANNELS.iter().zip(samples).map(|(name, samples)| channel(name, samples.clone())));
+    }
+
+    if let Some(error) = &picture.error {
+        channels.push(channel(ERROR_CHANNEL, error.clone()));
     }
 
     if let Some(Maps { volume, filters, density }) = &picture.maps {
@@ -142,7 +149,8 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Picture, String> {
             .collect(),
         density: found[6].clone(),
     });
-    Ok(Picture { width: layer.size.0 as u32, height: layer.size.1 as u32, radiance, layers, maps })
+    let error = find(ERROR_CHANNEL, layer);
+    Ok(Picture { width: layer.size.0 as u32, height: layer.size.1 as u32, radiance, error, layers, maps })
 }
 
 #[cfg(test)]
@@ -162,14 +170,14 @@ mod tests {
         let radiance =
             (0..35 * 21).map(|i| Vec3::new(value(i), value(3 * i + 1), value(5 * i + 2))).collect();
         let layers = Layers { radius: many(9), sigma: many(99), samples: many(999) };
-        Picture { width: 35, height: 21, radiance, layers: Some(layers), maps: None }
+        Picture { width: 35, height: 21, radiance, error: Some(many(7)), layers: Some(layers), maps: None }
     }
 
     #[test]
     fn what_is_encoded_is_decoded_bit_for_bit() {
         let with = picture();
         assert_eq!(decode(&encode(&with, &info()).unwrap()).unwrap(), with);
-        let without = Picture { layers: None, ..with };
+        let without = Picture { layers: None, error: None, ..with };
         assert_eq!(decode(&encode(&without, &info()).unwrap()).unwrap(), without);
     }
 
@@ -200,7 +208,7 @@ mod tests {
         assert_eq!(get("seed"), "4294967295");
         assert_eq!(get("scene"), "Glaskugel für Ida");
         let names: Vec<String> = meta.headers[0].channels.list.iter().map(|c| c.name.to_string()).collect();
-        assert_eq!(names, ["B", "G", "R", "radius.Y", "samples.Y", "sigma.Y"]);
+        assert_eq!(names, ["B", "G", "R", "error.Y", "radius.Y", "samples.Y", "sigma.Y"]);
     }
 
     #[test]

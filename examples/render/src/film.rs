@@ -1,51 +1,53 @@
 //! What the passes add up to, with the same bits in whatever order they come.
 
 use crate::plan::{Plan, Wanted};
-use covbeam::{FilmNode, FilmSample, ImageFilter, Reconstruction};
+use covbeam::{
+    FILM_TILE, FILM_TILE_PIXELS, FilmEvidence, FilmFilters, FilmNode, FilmPixel, FilmSample, FilmSums,
+    FilmUnit, ImageFilter, Reconstruction, standard_errors, verify_filters,
+};
 use glam::Vec3;
 use rayon::prelude::*;
 
 /// One pass' picture, row by row from the upper left pixel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PassImage {
+    /// Number of the pass, counted from 1.
+    pub pass: u32,
     /// Pixels across.
     pub width: u32,
     /// Pixels down.
     pub height: u32,
     /// Estimate of radiance [W/(m² sr)]; empty where not every pixel has an eye ray.
     pub radiance: Vec<Vec3>,
+    /// Per pixel, over accepted pairs with contribution c (luminance): Σ c, Σ c·radius, Σ c·σ, number of pairs.
+    /// Empty for methods that gather nothing (light-trace), and where not every pixel has an eye ray.
+    pub gather: Vec<[f32; 4]>,
     /// The eye rays, where not every pixel has one.
     pub sparse: Option<SparseSamples>,
-    /// Per pixel, over accepted pairs with contribution c (luminance): Σ c, Σ c·radius, Σ c·σ, number of pairs.
-    /// Empty for methods that gather nothing (light-trace).
-    pub gather: Vec<[f32; 4]>,
 }
 
-/// What few eye rays saw, one value a pixel.
+/// What few eye rays saw.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SparseSamples {
-    /// The fog before the first surface, which is filtered as `plan` says: radiance, and 1 if there was an eye ray.
-    pub volume: Vec<FilmSample>,
-    /// Surfaces, and all that is seen through and in them.
-    pub surfaces: Vec<FilmSample>,
     /// The plan that the eye rays were chosen by.
     pub plan: Plan,
+    /// At most one a pixel.
+    pub samples: Vec<SparseSample>,
 }
 
-impl SparseSamples {
-    /// Without any eye rays yet.
-    pub fn new(plan: Plan) -> Self {
-        let none = vec![FilmSample::default(); plan.filters().len()];
-        Self { volume: none.clone(), surfaces: none, plan }
-    }
-
-    /// Sets what an eye ray through a pixel saw of what was wanted from it.
-    pub fn set(&mut self, pixel: usize, wanted: Wanted, volume: Vec3, surfaces: Vec3) {
-        let sample =
-            |radiance: Vec3, wanted: bool| FilmSample { radiance, weight: f32::from(u8::from(wanted)) };
-        self.volume[pixel] = sample(volume, wanted.volume);
-        self.surfaces[pixel] = sample(surfaces, wanted.surfaces);
-    }
+/// What one eye ray saw of what was wanted from it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SparseSample {
+    /// Number of the pixel.
+    pub pixel: u32,
+    /// What it was asked for.
+    pub wanted: Wanted,
+    /// The fog before the first surface, which is filtered as the plan says.
+    pub volume: Vec3,
+    /// Surfaces, and all that is seen through and in them.
+    pub surfaces: Vec3,
+    /// As [`PassImage::gather`].
+    pub gather: [f32; 4],
 }
 
 /// A finished picture, row by row from the upper left pixel.
@@ -57,6 +59,9 @@ pub struct Picture {
     pub height: u32,
     /// Radiance [W/(m² sr)], linear, Rec. 709 primaries.
     pub radiance: Vec<Vec3>,
+    /// Standard error of each pixel's luminance, from the two halves of the passes; None for a single pass and for pictures of
+    /// other programs.
+    pub error: Option<Vec<f32>>,
     /// What the gather did; None for methods that gather nothing and for pictures of other programs.
     pub layers: Option<Layers>,
     /// Where the eye rays were; None if every pixel had one in each pass.
@@ -80,7 +85,7 @@ pub struct Layers {
 pub struct Maps {
     /// The fog before the first surface, through the filters [W/(m² sr)].
     pub volume: Vec<Vec3>,
-    /// The filters of the latest pass.
+    /// The filters of the latest pass, as far as the samples agree with them.
     pub filters: Vec<ImageFilter>,
     /// Eye rays a pixel in the latest pass.
     pub density: Vec<f32>,
@@ -103,8 +108,8 @@ pub enum FilmError {
     },
     /// The pass is not a picture of this film.
     #[error(
-        "a pass of {width} x {height} pixels ({radiance} of radiance, {sparse} of eye rays, {gather} of gather sums) does not fit a film of \
-         {film_width} x {film_height}"
+        "a pass of {width} x {height} pixels ({radiance} of radiance, {planned} of planned eye rays, {gather} of gather sums) does not fit a film \
+         of {film_width} x {film_height}"
     )]
     Size {
         /// Pixels across, of the pass.
@@ -113,8 +118,8 @@ pub enum FilmError {
         height: u32,
         /// Values of radiance it holds.
         radiance: usize,
-        /// Values of few eye rays it holds.
-        sparse: usize,
+        /// Pixels that its eye rays were planned for.
+        planned: usize,
         /// Gather sums it holds.
         gather: usize,
         /// Pixels across, of the film.
@@ -126,45 +131,52 @@ pub enum FilmError {
 
 /// Adds up passes exactly.
 ///
-/// Every value is rounded once to a multiple of 2⁻⁸⁰ (8e-25) and summed as an integer of 128 bits, so the sum does not
-/// depend on the order of the passes. An f32 of 2⁻⁵⁶ (1.4e-17) or more is kept whole. Sums stop at 2⁴⁷ (1.4e14), which
-/// a picture in any sane unit does not reach; because no term is negative, that too is independent of the order.
-/// Costs 48 bytes a pixel, or 144 where not every pixel has an eye ray in each pass; and 64 more where passes have gather sums.
+/// Every value is rounded once to a multiple of the film's unit and summed as a whole number, so the sum does not depend on
+/// the order of the passes ([`FilmUnit`]); because no term is negative, that holds for sums that stop at the largest number too.
+/// Costs 40 bytes a pixel, or 88 where not every pixel has an eye ray in each pass; and 32 more where passes have gather sums.
 #[derive(Clone, Debug)]
 pub struct Film {
     width: u32,
     height: u32,
+    unit: FilmUnit,
     passes: u32,
-    radiance: Vec<[i128; 3]>,
-    gather: Vec<[i128; 4]>,
-    volume: Vec<[i128; 4]>,
-    surfaces: Vec<[i128; 4]>,
-    density: Vec<[i128; 1]>,
+    odd_passes: u32,
+    /// What pixels keep to themselves: all of the light, or, with planned eye rays, that from beyond the first surface.
+    own: Vec<FilmSums>,
+    /// With planned eye rays: the fog before the first surface.
+    volume: Vec<FilmSums>,
+    density: Vec<u64>,
+    gather: Vec<[i64; 4]>,
     /// Of the latest pass, in the order of their numbers.
     plan: Option<Plan>,
 }
 
-/// 2⁸⁰: units of the fixed-point sums in 1.
-const UNITS: f64 = (1_u128 << 80) as f64;
+/// Units of the sums of densities and of gather sums in 1.
+const UNITS: f64 = (1_u64 << 32) as f64;
 
-const RADIANCE_NAMES: [&str; 3] = ["red radiance", "green radiance", "blue radiance"];
 const FITS: &str = "the film's size is that of the plan";
-const SAMPLE_NAMES: [&str; 4] = ["red radiance", "green radiance", "blue radiance", "weight of eye rays"];
+const RADIANCE_NAMES: [&str; 3] = ["red radiance", "green radiance", "blue radiance"];
 const GATHER_NAMES: [&str; 4] =
     ["gathered contribution", "contribution x radius", "contribution x σ", "pairs"];
 
 impl Film {
-    /// A film without passes, of `width` x `height` pixels.
+    /// A film without passes, of `width` x `height` pixels, for radiance around 1, give or take a factor of a thousand.
     pub fn new(width: u32, height: u32) -> Self {
+        Self::of_radiance(width, height, 1.0)
+    }
+
+    /// The same for a radiance that is typical of the picture ([`crate::scene::Scene::typical_radiance`]).
+    pub fn of_radiance(width: u32, height: u32, typical: f32) -> Self {
         Self {
             width,
             height,
+            unit: FilmUnit::new(typical),
             passes: 0,
-            radiance: Vec::new(),
-            gather: Vec::new(),
+            odd_passes: 0,
+            own: Vec::new(),
             volume: Vec::new(),
-            surfaces: Vec::new(),
             density: Vec::new(),
+            gather: Vec::new(),
             plan: None,
         }
     }
@@ -185,148 +197,205 @@ impl Film {
     /// size or with gather sums where earlier ones had none; the film is then unchanged.
     pub fn add(&mut self, pass: &PassImage) -> Result<(), FilmError> {
         self.check(pass)?;
-        add_all(&mut self.radiance, pass.radiance.iter().map(Vec3::to_array));
-        add_all(&mut self.gather, pass.gather.iter().copied());
-        if let Some(SparseSamples { volume, surfaces, plan }) = &pass.sparse {
-            add_all(&mut self.volume, volume.iter().map(numbers));
-            add_all(&mut self.surfaces, surfaces.iter().map(numbers));
-            add_all(&mut self.density, plan.filters().iter().map(|filter| [filter.density()]));
+        let odd = pass.pass % 2 == 1;
+        let pixels = self.pixels();
+        self.own.resize(pixels, FilmSums::default());
+        let unit = self.unit;
+        for (sums, radiance) in self.own.iter_mut().zip(&pass.radiance) {
+            sums.add(&unit, *radiance, odd);
+        }
+        if !pass.gather.is_empty() {
+            self.gather.resize(pixels, [0; 4]);
+            self.gather.iter_mut().zip(&pass.gather).for_each(|(sums, values)| add_exactly(sums, *values));
+        }
+        if let Some(SparseSamples { plan, samples }) = &pass.sparse {
+            self.volume.resize(pixels, FilmSums::default());
+            self.density.resize(pixels, 0);
+            self.gather.resize(pixels, [0; 4]);
+            for SparseSample { pixel, wanted, volume, surfaces, gather } in samples {
+                let pixel = *pixel as usize;
+                if wanted.volume {
+                    self.volume[pixel].add(&unit, *volume, odd);
+                }
+                if wanted.surfaces {
+                    self.own[pixel].add(&unit, *surfaces, odd);
+                }
+                add_exactly(&mut self.gather[pixel], *gather);
+            }
+            for (sum, density) in self.density.iter_mut().zip(plan.density()) {
+                *sum += (f64::from(*density) * UNITS).round_ties_even() as u64;
+            }
             if self.plan.as_ref().is_none_or(|latest| latest.pass() < plan.pass()) {
                 self.plan = Some(plan.clone());
             }
         }
         self.passes += 1;
+        self.odd_passes += u32::from(odd);
         Ok(())
     }
 
     /// The mean of the passes; black without any. Where not every pixel had an eye ray, the fog before the first surface is
-    /// reconstructed with the filters of the latest pass.
+    /// reconstructed with the filters of the latest pass, as far as the two halves of the passes agree with them.
     pub fn picture(&self) -> Picture {
         let passes = f64::from(self.passes.max(1));
-        let mean = |sum: &i128| (*sum as f64 / UNITS / passes) as f32;
-        let share =
-            |sum: i128, whole: i128| if whole == 0 { 0.0 } else { (sum as f64 / whole as f64) as f32 };
-        let (radiance, maps) = match &self.plan {
+        let (mut pixels, maps) = match &self.plan {
             Some(plan) => {
-                let (radiance, maps) = self.reconstruct(plan);
-                (radiance, Some(maps))
+                let (pixels, maps) = self.reconstruct(plan);
+                (pixels, Some(maps))
             }
-            None if self.passes == 0 => (vec![Vec3::ZERO; self.pixels()], None),
-            None => (self.radiance.iter().map(|s| Vec3::from(s.each_ref().map(mean))).collect(), None),
+            None => (vec![FilmPixel::default(); self.pixels()], None),
         };
+        self.add_own(&mut pixels);
+        let halves = self.odd_passes > 0 && self.odd_passes < self.passes;
+        let error = halves.then(|| {
+            let mut error = vec![0.0; pixels.len()];
+            let rows = error.par_chunks_mut(self.width as usize).enumerate();
+            rows.for_each(|(row, out)| {
+                standard_errors(self.width, self.height, &pixels, row as u32, out).expect(FITS);
+            });
+            error
+        });
+        let share = |sum: i64, whole: i64| if whole == 0 { 0.0 } else { (sum as f64 / whole as f64) as f32 };
         let layers = (!self.gather.is_empty()).then(|| Layers {
             radius: self.gather.iter().map(|s| share(s[1], s[0])).collect(),
             sigma: self.gather.iter().map(|s| share(s[2], s[0])).collect(),
-            samples: self.gather.iter().map(|s| mean(&s[3])).collect(),
+            samples: self.gather.iter().map(|s| (s[3] as f64 / UNITS / passes) as f32).collect(),
         });
-        Picture { width: self.width, height: self.height, radiance, layers, maps }
+        let radiance = pixels.iter().map(|pixel| pixel.radiance).collect();
+        Picture { width: self.width, height: self.height, radiance, error, layers, maps }
     }
 
-    fn reconstruct(&self, plan: &Plan) -> (Vec<Vec3>, Maps) {
+    /// The fog before the first surface.
+    fn reconstruct(&self, plan: &Plan) -> (Vec<FilmPixel>, Maps) {
         let (width, height) = (self.width, self.height);
-        let sums = self.volume.iter().zip(&self.density);
-        let samples: Vec<FilmSample> = sums.map(|(sums, [density])| expected(sums, *density)).collect();
-        let nodes_len = Reconstruction::node_count(width, height);
-        let mut nodes = vec![FilmNode::default(); nodes_len];
+        let sums = self.volume.par_iter().zip(&self.density);
+        let samples: Vec<FilmSample> =
+            sums.map(|(sums, density)| sums.sample(&self.unit, *density as f64 / UNITS)).collect();
+        let mut nodes = vec![FilmNode::default(); Reconstruction::node_count(width, height)];
         let regions = plan.surfaces().regions();
         let volume = Reconstruction::new(width, height, &samples, regions, &mut nodes).expect(FITS);
-        // Without a filter a pixel keeps to its own eye rays, or takes the nearest ones as long as it has none.
-        let mut surface_nodes = vec![FilmNode::default(); nodes_len];
-        let surfaces: Vec<FilmSample> = self.surfaces.iter().map(|sums| expected(sums, sums[3])).collect();
-        let surfaces =
-            Reconstruction::new(width, height, &surfaces, regions, &mut surface_nodes).expect(FITS);
-        let filters = plan.filters();
-        let pixels = filters.par_iter().enumerate().map(|(pixel, filter)| {
-            let (x, y) = (pixel as u32 % width, pixel as u32 / width);
-            let fog = volume.pixel(x, y, filter);
-            (fog + surfaces.pixel(x, y, &ImageFilter::NONE), fog)
+
+        let lattice = plan.surfaces().lattice();
+        let mut verified = plan.nodes().to_vec();
+        let predicted = plan.filters();
+        let evidence: Vec<FilmEvidence> =
+            (0..verified.len()).into_par_iter().map(|node| predicted.evidence(node, &volume)).collect();
+        verify_filters(lattice, &evidence, &mut verified).expect(FITS);
+        let filters = FilmFilters::of(*lattice, regions, &verified).expect(FITS);
+
+        let mut pixels = vec![FilmPixel::default(); self.pixels()];
+        let rows = pixels.par_chunks_mut((width * FILM_TILE) as usize).enumerate();
+        rows.for_each(|(row, pixels)| {
+            let mut tile = [FilmPixel::default(); FILM_TILE_PIXELS];
+            for x in (0..width).step_by(FILM_TILE as usize) {
+                volume.tile(x, row as u32 * FILM_TILE, &filters, &mut tile);
+                for (line, tile) in pixels.chunks_mut(width as usize).zip(tile.chunks(FILM_TILE as usize)) {
+                    for (pixel, found) in line[x as usize..].iter_mut().zip(tile) {
+                        *pixel = *found;
+                    }
+                }
+            }
         });
-        let (radiance, volume): (Vec<_>, Vec<_>) = pixels.unzip();
-        let density = filters.iter().map(ImageFilter::density).collect();
-        (radiance, Maps { volume, filters: filters.to_vec(), density })
+        let all = (0..self.pixels() as u32).into_par_iter();
+        let maps = Maps {
+            volume: pixels.iter().map(|pixel| pixel.radiance).collect(),
+            filters: all.map(|pixel| filters.filter(pixel % width, pixel / width)).collect(),
+            density: plan.density().to_vec(),
+        };
+        (pixels, maps)
+    }
+
+    /// Adds the light that pixels keep to themselves. Pixels without an eye ray for it take that of the nearest ones as long as they have
+    /// none.
+    fn add_own(&self, pixels: &mut [FilmPixel]) {
+        if self.own.is_empty() {
+            return;
+        }
+        let mean = |sums: &FilmSums| sums.sample(&self.unit, f64::from(sums.rays()));
+        let around = self.plan.as_ref().map(|plan| {
+            let samples: Vec<FilmSample> = self.own.iter().map(mean).collect();
+            let nodes = vec![FilmNode::default(); Reconstruction::node_count(self.width, self.height)];
+            (samples, nodes, plan.surfaces().regions())
+        });
+        let add = |pixel: &mut FilmPixel, own: FilmSample| {
+            pixel.radiance += own.radiance / own.weight;
+            pixel.difference += own.halves().map_or(0.0, |[odd, even]| odd - even);
+        };
+        match around {
+            None => pixels.iter_mut().zip(&self.own).for_each(|(pixel, sums)| add(pixel, mean(sums))),
+            Some((samples, mut nodes, regions)) => {
+                let around =
+                    Reconstruction::new(self.width, self.height, &samples, regions, &mut nodes).expect(FITS);
+                pixels.par_iter_mut().enumerate().for_each(|(index, pixel)| {
+                    if samples[index].weight > 0.0 {
+                        add(pixel, samples[index]);
+                    } else {
+                        let (x, y) = (index as u32 % self.width, index as u32 / self.width);
+                        pixel.radiance += around.nearby(x, y);
+                    }
+                });
+            }
+        }
     }
 
     fn check(&self, pass: &PassImage) -> Result<(), FilmError> {
         let pixels = self.pixels();
         let first = self.passes == 0;
         let is_sparse = if first { pass.sparse.is_some() } else { self.plan.is_some() };
-        let gather = if first { pass.gather.len() } else { self.gather.len() };
-        let radiance = if is_sparse { 0 } else { pixels };
+        let has_gather = if first { !pass.gather.is_empty() } else { !is_sparse && !self.gather.is_empty() };
+        let expected = |wanted: bool| if wanted { pixels } else { 0 };
+        let planned = pass.sparse.as_ref().map_or(0, |sparse| sparse.plan.density().len());
         let fits = (pass.width, pass.height) == (self.width, self.height)
-            && pass.radiance.len() == radiance
+            && pass.radiance.len() == expected(!is_sparse)
             && pass.sparse.is_some() == is_sparse
-            && pass.sparse.as_ref().is_none_or(|sparse| {
-                [sparse.volume.len(), sparse.surfaces.len(), sparse.plan.filters().len()] == [pixels; 3]
-            })
-            && pass.gather.len() == gather
-            && (gather == 0 || gather == pixels);
+            && planned == expected(is_sparse)
+            && pass.gather.len() == expected(has_gather);
         if !fits {
             return Err(FilmError::Size {
                 width: pass.width,
                 height: pass.height,
                 radiance: pass.radiance.len(),
-                sparse: pass.sparse.as_ref().map_or(0, |sparse| sparse.volume.len()),
+                planned,
                 gather: pass.gather.len(),
                 film_width: self.width,
                 film_height: self.height,
             });
         }
-        let radiance = pass.radiance.iter().map(|v| v.to_array());
-        self.check_values(radiance, RADIANCE_NAMES)?;
-        if let Some(SparseSamples { volume, surfaces, .. }) = &pass.sparse {
-            self.check_values(volume.iter().map(numbers), SAMPLE_NAMES)?;
-            self.check_values(surfaces.iter().map(numbers), SAMPLE_NAMES)?;
+        let numbered = |index: usize| index as u32;
+        for (index, radiance) in pass.radiance.iter().enumerate() {
+            self.check_values(numbered(index), radiance.to_array(), RADIANCE_NAMES)?;
         }
-        self.check_values(pass.gather.iter().copied(), GATHER_NAMES)
+        for (index, gather) in pass.gather.iter().enumerate() {
+            self.check_values(numbered(index), *gather, GATHER_NAMES)?;
+        }
+        for sample in pass.sparse.iter().flat_map(|sparse| &sparse.samples) {
+            self.check_values(sample.pixel, sample.volume.to_array(), RADIANCE_NAMES)?;
+            self.check_values(sample.pixel, sample.surfaces.to_array(), RADIANCE_NAMES)?;
+            self.check_values(sample.pixel, sample.gather, GATHER_NAMES)?;
+        }
+        Ok(())
     }
 
     fn check_values<const N: usize>(
         &self,
-        values: impl Iterator<Item = [f32; N]>,
+        pixel: u32,
+        values: [f32; N],
         names: [&'static str; N],
     ) -> Result<(), FilmError> {
-        for (pixel, values) in (0_u32..).zip(values) {
-            for (value, what) in values.into_iter().zip(names) {
-                if !value.is_finite() || value < 0.0 {
-                    return Err(FilmError::BadValue {
-                        x: pixel % self.width,
-                        y: pixel / self.width,
-                        what,
-                        value,
-                    });
-                }
+        for (value, what) in values.into_iter().zip(names) {
+            if !value.is_finite() || value < 0.0 {
+                let (x, y) = (pixel % self.width, pixel / self.width);
+                return Err(FilmError::BadValue { x, y, what, value });
             }
         }
         Ok(())
     }
 }
 
-fn numbers(sample: &FilmSample) -> [f32; 4] {
-    let [red, green, blue] = sample.radiance.to_array();
-    [red, green, blue, sample.weight]
-}
-
-/// A pixel's sums over their expected number of eye rays. A mean over the passes' densities, not each ray over its own: a ray from an
-/// early pass, when the grid knew little and wanted few, must not outweigh all later ones (the balance heuristic).
-fn expected([red, green, blue, rays]: &[i128; 4], density: i128) -> FilmSample {
-    if density == 0 {
-        return FilmSample::default();
-    }
-    let share = |sum: &i128| (*sum as f64 / density as f64) as f32;
-    FilmSample { radiance: Vec3::new(share(red), share(green), share(blue)), weight: share(rays) }
-}
-
-fn add_all<const N: usize>(sums: &mut Vec<[i128; N]>, values: impl ExactSizeIterator<Item = [f32; N]>) {
-    sums.resize(values.len(), [0; N]);
-    for (sums, values) in sums.iter_mut().zip(values) {
-        add_exactly(sums, values);
-    }
-}
-
-fn add_exactly<const N: usize>(sums: &mut [i128; N], values: [f32; N]) {
+fn add_exactly<const N: usize>(sums: &mut [i64; N], values: [f32; N]) {
     for (sum, value) in sums.iter_mut().zip(values) {
-        // The product is exact (a power of two, far from f64's limits); `as` stops at i128's limits.
-        let units = (f64::from(value) * UNITS).round_ties_even() as i128;
+        // The product is exact (a power of two, far from f64's limits); `as` stops at i64's limits.
+        let units = (f64::from(value) * UNITS).round_ties_even() as i64;
         *sum = sum.saturating_add(units);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::compare::luminance;
 use crate::eye::{EyeSegment, EyeTracer};
-use crate::film::{PassImage, SparseSamples};
+use crate::film::{PassImage, SparseSample, SparseSamples};
 use crate::first_hits::FirstHits;
 use crate::fog::Fog;
 use crate::optics::Interior;
@@ -170,21 +170,23 @@ impl Marcher<'_> {
                 Some(Row { pixels: row, seconds: start.elapsed().as_secs_f64() })
             })
             .collect();
-        let mut image = PassImage { width, height, ..PassImage::default() };
-        let mut sparse = self.plan.clone().map(SparseSamples::new);
+        let mut image = PassImage { pass: self.key[1], width, height, ..PassImage::default() };
+        let mut samples = Vec::new();
         let mut all_rays = self.guide.map_or(0, |guide| guide.first_hits.iter().map(FirstHits::rays).sum());
-        for (y, Row { pixels, seconds: time }) in rows?.into_iter().enumerate() {
+        for (y, Row { pixels, seconds: time }) in (0..).zip(rows?) {
             seconds += time;
-            for (x, Found { wanted, volume, surfaces, shadow_rays }) in pixels.into_iter().enumerate() {
-                match &mut sparse {
-                    Some(sparse) => sparse.set(y * width as usize + x, wanted, volume, surfaces),
-                    None => image.radiance.push(volume + surfaces),
+            for (x, Found { wanted, volume, surfaces, shadow_rays }) in (0..).zip(pixels) {
+                let gather = [0.0, 0.0, 0.0, shadow_rays as f32];
+                if self.plan.is_none() {
+                    image.radiance.push(volume + surfaces);
+                    image.gather.push(gather);
+                } else if !wanted.is_nothing() {
+                    samples.push(SparseSample { pixel: y * width + x, wanted, volume, surfaces, gather });
                 }
-                image.gather.push([0.0, 0.0, 0.0, shadow_rays as f32]);
                 all_rays += u64::from(shadow_rays);
             }
         }
-        image.sparse = sparse;
+        image.sparse = self.plan.clone().map(|plan| SparseSamples { plan, samples });
         Some((image, seconds, all_rays))
     }
 

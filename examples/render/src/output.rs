@@ -227,7 +227,14 @@ mod tests {
     use glam::Vec3;
 
     fn picture(width: u32, radiance: Vec<Vec3>) -> Picture {
-        Picture { width, height: radiance.len() as u32 / width, radiance, layers: None, maps: None }
+        Picture {
+            width,
+            height: radiance.len() as u32 / width,
+            radiance,
+            error: None,
+            layers: None,
+            maps: None,
+        }
     }
 
     #[test]

@@ -362,7 +362,7 @@ impl<'a> Renderer<'a> {
         };
         let start = Instant::now();
         let plan = has_spectra.then(|| lookup(&self.resolved));
-        let plan = plan.and_then(|grid| self.plan(index, radius.error, &grid));
+        let plan = plan.and_then(|grid| self.plan(index, radius.error, self.photons, &grid));
         times.plan = start.elapsed().as_secs_f64();
 
         let start = Instant::now();
@@ -409,10 +409,10 @@ impl<'a> Renderer<'a> {
     }
 
     /// Where the pass needs eye rays; None: everywhere.
-    fn plan(&self, index: u32, error: f32, grid: &FluenceGrid) -> Option<Plan> {
+    fn plan(&self, index: u32, error: f32, beams: u32, grid: &FluenceGrid) -> Option<Plan> {
         let surfaces = Arc::clone(self.surfaces.as_ref()?);
         let fog = &self.fogs[self.camera.medium(self.scene)? as usize];
-        Some(Plan::new(surfaces, index, error, grid, fog))
+        Some(Plan::new(surfaces, index, error, beams, grid, fog))
     }
 
     fn march(&mut self, index: u32, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<(PassImage, PassTimes)> {
@@ -434,7 +434,7 @@ impl<'a> Renderer<'a> {
             Guide::new(scene, grid, self.marching.samples, key)
         });
         let error = error_bound(scene.settings.error, index);
-        let plan = guide.as_ref().and_then(|guide| self.plan(index, error, &guide.grid));
+        let plan = guide.as_ref().and_then(|guide| self.plan(index, error, 0, &guide.grid));
         times.plan = start.elapsed().as_secs_f64();
         let marcher = Marcher {
             scene,
@@ -466,7 +466,7 @@ impl<'a> Renderer<'a> {
             radiance[splat.pixel as usize] += splat.radiance;
         }
         let times = PassTimes { trace: seconds, ..PassTimes::default() };
-        Some((PassImage { width, height, radiance, ..PassImage::default() }, times))
+        Some((PassImage { pass: index, width, height, radiance, ..PassImage::default() }, times))
     }
 }
 

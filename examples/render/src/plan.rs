@@ -5,15 +5,14 @@ use crate::fog::Fog;
 use crate::geometry::Hit;
 use crate::random::mix;
 use crate::scene::{Material, Scene};
-use covbeam::{EyeRay, FluenceGrid, ImageFilter, ImageSpectrum, film_regions, pixel_threshold};
+use covbeam::{
+    EyeRay, FilmFilterNode, FilmFilters, FilmLattice, FluenceGrid, ImageSpectrum, film_regions,
+    pixel_threshold,
+};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// The picture's spectrum is found for every sixth pixel across and down, and interpolated between them: voxels are larger.
-const SPACING: u32 = 6;
-
-/// Largest standard deviation of a filter, as a share of the side of a square as large as the picture.
-const WIDEST_SHARE: f32 = 1.0 / 16.0;
+const FITS: &str = "as many nodes and regions as the picture asks for";
 
 /// Share of the passes in which pixels with nothing to see look beyond the fog.
 const BLACK_DENSITY: f32 = 0.25;
@@ -50,6 +49,7 @@ pub struct FirstSurfaces {
     /// Whether it is black, or there is none.
     black: Vec<bool>,
     regions: Vec<u32>,
+    lattice: FilmLattice,
 }
 
 impl FirstSurfaces {
@@ -70,12 +70,19 @@ impl FirstSurfaces {
         let mut regions = vec![0; pixels as usize];
         film_regions(camera.width, camera.height, &depth, &mut regions)
             .expect("a scene's picture is not too large");
-        Self { camera, depth, black, regions }
+        let lattice =
+            FilmLattice::new(camera.width, camera.height).expect("a scene's picture is not too large");
+        Self { camera, depth, black, regions, lattice }
     }
 
     /// The region of each pixel, as [`film_regions`] numbers them.
     pub fn regions(&self) -> &[u32] {
         &self.regions
+    }
+
+    /// Where the picture's spectrum is found.
+    pub fn lattice(&self) -> &FilmLattice {
+        &self.lattice
     }
 
     fn ray(&self, x: u32, y: u32) -> EyeRay {
@@ -90,49 +97,50 @@ fn middle(camera: &Camera, x: u32, y: u32) -> glam::Vec3 {
     camera.direction(x as f32 + 0.5, y as f32 + 0.5)
 }
 
-/// The spectrum of the picture's first piece of fog, and the filters that follow from it.
+/// The filters of the picture's first piece of fog, and the eye rays that it needs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     surfaces: Arc<FirstSurfaces>,
     pass: u32,
+    /// One for each node of the lattice.
+    nodes: Arc<Vec<FilmFilterNode>>,
     /// One a pixel.
-    filters: Arc<Vec<ImageFilter>>,
-}
-
-/// The picture's spectrum at some pixels.
-struct Lattice<'a> {
-    surfaces: &'a FirstSurfaces,
-    /// Number of them across.
-    across: u32,
-    spectra: Vec<ImageSpectrum>,
+    density: Arc<Vec<f32>>,
 }
 
 impl Plan {
     /// Reads the spectrum off the grid.
     ///
     /// - `pass`: which pass' grid it is; `error`: relative bias that a filter may cause in it.
-    /// - `fog`: what the camera is in.
-    pub fn new(surfaces: Arc<FirstSurfaces>, pass: u32, error: f32, grid: &FluenceGrid, fog: &Fog) -> Self {
+    /// - `paths`: light paths of the pass; `fog`: what the camera is in.
+    pub fn new(
+        surfaces: Arc<FirstSurfaces>,
+        pass: u32,
+        error: f32,
+        paths: u32,
+        grid: &FluenceGrid,
+        fog: &Fog,
+    ) -> Self {
         let camera = &surfaces.camera;
-        let (across, down) = (camera.width.div_ceil(SPACING), camera.height.div_ceil(SPACING));
-        let spectra = (0..across * down)
+        let lattice = surfaces.lattice;
+        let spectra: Vec<ImageSpectrum> = (0..lattice.node_count())
             .into_par_iter()
             .map_init(Vec::new, |knots, node| {
-                let [x, y] = place(camera, [node % across, node / across]);
+                let [x, y] = lattice.pixel(node);
                 let ray = surfaces.ray(x, y);
                 let steps = camera.pixel_steps(ray.direction);
                 let column = fog.column(ray.origin, ray.direction, ray.length, knots);
                 ImageSpectrum::along(&ray, &steps, grid, fog.medium, &fog.density, &column)
             })
             .collect();
-        let widest = WIDEST_SHARE * (camera.width as f32 * camera.height as f32).sqrt();
-        let lattice = Lattice { surfaces: &surfaces, across, spectra };
-        let filters = (0..camera.width * camera.height).into_par_iter().map(|pixel| {
-            let spectrum = lattice.spectrum(pixel % camera.width, pixel / camera.width);
-            spectrum.map_or(ImageFilter::NONE, |spectrum| spectrum.filter(error, widest))
-        });
-        let filters = Arc::new(filters.collect());
-        Self { pass, filters, surfaces }
+        let mut nodes = vec![FilmFilterNode::default(); lattice.node_count()];
+        let filters = FilmFilters::new(lattice, &surfaces.regions, &spectra, error, &mut nodes).expect(FITS);
+        let least = lattice.least_density(paths);
+        let density = (0..camera.width * camera.height)
+            .into_par_iter()
+            .map(|pixel| filters.filter(pixel % camera.width, pixel / camera.width).density().max(least))
+            .collect();
+        Self { pass, nodes: Arc::new(nodes), density: Arc::new(density), surfaces }
     }
 
     /// The pass whose grid this was read from.
@@ -145,9 +153,19 @@ impl Plan {
         &self.surfaces
     }
 
-    /// The filter of each pixel, row by row: none next to a silhouette, and where the grid has no opinion.
-    pub fn filters(&self) -> &[ImageFilter] {
-        &self.filters
+    /// The filters: none next to a silhouette, and where the grid has no data.
+    pub fn filters(&self) -> FilmFilters<'_> {
+        FilmFilters::of(self.surfaces.lattice, &self.surfaces.regions, &self.nodes).expect(FITS)
+    }
+
+    /// The filters at the nodes of the lattice.
+    pub fn nodes(&self) -> &[FilmFilterNode] {
+        &self.nodes
+    }
+
+    /// Eye rays a pixel and pass, row by row.
+    pub fn density(&self) -> &[f32] {
+        &self.density
     }
 
     /// What the pass asks pixel (x, y) for: each pass of a seed asks others.
@@ -158,7 +176,7 @@ impl Plan {
             pixel_threshold(x, y, self.pass, shift) < density
         };
         Wanted {
-            volume: chosen(self.filters[pixel].density(), VOLUME_PURPOSE),
+            volume: chosen(self.density[pixel], VOLUME_PURPOSE),
             surfaces: chosen(self.surface_density(pixel), SURFACE_PURPOSE),
         }
     }
@@ -168,52 +186,4 @@ impl Plan {
     fn surface_density(&self, pixel: usize) -> f32 {
         if self.surfaces.black[pixel] { BLACK_DENSITY } else { 1.0 }
     }
-}
-
-impl Lattice<'_> {
-    /// Bilinear between the lattice's pixels that lie in the same region.
-    fn spectrum(&self, x: u32, y: u32) -> Option<ImageSpectrum> {
-        let camera = &self.surfaces.camera;
-        let regions = &self.surfaces.regions;
-        let region = regions[(y * camera.width + x) as usize];
-        if region == 0 {
-            return None;
-        }
-        let down = self.spectra.len() as u32 / self.across;
-        let along = |at: u32, count: u32| {
-            let position =
-                ((at as f32 - (SPACING / 2) as f32) / SPACING as f32).clamp(0.0, (count - 1) as f32);
-            let low = (position as u32).min(count.saturating_sub(2));
-            (low, position - low as f32)
-        };
-        let ((column, right), (row, below)) = (along(x, self.across), along(y, down));
-        let mut sum = ImageSpectrum::default();
-        for (i, wx) in [(0, 1.0 - right), (1, right)] {
-            for (j, wy) in [(0, 1.0 - below), (1, below)] {
-                let (i, j) = (column + i, row + j);
-                if wx * wy == 0.0 || i >= self.across || j >= down {
-                    continue;
-                }
-                let [px, py] = place(camera, [i, j]);
-                let node = &self.spectra[(j * self.across + i) as usize];
-                if regions[(py * camera.width + px) as usize] != region || node.weight == 0.0 {
-                    continue;
-                }
-                // Weighted by light, as along the ray.
-                let weight = wx * wy * node.weight;
-                sum.xx += weight * node.xx;
-                sum.xy += weight * node.xy;
-                sum.yy += weight * node.yy;
-                sum.weight += weight;
-            }
-        }
-        let ImageSpectrum { xx, xy, yy, weight } = sum;
-        (weight > 0.0).then(|| ImageSpectrum { xx: xx / weight, xy: xy / weight, yy: yy / weight, weight })
-    }
-}
-
-/// The pixel that a point of the lattice stands for.
-fn place(camera: &Camera, [i, j]: [u32; 2]) -> [u32; 2] {
-    let at = |i: u32, count: u32| (i * SPACING + SPACING / 2).min(count - 1);
-    [at(i, camera.width), at(j, camera.height)]
 }

@@ -5,6 +5,7 @@ use crate::mesh::Mesh;
 use crate::volume::Volume;
 use covbeam::{ExponentialDensity, Medium};
 use glam::Vec3;
+use std::f32::consts::PI;
 
 /// Index into [`Scene::media`].
 pub type MediumId = u32;
@@ -26,6 +27,20 @@ pub struct Scene {
     pub grid: covbeam::GridLayout,
     /// Defaults of a render.
     pub settings: Settings,
+}
+
+impl Scene {
+    /// Radiance of the picture to within a few powers of ten [W/(m² sr)]: that of light scattered once, if all of the lights' power
+    /// crossed a sphere as large as the distance from the camera to the scene.
+    pub fn typical_radiance(&self) -> f32 {
+        let middle = 0.5 * (self.grid.min + self.grid.max);
+        let size = 0.5 * (self.grid.max - self.grid.min).length();
+        let distance = size.max((self.camera.position - middle).length());
+        let intensity: f32 = self.lights.iter().map(|light| light.flux().max_element() / (4.0 * PI)).sum();
+        let scattering = self.media.iter().map(|medium| medium.medium.scattering.max_element());
+        let scattered = (scattering.fold(0.0, f32::max) * distance).clamp(1e-3, 1.0);
+        scattered * intensity / (distance * distance)
+    }
 }
 
 /// A medium and where there is how much of it.

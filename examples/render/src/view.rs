@@ -1,7 +1,7 @@
 //! The eye rays of one pass: through which pixels, and what they see.
 
 use crate::eye::{EyeSegment, EyeTracer};
-use crate::film::{PassImage, SparseSamples};
+use crate::film::{PassImage, SparseSample, SparseSamples};
 use crate::fog::Fog;
 use crate::plan::{Plan, Wanted};
 use crate::random::Random;
@@ -56,24 +56,26 @@ impl View<'_> {
                 Some(tile)
             })
             .collect();
-        let pixels = (width * height) as usize;
         let mut cost = Cost { seconds: 0.0, pairs: 0 };
-        let mut image = PassImage { width, height, gather: vec![[0.0; 4]; pixels], ..PassImage::default() };
-        let mut sparse = self.plan.clone().map(SparseSamples::new);
-        image.radiance.resize(if sparse.is_some() { 0 } else { pixels }, Vec3::ZERO);
+        let mut image = PassImage { pass: self.pass, width, height, ..PassImage::default() };
+        let mut samples = Vec::new();
         for tile in tiles? {
             cost.seconds += tile.seconds;
             cost.pairs += tile.pairs;
-            for Seen { x, y, wanted, volume, surfaces, sums } in tile.seen {
-                let pixel = (y * width + x) as usize;
-                image.gather[pixel] = sums;
-                match &mut sparse {
-                    Some(sparse) => sparse.set(pixel, wanted, volume, surfaces),
-                    None => image.radiance[pixel] = volume + surfaces,
+            samples.extend(tile.seen);
+        }
+        match self.plan {
+            Some(plan) => image.sparse = Some(SparseSamples { plan, samples }),
+            None => {
+                let pixels = (width * height) as usize;
+                image.radiance.resize(pixels, Vec3::ZERO);
+                image.gather.resize(pixels, [0.0; 4]);
+                for SparseSample { pixel, volume, surfaces, gather, .. } in samples {
+                    image.radiance[pixel as usize] = volume + surfaces;
+                    image.gather[pixel as usize] = gather;
                 }
             }
         }
-        image.sparse = sparse;
         Some((image, cost))
     }
 
@@ -98,7 +100,13 @@ impl View<'_> {
             let mut random = Random::new([self.seed, self.pass, y * camera.width + x, 0xe7e]);
             let number = all.len() as u32;
             let surfaces = self.tracer.trace_wanted(direction, number, wanted, &mut random, segments);
-            all.push(Seen { x, y, wanted, volume: Vec3::ZERO, surfaces, sums: [0.0; 4] });
+            all.push(SparseSample {
+                pixel: y * camera.width + x,
+                wanted,
+                volume: Vec3::ZERO,
+                surfaces,
+                gather: [0.0; 4],
+            });
         }
         // Paths that met the same surfaces run side by side.
         segments.sort_by_key(|segment| (segment.medium, segment.signature, segment.pixel));
@@ -130,7 +138,7 @@ impl View<'_> {
                     share * gathered.sigma,
                     gathered.pairs as f32,
                 ];
-                for (sum, add) in seen.sums.iter_mut().zip(add) {
+                for (sum, add) in seen.gather.iter_mut().zip(add) {
                     *sum += add;
                 }
                 pairs += u64::from(gathered.pairs);
@@ -145,18 +153,8 @@ fn every_second_bit(number: u32) -> u32 {
     (0..5).fold(0, |sum, bit| sum | ((number >> bit) & (1 << bit)))
 }
 
-/// What one pixel's eye ray saw.
-struct Seen {
-    x: u32,
-    y: u32,
-    wanted: Wanted,
-    volume: Vec3,
-    surfaces: Vec3,
-    sums: [f32; 4],
-}
-
 struct Tile {
-    seen: Vec<Seen>,
+    seen: Vec<SparseSample>,
     pairs: u64,
     seconds: f64,
 }

@@ -96,7 +96,7 @@ fn picture(script: &mut Script, hard: &mut Hard, width: u32, height: u32) {
                 }
                 let weight = hard.decades(0.0, 2.0);
                 let radiance = Vec3::from_array([(); 3].map(|()| weight * hard.decades(-3.0, 2.0)));
-                FilmSample { radiance, weight }
+                FilmSample { radiance, weight, ..FilmSample::default() }
             })
             .collect();
         script.call("reconstruction_update", &[&samples, &regions], &[]);

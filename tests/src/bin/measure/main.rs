@@ -8,6 +8,7 @@ mod equal_time;
 mod grids;
 mod marching;
 mod means;
+mod picture;
 mod planned;
 mod reference;
 mod rendering;
@@ -211,6 +212,17 @@ enum Measurement {
         #[command(flatten)]
         size: Size,
     },
+    /// What making a picture of the passes costs, over its size.
+    Picture {
+        /// The scene.
+        scene: PathBuf,
+        /// Pixels across and down.
+        #[arg(long, value_delimiter = ',', default_values_t = [256, 1024, 4096])]
+        sides: Vec<u32>,
+        /// Passes.
+        #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..))]
+        passes: u32,
+    },
     /// Ceilings of a core, tests of beams and rays a core-second, growth of gather and build with the number of beams, and two threads against one.
     Speed,
     /// Each operator on light fields left out in turn: truth of the predicted spectra, image error, time.
@@ -296,6 +308,7 @@ fn main() -> Outcome<()> {
         Measurement::Marching { scenes, budgets, seeds, reference, plot, size } => {
             marching::run(&scenes, &budgets, seeds, reference, plot.as_deref(), size)
         }
+        Measurement::Picture { scene, sides, passes } => picture::run(&scene, &sides, passes),
         Measurement::Speed => speed::run(),
         Measurement::Ablation { scene, reference, effort, size } => {
             ablation::run(&scene, reference.as_deref(), effort, size)

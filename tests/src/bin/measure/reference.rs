@@ -34,7 +34,8 @@ pub(crate) fn run(path: &Path, out: &Path, passes: u32, photons: u32, size: Size
     }
     let (first, second) = (&pictures[0], &pictures[1]);
     let radiance = first.radiance.iter().zip(&second.radiance).map(|(a, b)| 0.5 * (*a + *b)).collect();
-    let mean = Picture { width: first.width, height: first.height, radiance, layers: None, maps: None };
+    let mean =
+        Picture { width: first.width, height: first.height, radiance, error: None, layers: None, maps: None };
     println!("noise of the average (relMSE), a quarter of the two runs' difference squared:");
     let print_noise = |region: &Region| -> Outcome<()> {
         let noise = in_region(first, second, region)?.rel_mse / 4.0;

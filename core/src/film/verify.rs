@@ -1,0 +1,122 @@
+//! The samples' say: a filter is narrowed where what it gives disagrees with what narrower ones give.
+
+use super::{FilmFilterNode, FilmFilters, FilmLattice, FilmSizeError, ImageFilter, Reconstruction};
+
+/// Widths that are compared: the predicted one, a half, a quarter, …
+pub(super) const SCALES: usize = 7;
+
+/// Nodes to each side whose evidence counts.
+const WINDOW: i32 = 2;
+
+/// A wider filter is refused when its squared difference to a narrower one is above this many of the narrower one's variances.
+const TOLERANCE: f32 = 2.0;
+
+/// Luminance at a node through filters of all widths, of each half of the passes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FilmEvidence {
+    /// Of the odd passes.
+    pub first: [f32; SCALES],
+    /// Of the even passes.
+    pub second: [f32; SCALES],
+    /// Of all, through the widest filter; 0 = one of the halves has no rays there.
+    pub brightness: f32,
+}
+
+impl FilmEvidence {
+    fn both(&self, scale: usize) -> f32 {
+        0.5 * (self.first[scale] + self.second[scale])
+    }
+}
+
+impl FilmFilters<'_> {
+    /// What the samples say of a node's filter.
+    pub fn evidence(&self, node: usize, picture: &Reconstruction) -> FilmEvidence {
+        let Some(found) = self.nodes.get(node) else { return FilmEvidence::default() };
+        if !(found.weight > 0.0) {
+            return FilmEvidence::default();
+        }
+        let [x, y] = self.lattice.pixel(node);
+        let mut evidence = FilmEvidence::default();
+        let mut filter = ImageFilter::from(found.filter());
+        for scale in 0..SCALES {
+            let halves = picture.sum(x, y, &filter).and_then(|sum| sum.halves());
+            let Some([first, second]) = halves else {
+                // Too few rays: what is known of the wider one.
+                if scale == 0 {
+                    return FilmEvidence::default();
+                }
+                evidence.first[scale] = evidence.first[scale - 1];
+                evidence.second[scale] = evidence.second[scale - 1];
+                continue;
+            };
+            (evidence.first[scale], evidence.second[scale]) = (first, second);
+            if scale == 0 {
+                evidence.brightness = 0.5 * (first + second);
+            }
+            filter = ImageFilter { xx: 0.25 * filter.xx, xy: 0.25 * filter.xy, yy: 0.25 * filter.yy };
+        }
+        evidence
+    }
+}
+
+/// Narrows filters where the samples disagree with them, and notes the standard error of what is left.
+pub fn verify_filters(
+    lattice: &FilmLattice,
+    evidence: &[FilmEvidence],
+    nodes: &mut [FilmFilterNode],
+) -> Result<(), FilmSizeError> {
+    if evidence.len() != lattice.node_count() || nodes.len() != evidence.len() {
+        return Err(FilmSizeError);
+    }
+    for index in 0..nodes.len() {
+        if !(nodes[index].weight > 0.0 && evidence[index].brightness > 0.0) {
+            continue;
+        }
+        let (scale, variance) = choose(lattice, evidence, nodes, index);
+        let node = &mut nodes[index];
+        let finer = (1_u32 << (2 * scale)) as f32;
+        node.inverse = node.inverse.map(|value| value * finer);
+        node.variance = variance * evidence[index].both(scale) * evidence[index].both(scale);
+    }
+    Ok(())
+}
+
+/// The widest filter that agrees with all narrower ones, and its relative variance.
+fn choose(
+    lattice: &FilmLattice,
+    evidence: &[FilmEvidence],
+    nodes: &[FilmFilterNode],
+    index: usize,
+) -> (usize, f32) {
+    // Means over the nodes around: of the variance of each width, and of the squared difference of each two, free of noise because it is
+    // a product of the two halves'.
+    let mut variance = [0.0_f32; SCALES];
+    let mut bias = [[0.0_f32; SCALES]; SCALES];
+    let mut count = 0.0;
+    for row in -WINDOW..=WINDOW {
+        for column in -WINDOW..=WINDOW {
+            let Some(other) = lattice.neighbour(index, [column, row]) else { continue };
+            let found = &evidence[other];
+            if nodes[other].region != nodes[index].region || !(found.brightness > 0.0) {
+                continue;
+            }
+            let weight = ((WINDOW + 1 - row.abs()) * (WINDOW + 1 - column.abs())) as f32;
+            let scale = weight / (found.brightness * found.brightness);
+            count += weight;
+            for wide in 0..SCALES {
+                let difference = found.first[wide] - found.second[wide];
+                variance[wide] += 0.25 * scale * difference * difference;
+                for narrow in wide + 1..SCALES {
+                    bias[wide][narrow] += scale
+                        * (found.first[wide] - found.first[narrow])
+                        * (found.second[wide] - found.second[narrow]);
+                }
+            }
+        }
+    }
+    let agrees =
+        |wide: usize| (wide + 1..SCALES).all(|narrow| bias[wide][narrow] <= TOLERANCE * variance[narrow]);
+    let scale = (0..SCALES).find(|scale| agrees(*scale)).unwrap_or(SCALES - 1);
+    (scale, variance[scale] / count)
+}

@@ -1,0 +1,45 @@
+//! What making a picture of the passes costs, over its size.
+
+use crate::Outcome;
+use crate::rendering::{cpu_seconds, name};
+use covbeam_render::film::Film;
+use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::scene::Scene;
+use std::path::Path;
+
+/// Square pictures of these sides, after `passes` passes.
+pub(crate) fn run(path: &Path, sides: &[u32], passes: u32) -> Outcome<()> {
+    println!(
+        "{}: a picture after {passes} passes with planned eye rays\n\n\
+         | pixels | a pass, CPU-s | eye rays a pass | the picture, CPU-s | µs a pixel |\n|---|---|---|---|---|",
+        name(path)
+    );
+    for side in sides {
+        let mut scene = Scene::load(path)?;
+        (scene.camera.width, scene.camera.height) = (*side, *side);
+        let mut renderer = Renderer::new(&scene, Method::Adaptive, scene.settings.photons, 1);
+        renderer.plan_eye_rays();
+        let mut film = Film::of_radiance(*side, *side, scene.typical_radiance());
+        let mut rays = 0;
+        let start = cpu_seconds()?;
+        for pass in 1..=passes {
+            let (image, _) = renderer.pass(pass, &|| false).expect("never cancelled");
+            rays += image
+                .sparse
+                .as_ref()
+                .map_or(0, |sparse| sparse.samples.iter().filter(|sample| sample.wanted.volume).count());
+            film.add(&image)?;
+        }
+        let rendered = cpu_seconds()?;
+        let picture = film.picture();
+        let seconds = cpu_seconds()? - rendered;
+        let pixels = picture.radiance.len();
+        println!(
+            "| {side} x {side} | {:.2} | {} | {seconds:.2} | {:.2} |",
+            (rendered - start) / f64::from(passes),
+            rays / passes as usize,
+            1e6 * seconds / pixels as f64
+        );
+    }
+    Ok(())
+}
