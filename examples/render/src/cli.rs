@@ -13,6 +13,7 @@ const EXAMPLES: &str = "\
 Examples:
   covbeam                                             render the glass ball in fog for half a minute
   covbeam render scene.toml --time 60                 as good as it gets in a minute
+  covbeam render scene.toml --until 0.02              until half of the pixels are within 2 %
   covbeam render scene.toml --method ppb              plain progressive photon beams
   covbeam render scene.toml --passes 1000 --seed 2 --out reference.exr
   covbeam compare scene-adaptive.exr reference.exr --region caustic=116,172,140,236
@@ -58,12 +59,16 @@ pub(crate) struct RenderArgs {
     /// Write maps of the eye rays beside the picture: NAME-density.png and NAME-filters.png
     #[arg(long, conflicts_with = "every_pixel")]
     pub(crate) maps: bool,
-    /// Stop after this many passes [default: the scene's]
-    #[arg(long, value_name = "N", conflicts_with = "time", value_parser = clap::value_parser!(u32).range(1..))]
+    /// Stop after this many passes [default: the scene's, unless --time or --until says when to stop]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) passes: Option<u32>,
-    /// Stop after this many seconds; a pass that would end later is not begun, one pass is always made
+    /// Be done after this many seconds, with the picture written; a pass that is not finished by then is cut, one pass is always made
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) time: Option<Duration>,
+    /// Stop when the median over the lit pixels of standard error over brightness is below this: 0.02 for 2 %; with --passes or --time,
+    /// these end the render at the latest
+    #[arg(long, value_name = "E", value_parser = relative_error, allow_negative_numbers = true)]
+    pub(crate) until: Option<f64>,
     /// Light paths a pass [default: the scene's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) photons: Option<u32>,
@@ -302,6 +307,11 @@ fn seconds(text: &str) -> Result<Duration, String> {
     time.filter(|t| !t.is_zero()).ok_or_else(|| "expected a number of seconds above 0".to_owned())
 }
 
+fn relative_error(text: &str) -> Result<f64, String> {
+    let error = text.parse().ok().filter(|error| *error > 0.0 && *error < 1.0);
+    error.ok_or_else(|| "expected a number above 0 and below 1, such as 0.02 for 2 %".to_owned())
+}
+
 fn exr_path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     match path.extension() {
@@ -332,6 +342,14 @@ mod tests {
         assert_eq!(seconds("1.5").unwrap(), Duration::from_millis(1500));
         for text in ["0", "-1", "nan", "inf", "1e300", "ten", ""] {
             assert!(seconds(text).unwrap_err().contains("seconds above 0"), "{text}");
+        }
+    }
+
+    #[test]
+    fn an_error_is_above_zero_and_below_one() {
+        assert_eq!(relative_error("0.02"), Ok(0.02));
+        for text in ["0", "1", "-0.1", "nan", "2%"] {
+            assert!(relative_error(text).unwrap_err().contains("0.02 for 2 %"), "{text}");
         }
     }
 

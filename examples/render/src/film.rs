@@ -1,5 +1,6 @@
 //! What the passes add up to, with the same bits in whatever order they come.
 
+use crate::compare::luminance;
 use crate::plan::{Plan, Wanted};
 use covbeam::{
     FILM_TILE, FILM_TILE_PIXELS, FilmEvidence, FilmFilters, FilmNode, FilmPixel, FilmSample, FilmSums,
@@ -66,6 +67,23 @@ pub struct Picture {
     pub layers: Option<Layers>,
     /// Where the eye rays were; None if every pixel had one in each pass.
     pub maps: Option<Maps>,
+}
+
+impl Picture {
+    /// Median over the lit pixels of the standard error over the luminance; None where the errors are not known or no pixel is lit.
+    pub fn median_relative_error(&self) -> Option<f64> {
+        let pixels = self.radiance.iter().zip(self.error.as_ref()?);
+        let relative = pixels.filter_map(|(radiance, error)| {
+            let luminance = luminance(*radiance);
+            (luminance > 0.0).then(|| error / luminance)
+        });
+        let mut relative: Vec<f32> = relative.collect();
+        let middle = relative.len() / 2;
+        if relative.is_empty() {
+            return None;
+        }
+        Some(f64::from(*relative.select_nth_unstable_by(middle, f32::total_cmp).1))
+    }
 }
 
 /// How the beams around each pixel's eye ray were gathered; one value a pixel, 0 where no pair was accepted.
@@ -406,6 +424,7 @@ mod tests {
 
     fn one_pixel(value: f32, gather: [f32; 4]) -> PassImage {
         PassImage {
+            pass: 1,
             width: 1,
             height: 1,
             radiance: vec![Vec3::splat(value)],
@@ -452,6 +471,7 @@ mod tests {
     fn passes_of_another_size_are_refused() {
         let mut film = Film::new(2, 1);
         let wide = PassImage {
+            pass: 1,
             width: 2,
             height: 1,
             radiance: vec![Vec3::ONE; 2],

@@ -14,6 +14,7 @@ pub mod light;
 pub mod maps;
 pub mod march;
 mod medium_file;
+pub mod memory;
 pub mod mesh;
 pub mod obj;
 pub mod operators;

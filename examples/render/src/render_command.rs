@@ -4,6 +4,7 @@ use crate::cli::{MethodName, RenderArgs};
 use covbeam_render::film::Film;
 use covbeam_render::maps::{density_map, filter_map};
 use covbeam_render::march::Marching;
+use covbeam_render::memory;
 use covbeam_render::output::{OutputError, RenderInfo, check_writable, write_bitmap, write_exr, write_png};
 use covbeam_render::pass::Renderer;
 use covbeam_render::render::{End, Goal, Progress, RenderError, render};
@@ -25,6 +26,7 @@ pub(crate) const DEFAULT_SCENE: &str = include_str!("../../scenes/glass-ball.tom
 pub(crate) const DEFAULT_NAME: &str = "glass-ball";
 
 pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
+    let start = Instant::now();
     check_flags(args)?;
     let (scene, name) = match &args.scene {
         Some(path) => {
@@ -32,10 +34,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
         }
         None => (Scene::parse(DEFAULT_SCENE, "built-in scene", Path::new("."))?, DEFAULT_NAME.to_owned()),
     };
-    let goal = match (args.time, args.passes) {
-        (Some(time), _) => Goal::Time(time),
-        (None, passes) => Goal::Passes(passes.unwrap_or(scene.settings.passes)),
-    };
+    let unbounded = args.time.is_none() && args.until.is_none();
+    let passes = args.passes.or(unbounded.then_some(scene.settings.passes));
+    let goal = Goal { passes, time: args.time, error: args.until };
     let method = args.method.name();
     let exr = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{name}-{method}.exr")));
     let photons = args.photons.unwrap_or(scene.settings.photons);
@@ -43,6 +44,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
     let info = RenderInfo { method: method.to_owned(), passes: 0, photons, seed, scene: name };
     let files = Files { exr, info, maps: args.maps };
     files.all().iter().try_for_each(|path| check_writable(path))?;
+    check_memory(&scene, photons)?;
 
     let stop = Arc::new(AtomicBool::new(false));
     let handler_stop = Arc::clone(&stop);
@@ -62,17 +64,18 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
     }
     let marching = Marching::default();
     renderer.march_as(Marching { samples: args.samples.unwrap_or(marching.samples), ..marching });
-    let mut film = Film::new(width, height);
-    let mut display = Display::new(goal);
+    let mut film = Film::of_radiance(width, height, scene.typical_radiance());
+    let mut display = Display::new();
     let mut autosave = Autosave::new();
     let rendered = render(
         &mut film,
-        goal,
+        &goal,
+        start,
         &cancelled,
         |index, cancelled| pool.install(|| renderer.pass(index, cancelled)),
         |progress, film| {
-            display.show(progress, goal);
-            autosave.after_pass(|| files.save(film))
+            display.show(progress, &goal);
+            autosave.after_pass(progress, &goal, || pool.install(|| files.save(film)))
         },
     );
     display.finish();
@@ -84,12 +87,44 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
     }
     // An output error came from saving this very film: trying again would fail again.
     if !matches!(rendered, Err(RenderError::Report(_))) {
-        files.save(&film)?;
+        pool.install(|| files.save(&film))?;
         stdout().write_all(files.saved(&film).as_bytes())?;
     }
     let (end, progress) = rendered?;
+    stdout().write_all(verdict(end, &progress, args).as_bytes())?;
     stdout().write_all((summary(&progress) + &files.hints(args)).as_bytes())?;
     Ok(if end == End::Cancelled { ExitCode::from(STOPPED) } else { ExitCode::SUCCESS })
+}
+
+/// What became of the error that was asked for.
+fn verdict(end: End, progress: &Progress, args: &RenderArgs) -> String {
+    let Some(goal) = args.until else { return String::new() };
+    let found = progress.error.map(|(error, passes)| format!("{:.2} % after {passes} passes", 100.0 * error));
+    let found = found.unwrap_or_else(|| "not known yet".to_owned());
+    match end {
+        End::Dark => {
+            format!(
+                "no light reaches the picture: it has no error that could be brought to {:.2} %\n",
+                100.0 * goal
+            )
+        }
+        End::NotReached => format!("the error asked for, {:.2} %, is not reached: {found}\n", 100.0 * goal),
+        End::Reached | End::Cancelled => format!("median relative error: {found}\n"),
+    }
+}
+
+/// Refuses a picture that memory cannot hold, before the work begins.
+fn check_memory(scene: &Scene, photons: u32) -> Result<(), String> {
+    let (needed, available) = (memory::needed(scene, photons), memory::available());
+    let Some(available) = available.filter(|available| needed > *available) else { return Ok(()) };
+    let (width, height) = (scene.camera.width, scene.camera.height);
+    let gigabytes = |bytes: u64| bytes as f64 / 1e9;
+    Err(format!(
+        "a picture of {width} x {height} pixels with {photons} light paths a pass needs about {:.2} GB of memory, and {:.2} GB are available; \
+         choose fewer pixels (camera.width, camera.height) or fewer light paths (--photons)",
+        gigabytes(needed),
+        gigabytes(available)
+    ))
 }
 
 /// Refuses flags that the method would ignore.
@@ -197,18 +232,29 @@ impl Autosave {
     /// Of a huge picture, saving takes at most 1/20 of the time.
     const SHARE: u32 = 20;
 
+    /// The first picture is saved after the first pass.
     fn new() -> Self {
-        Self { next: Instant::now() + Self::EVERY }
+        Self { next: Instant::now() }
     }
 
-    fn after_pass(&mut self, save: impl FnOnce() -> Result<(), OutputError>) -> Result<(), OutputError> {
+    /// How long it took, if it was time to save.
+    fn after_pass(
+        &mut self,
+        progress: &Progress,
+        goal: &Goal,
+        save: impl FnOnce() -> Result<(), OutputError>,
+    ) -> Result<Option<Duration>, OutputError> {
         let start = Instant::now();
-        if start < self.next {
-            return Ok(());
+        // The end of the render saves it anyway.
+        let ends = progress.reaches(goal)
+            || goal.time.is_some_and(|time| progress.elapsed + 2 * progress.saving + progress.last > time);
+        if start < self.next || ends {
+            return Ok(None);
         }
         save()?;
-        self.next = Instant::now() + Self::EVERY.max(start.elapsed() * Self::SHARE);
-        Ok(())
+        let took = start.elapsed();
+        self.next = Instant::now() + Self::EVERY.max(took * Self::SHARE);
+        Ok(Some(took))
     }
 }
 
@@ -221,33 +267,33 @@ struct Display {
 impl Display {
     const LINES_EVERY: Duration = Duration::from_secs(5);
 
-    fn new(goal: Goal) -> Self {
+    const STEPS: u64 = 1000;
+
+    fn new() -> Self {
         let bar = stderr().is_terminal().then(|| {
-            let length = match goal {
-                Goal::Passes(passes) => u64::from(passes),
-                Goal::Time(time) => time.as_millis() as u64,
-            };
             let style = ProgressStyle::with_template("[{bar:30}] {elapsed} {msg}").expect("a valid template");
-            let bar = ProgressBar::new(length).with_style(style.progress_chars("=> "));
+            let bar = ProgressBar::new(Self::STEPS).with_style(style.progress_chars("=> "));
             bar.enable_steady_tick(Duration::from_millis(200));
             bar
         });
         Self { bar, next_line: Instant::now() }
     }
 
-    fn show(&mut self, progress: &Progress, goal: Goal) {
-        let passes = match goal {
-            Goal::Passes(all) => format!("pass {} of {all}", progress.passes),
-            Goal::Time(_) => format!("pass {}", progress.passes),
+    fn show(&mut self, progress: &Progress, goal: &Goal) {
+        let passes = match goal.passes {
+            Some(all) => format!("pass {} of {all}", progress.passes),
+            None => format!("pass {}", progress.passes),
         };
-        let left = progress.left(goal).map_or(String::new(), |left| format!(", {} left", seconds(left)));
+        let left = progress.left(goal);
+        let error =
+            progress.error.map_or(String::new(), |(error, _)| format!(", error {:.1} %", 100.0 * error));
+        let until = left.map_or(String::new(), |left| format!(", {} left", seconds(left)));
         let speed = 1.0 / progress.last.as_secs_f64().max(1e-9);
-        let message = format!("{passes}{left}, {speed:.2} passes/s");
+        let message = format!("{passes}{error}{until}, {speed:.2} passes/s");
         if let Some(bar) = &self.bar {
-            bar.set_position(match goal {
-                Goal::Passes(_) => u64::from(progress.passes),
-                Goal::Time(_) => progress.elapsed.as_millis() as u64,
-            });
+            let elapsed = progress.elapsed.as_secs_f64();
+            let share = left.map_or(0.0, |left| elapsed / (elapsed + left.as_secs_f64()).max(1e-9));
+            bar.set_position((Self::STEPS as f64 * share) as u64);
             bar.set_message(message);
         } else if Instant::now() >= self.next_line {
             eprintln!("{message}");

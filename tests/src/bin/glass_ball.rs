@@ -14,6 +14,7 @@ use std::convert::Infallible;
 use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
+use std::time::Instant;
 
 /// A square grey picture, row by row from the upper left pixel.
 struct Grey {
@@ -119,7 +120,8 @@ fn picture(scene: &Scene, passes: u32, photons: u32, seed: u32) -> Result<Grey, 
     let mut renderer = Renderer::new(scene, Method::Adaptive, photons, seed);
     let mut film = Film::new(scene.camera.width, scene.camera.height);
     let pass = |index, cancelled: &(dyn Fn() -> bool + Sync)| renderer.pass(index, cancelled);
-    render(&mut film, Goal::Passes(passes), &|| false, pass, |_, _| Ok::<(), Infallible>(()))?;
+    let goal = Goal { passes: Some(passes), ..Goal::default() };
+    render(&mut film, &goal, Instant::now(), &|| false, pass, |_, _| Ok::<_, Infallible>(None))?;
     let grey = |radiance: &Vec3| f64::from(radiance.element_sum()) / 3.0;
     let radiance = film.picture().radiance.iter().map(grey).collect();
     Ok(Grey { size: scene.camera.width as usize, radiance })

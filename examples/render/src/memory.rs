@@ -1,0 +1,47 @@
+//! How much memory a picture needs, and how much there is: asked before the work, not found out after a minute of it.
+
+use crate::scene::Scene;
+
+/// Bytes a pixel: the film's sums, the plan, the picture with its layers, and the file made of it (measured: `measure picture`).
+const BYTES_A_PIXEL: u64 = 260;
+
+/// Of a light path's beams with their hierarchy, and of the program itself.
+const BYTES_A_PATH: u64 = 2000;
+const BYTES_ALWAYS: u64 = 40_000_000;
+
+/// Bytes that rendering a scene is expected to take at most, with `photons` light paths a pass.
+pub fn needed(scene: &Scene, photons: u32) -> u64 {
+    let pixels = u64::from(scene.camera.width) * u64::from(scene.camera.height);
+    let cells = scene.grid.cell_count() as u64 * 84;
+    BYTES_ALWAYS + pixels * BYTES_A_PIXEL + u64::from(photons) * BYTES_A_PATH + cells
+}
+
+/// Bytes that this process may still take: what the system has available, within the limits of its control group and of its address space;
+/// None where the system does not tell.
+pub fn available() -> Option<u64> {
+    let number = |path: &str| std::fs::read_to_string(path).ok()?.trim().parse::<u64>().ok();
+    let line = |path: &str, start: &str, field: usize| -> Option<u64> {
+        let text = std::fs::read_to_string(path).ok()?;
+        let line = text.lines().find_map(|line| line.strip_prefix(start))?;
+        line.split_whitespace().nth(field)?.parse().ok()
+    };
+    let free = line("/proc/meminfo", "MemAvailable:", 0).map(|kibibytes| kibibytes * 1024);
+    let group = number("/sys/fs/cgroup/memory.max")
+        .map(|most| most.saturating_sub(number("/sys/fs/cgroup/memory.current").unwrap_or(0)));
+    let space = line("/proc/self/limits", "Max address space", 0).map(|most| {
+        most.saturating_sub(line("/proc/self/status", "VmSize:", 0).map_or(0, |kibibytes| kibibytes * 1024))
+    });
+    [free, group, space].into_iter().flatten().min()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_linux_machine_says_how_much_memory_it_has() {
+        if cfg!(target_os = "linux") {
+            assert!(available().is_some_and(|bytes| bytes > 1 << 20));
+        }
+    }
+}
