@@ -103,15 +103,36 @@ fn slab(min: DVec3, max: DVec3, origin: DVec3, direction: DVec3) -> (f64, f64) {
     (a.min(b).max_element(), a.max(b).min_element())
 }
 
-/// A point light, or a spot.
+/// How a lamp's intensity depends on the direction.
+#[derive(Clone, Copy, Debug)]
+pub enum Emission {
+    /// Not at all.
+    Even,
+    /// Falls by smoothstep in the angle.
+    Spot {
+        /// Unit.
+        axis: DVec3,
+        /// \[rad\]
+        inner: f64,
+        /// \[rad\]
+        outer: f64,
+    },
+    /// As the cosine: a small piece of a diffuse surface that shines on one side.
+    Lambert {
+        /// Unit.
+        normal: DVec3,
+    },
+}
+
+/// A light without size.
 #[derive(Clone, Copy, Debug)]
 pub struct Lamp {
     /// Where.
     pub position: DVec3,
-    /// W/sr per channel (of a spot: on its axis).
+    /// W/sr per channel, where it is greatest.
     pub intensity: DVec3,
-    /// Unit axis, inner and outer angle \[rad\] of a spot whose intensity falls by smoothstep in the angle.
-    pub cone: Option<(DVec3, f64, f64)>,
+    /// In which directions.
+    pub emission: Emission,
 }
 
 /// A black room filled with a medium, lit by one lamp, with a black ball in it.
@@ -185,9 +206,15 @@ impl World {
     }
 
     fn intensity(&self, direction: DVec3) -> DVec3 {
-        let Some((axis, inner, outer)) = self.lamp.cone else { return self.lamp.intensity };
-        let q = ((outer - direction.angle_between(axis)) / (outer - inner)).clamp(0.0, 1.0);
-        self.lamp.intensity * (q * q * (3.0 - 2.0 * q))
+        let share = match self.lamp.emission {
+            Emission::Even => 1.0,
+            Emission::Spot { axis, inner, outer } => {
+                let q = ((outer - direction.angle_between(axis)) / (outer - inner)).clamp(0.0, 1.0);
+                q * q * (3.0 - 2.0 * q)
+            }
+            Emission::Lambert { normal } => direction.dot(normal).max(0.0),
+        };
+        self.lamp.intensity * share
     }
 }
 
@@ -201,7 +228,11 @@ mod tests {
             scattering: DVec3::splat(1e-4),
             absorption: DVec3::new(0.0, 0.3, 1.0),
             asymmetry: 0.0,
-            lamp: Lamp { position: DVec3::new(0.5, 2.0, 0.0), intensity: DVec3::ONE, cone: None },
+            lamp: Lamp {
+                position: DVec3::new(0.5, 2.0, 0.0),
+                intensity: DVec3::ONE,
+                emission: Emission::Even,
+            },
             ball: (DVec3::new(0.0, -50.0, 0.0), 1.0),
             room: (DVec3::splat(-4.0), DVec3::splat(4.0)),
         }

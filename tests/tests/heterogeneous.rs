@@ -4,7 +4,7 @@ use covbeam_render::film::Film;
 use covbeam_render::pass::{Method, Renderer};
 use covbeam_render::scene::Scene;
 use covbeam_tests::energy::taken_by_chance;
-use covbeam_tests::single_scatter::{Density, Lamp, World};
+use covbeam_tests::single_scatter::{Density, Emission, Lamp, World};
 use covbeam_tests::statistics::{Sample, sidak, welch};
 use glam::{DVec3, Vec3};
 use std::path::Path;
@@ -78,7 +78,7 @@ fn world(air: Air) -> World {
     let lamp = Lamp {
         position: DVec3::new(-1.4, 3.2, -1.0),
         intensity: DVec3::new(30.0, 20.0, 10.0),
-        cone: Some((axis, 14f64.to_radians(), 26f64.to_radians())),
+        emission: Emission::Spot { axis, inner: 14f64.to_radians(), outer: 26f64.to_radians() },
     };
     let density = match air {
         Air::Exponential => Density::Exponential { scale_height: SCALE_HEIGHT },

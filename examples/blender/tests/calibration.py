@@ -25,11 +25,14 @@ from addon.host.session import Session, Settings
 #: Red, green and blue differ in scattering and in absorption.
 COLOURED = scenes.fog((1.0, 0.8, 0.5), 0.2, 0.3, (0.5, 1.0, 1.0), 0.1)
 
+#: A place in the picture.
+SEEN = (-0.8, 0.1, 0.9)
+
 #: Regions darker than this share of the picture's mean are left out: a relative difference of next to nothing says little.
 DARK = 0.05
 
 
-def black_ball(light, **values):
+def black_ball(light, place=(0.3, 0, 2.5), soft=False, **values):
     """A scene of the first kind; lights of the sun stand over a box of fog: they do not get through a world of it."""
 
     def build(scene):
@@ -39,9 +42,9 @@ def black_ball(light, **values):
         else:
             scenes.wire(scene.world, COLOURED)
         scenes.ball("Ball", (0, 0, 0), 0.5, scenes.material("Black", scenes.BLACK))
-        made = scenes.lamp(light, (0.3, 0, 2.5), **values)
+        made = scenes.lamp(light, place, **values)
         if hasattr(made.data, "use_soft_falloff"):
-            made.data.use_soft_falloff = False
+            made.data.use_soft_falloff = soft
 
     return build, 0
 
@@ -82,7 +85,11 @@ def _shining_square():
 SCENES = {
     "POINT": black_ball("POINT", energy=300.0, shadow_soft_size=0.0),
     "BALL": black_ball("POINT", energy=300.0, shadow_soft_size=0.4),
-    "SPOT": black_ball("SPOT", energy=300.0, shadow_soft_size=0.05, spot_size=1.0, spot_blend=0.4),
+    "SPOT": black_ball("SPOT", soft=True, energy=300.0, shadow_soft_size=0.05, spot_size=1.0, spot_blend=0.4),
+    # In the picture, with fog inside.
+    "SEEN": black_ball("POINT", SEEN, energy=300.0, shadow_soft_size=0.3),
+    "SEEN SOFT": black_ball("POINT", SEEN, True, energy=300.0, shadow_soft_size=0.3),
+    "SEEN SOFT SPOT": black_ball("SPOT", SEEN, True, energy=300.0, shadow_soft_size=0.3, spot_size=1.0, spot_blend=0.4),
     "AREA": black_ball("AREA", energy=100.0, shape="RECTANGLE", size=1.0, size_y=0.5),
     "DISK": black_ball("AREA", energy=100.0, shape="DISK", size=1.0, spread=1.2),
     "SUN": black_ball("SUN", energy=3.0, angle=0.05, color=(0.3, 0.6, 1.0)),

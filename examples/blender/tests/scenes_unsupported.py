@@ -245,7 +245,7 @@ def _lights(scene):
         tree.links.new(node(tree, kind).outputs[0], emission.inputs["Strength"])
         tree.links.new(emission.outputs[0], node(tree, "OutputLight").inputs["Surface"])
     return (
-        _all('Light "Lamp"', "Soft Falloff", "Cast Shadow is off", "Max Bounces", "light or shadow linking")
+        _all('Light "Lamp"', "Cast Shadow is off", "Max Bounces", "light or shadow linking")
         | {('Light "Lamp"', f"hidden from {rays} rays") for rays in ("diffuse", "glossy", "transmission")}
         | _all('Light "Outside"', "hidden from volume scatter rays")
         | _all('Light "Dark"', "negative strength")

@@ -91,6 +91,17 @@ class Lights(unittest.TestCase):
         self.lamp("POINT", shadow_soft_size=0.5, use_soft_falloff=False, scale=(2, 2, 2))
         self.compare()
 
+    def test_soft_falloff_is_read(self):
+        for kind in ("POINT", "SPOT"):
+            for soft in (True, False):
+                with self.subTest(kind, soft=soft):
+                    self.setUp()
+                    self.lamp(kind, shadow_soft_size=0.25, use_soft_falloff=soft)
+                    exported, report = scenes.exported()
+                    self.assertEqual((exported.lights[0].soft, exported.lights[0].radius), (soft, 0.25))
+                    # Cycles contradicts itself inside of such a spot.
+                    self.assertEqual(len(report), int(kind == "SPOT" and not soft), str(report))
+
     def test_a_spot_has_the_cone_and_blend_of_cycles(self):
         for size, blend in ((40, 0.0), (40, 1.0), (60, 0.3), (170, 0.8)):
             with self.subTest(size=size, blend=blend):

@@ -187,8 +187,16 @@ class Lights(unittest.TestCase):
             # 5e-4 m of 2 m, near a lamp that kernels see to a few per cent.
             self.assertAlmostEqual(picture(lamp, eye) / expected, 1, delta=0.05)
 
-    def test_nothing_of_a_ball_of_light_shines_into_fog_that_it_swallows(self):
-        self.assertEqual(rendered(fog_box([scenes.point((0, 0, 0), 10, radius=3)])).max(), 0)
+    def test_fog_that_a_ball_of_light_swallows_sees_its_radiance_all_around(self):
+        # A place then scatters sigma_s L, whatever the phase function: seen from afar, that times the volume over the picture's
+        # area. The camera sees 4 m x 4 m at 40 m; the rest is of order 1/40^2, and 2e-3 of the light is scattered twice.
+        thin = scenes.volume("fog", 1e-3, 0, low=-1, high=1)
+        view = scenes.camera((0, 0, -40), (0, 0, 0), np.degrees(2 * np.arctan(2 / 40)), 24, 24)
+        found = seeds(fog_box([scenes.point((0, 0, 0), 10, radius=2)], thin, view), 8, photons=20_000)
+        expected = 1e-3 * 10 / (np.pi * 2**2) * 8 / 16
+        error = standard_error(found) / expected
+        self.assertLess(abs(found.mean() / expected - 1), 0.005 + 4 * error, found)
+        self.assertLess(error, 0.01, "noise hides nothing")
 
     def test_an_area_light_that_sticks_out_of_fog_is_the_sum_of_its_parts(self):
         def part(start, end):

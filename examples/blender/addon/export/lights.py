@@ -65,35 +65,27 @@ def _point_intensity(lamp, strength):
 
 
 def _point(lamp, matrix, axes, strength, placed, values):
-    _note_soft_falloff(lamp, values)
-    intensity = _point_intensity(lamp, strength)
-    return Light(kind=LightKind.POINT, radius=lamp.shadow_soft_size, intensity=intensity, **placed)
+    intensity, radius = _point_intensity(lamp, strength), lamp.shadow_soft_size
+    return Light(kind=LightKind.POINT, radius=radius, soft=lamp.use_soft_falloff, intensity=intensity, **placed)
 
 
 def _spot(lamp, matrix, axes, strength, placed, values):
-    _note_soft_falloff(lamp, values)
     lengths = np.linalg.norm(matrix[:3, :3], axis=0)
     if np.ptp(lengths) > 1e-3 * lengths.max():
         values.note("spot with uneven scale", "its cone stays round, with the angle of its Spot Size")
+    if lamp.shadow_soft_size > 0 and not lamp.use_soft_falloff:
+        values.note("spot without Soft Falloff", "in Cycles the fog inside of its ball is up to 1.5 times as bright")
     cosine = math.cos(lamp.spot_size / 2)
     return Light(
         kind=LightKind.SPOT,
         radius=lamp.shadow_soft_size,
+        soft=lamp.use_soft_falloff,
         intensity=_point_intensity(lamp, strength),
         cosine=cosine,
         # Blend 0 is a jump, which 1e-6 is in single precision.
         blend=max((1 - cosine) * lamp.spot_blend, 1e-6),
         **placed,
     )
-
-
-def _note_soft_falloff(lamp, values):
-    if lamp.use_soft_falloff and lamp.shadow_soft_size > 0:
-        values.note(
-            "Soft Falloff",
-            "the light is a ball: closer than 4 of its radii the fog is brighter than in Cycles; turn Soft Falloff off "
-            "to see the same in both",
-        )
 
 
 def _area(lamp, matrix, axes, strength, placed, values):

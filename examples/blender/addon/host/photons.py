@@ -46,6 +46,9 @@ class _Photons:
     unscattered: np.ndarray
     #: How often they have been scattered or reflected; what goes straight on does not count.
     bounces: np.ndarray
+    #: How far from here their light begins, and ends [m]: of lamps with a size, as long as they go straight on.
+    dark: np.ndarray
+    until: np.ndarray
     #: LIGHT_FIELD, or None.
     light: np.ndarray | None
 
@@ -121,6 +124,8 @@ class PhotonTracer:
             glass,
             np.ones(count, bool),
             np.zeros(count, np.int32),
+            start.dark,
+            start.until,
             start.field,
         )
         alive = photons.power.max(axis=1) > 0
@@ -159,11 +164,13 @@ class PhotonTracer:
         choice, xi, facets = sampler.uniform(), sampler.pair(), sampler.pair()
         alive = np.zeros(len(reach), bool)
 
-        at = np.flatnonzero(collides)
+        # Where a lamp does not shine, nothing is lit; photons still cross the bounds of fog.
+        collides &= target < photons.until
+        at = np.flatnonzero(collides & (target >= photons.dark))
         if len(at):
             alive[at] = self._scatter(photons, at, volume[at], extinction[at], target[at], choice[at], xi[at])
         # What gets through is weighed by how likely that was; escapes into emptiness end there.
-        at = np.flatnonzero(~collides & np.isfinite(reach))
+        at = np.flatnonzero((target >= reach) & (reach < photons.until) & np.isfinite(reach))
         if len(at):
             left = np.exp(-extinction[at] * reach[at, None])
             photons.power[at] *= left / _weighted(left, photons.power[at])
@@ -172,8 +179,8 @@ class PhotonTracer:
 
     def _leave_beams(self, photons, hit, volume, record):
         """Beams run to the next surface, or until nothing is left: not to the next collision."""
-        opaque = self._opaque[volume]
-        length = np.minimum(hit["distance"], opaque)
+        opaque = np.minimum(self._opaque[volume], photons.until)
+        length = np.minimum(hit["distance"], opaque) - photons.dark
         ends = hit["distance"] <= opaque
         normal = hit["geometric_normal"]
         behind = np.einsum("ij,ij->i", normal, photons.direction) > 0
@@ -185,8 +192,9 @@ class PhotonTracer:
             if not self._scattering[number // 2].any():
                 continue
             beams = np.zeros(len(at), BEAM)
-            beams["origin"], beams["direction"] = photons.origin[at], photons.direction[at]
-            beams["length"], beams["power"] = length[at], photons.power[at]
+            dark = photons.dark[at, None]
+            beams["origin"], beams["direction"] = photons.origin[at] + dark * photons.direction[at], photons.direction[at]
+            beams["length"], beams["power"] = length[at], photons.power[at] * np.exp(-self._extinction[number // 2] * dark)
             beams["start_normal"], beams["end_normal"] = photons.normal[at], end_normal[at]
             record.add("beams", number, beams)
 
@@ -224,18 +232,21 @@ class PhotonTracer:
         light_field.travel(photons.light, np.maximum(rest, 0))
 
     def _deposit(self, photons, ahead, here, volume, passed, end, power, extinction, record):
-        piece = end - passed[here]
+        start = np.maximum(passed, photons.dark)
+        piece = np.minimum(end, photons.until[here]) - start[here]
         wanted = (piece > 0) & np.isfinite(end) & (volume[here] >= 0) & ~photons.glass[here]
         here, piece = here[wanted], piece[wanted]
         for number in np.unique(volume[here]):
             of = volume[here] == number
             at = here[of]
             segments = np.zeros(len(at), SEGMENT)
-            segments["origin"] = photons.origin[at] + passed[at, None] * photons.direction[at]
+            segments["origin"] = photons.origin[at] + start[at, None] * photons.direction[at]
             segments["length"] = piece[of]
-            segments["power"] = power[at] * np.exp(-extinction[at] * passed[at])
+            segments["power"] = power[at] * np.exp(-extinction[at] * start[at])
             segments["unscattered"] = photons.unscattered[at]
-            segments["field"] = ahead[at]
+            field = ahead[at]
+            light_field.travel(field, start[at] - passed[at])
+            segments["field"] = field
             record.add("segments", number, segments)
 
     def _scatter(self, photons, at, volume, extinction, flight, choice, xi):
@@ -257,6 +268,7 @@ class PhotonTracer:
         photons.normal[at] = 0
         photons.unscattered[at] = False
         photons.bounces[at] += 1
+        photons.dark[at], photons.until[at] = 0, np.inf
         return _survive(photons, at, before, after, choice)
 
     def _interact(self, photons, at, hit, choice, xi, facets):
@@ -289,7 +301,12 @@ class PhotonTracer:
             smooth = some.material["roughness"] < SMOOTH
             if kind in (Lobe.DIFFUSE, Lobe.TRANSLUCENT):
                 smooth = False
-            if kind != Lobe.TRANSPARENT:
+            if kind == Lobe.TRANSPARENT:
+                photons.dark[here] = np.maximum(photons.dark[here] - hit["distance"][of], 0)
+                photons.until[here] -= hit["distance"][of]
+            else:
+                lives[of] = photons.dark[here] <= hit["distance"][of]
+                photons.dark[here], photons.until[here] = 0, np.inf
                 photons.unscattered[here] &= smooth
                 photons.bounces[here] += 1
         return lives

@@ -45,7 +45,7 @@ class LightKind(IntEnum):
 
     #: A ball of `radius` around `position` with `intensity`, the same from everywhere far away. Radius 0: a point.
     POINT = 0
-    #: The same, times smoothstep((cos - cosine) / blend) of the angle between the emitted direction and `axis`.
+    #: The same, times smoothstep((cos - cosine) / blend) of the angle between the emitted direction and `axis`. `soft`: of both.
     SPOT = 1
     #: A parallelogram of edges `u`, `v` (or, if `round`, the ellipse that fits it) around `position`, with `radiance` on the side
     #: of u x v; `spread` < pi/2 narrows it as Blender's area lights.
@@ -68,6 +68,8 @@ class Light:
     axis: np.ndarray = field(default_factory=lambda: np.array([0.0, 0.0, -1.0]))
     #: [m] >= 0
     radius: float = 0.0
+    #: POINT, SPOT: whether all points see a disk of that radius that faces them, and no ball (Blender's Soft Falloff).
+    soft: bool = False
     #: [W/sr]
     intensity: np.ndarray = field(default_factory=lambda: np.zeros(3))
     #: SPOT: cosine of the half angle of the cone, and how far the cosine rises inside until the light is full, > 0.
