@@ -248,9 +248,9 @@ fn write_medium(text: &mut Text, name: &str, extinction: f64, stream: &mut Strea
 }
 
 fn write_walls(text: &mut Text, room: &Room, stream: &mut Stream) {
-    let albedo = stream.between(0.1, 0.8);
+    let albedo = stream.between(0.05, 0.6);
     let lambert = format!("{{ lambert = {{ albedo = {} }} }}", color(tint(stream, albedo, 0.3)));
-    let (walls, floor) = pick(stream, &[(0.35, (false, false)), (0.3, (true, false)), (0.35, (false, true))]);
+    let (walls, floor) = pick(stream, &[(0.5, (false, false)), (0.15, (true, false)), (0.35, (false, true))]);
     text.line("\n[[object]]\nname = \"room\"\nshape = \"box\"");
     // A floor of its own is inside the black box.
     let drop = if floor { DVec3::new(0.0, 0.01, 0.0) } else { DVec3::ZERO };
@@ -282,7 +282,7 @@ fn write_lamps(text: &mut Text, clear: &Clear, plate: Option<&Plate>, stream: &m
         // Watts per channel; the first lamp sets the exposure.
         let flux = if index == 0 { 100.0 } else { 100.0 * stream.decades(-1.2, 0.3) };
         let flux = tint(stream, flux, 0.4);
-        write_lamp(text, position, target, flux, stream);
+        write_lamp(text, position, target, flux, index == 0, stream);
     }
 }
 
@@ -305,11 +305,18 @@ fn lamp_place(clear: &Clear, behind: Option<&Plate>, stream: &mut Stream) -> Opt
     (apart && clear.is_free(place, 0.05 * room.size.y)).then_some(place)
 }
 
-fn write_lamp(text: &mut Text, position: DVec3, target: DVec3, flux: DVec3, stream: &mut Stream) {
+fn write_lamp(
+    text: &mut Text,
+    position: DVec3,
+    target: DVec3,
+    flux: DVec3,
+    first: bool,
+    stream: &mut Stream,
+) {
     text.line("\n[[light]]");
     let intensity = |solid_angle: f64, text: &Text| color(flux * (text.scale * text.scale / solid_angle));
     match stream.uniform() {
-        ..0.55 => {
+        kind if kind < if first { 0.7 } else { 0.4 } => {
             let inner = stream.decades(0.6, 1.5);
             let outer = inner * stream.between(1.03, 1.5);
             text.field("kind", "\"spot\"");
@@ -320,7 +327,7 @@ fn write_lamp(text: &mut Text, position: DVec3, target: DVec3, flux: DVec3, stre
             text.field("inner_angle", number(inner));
             text.field("outer_angle", number(outer));
         }
-        ..0.78 => {
+        ..0.85 => {
             text.field("kind", "\"point\"");
             text.point("position", position);
             let value = intensity(2.0 * TAU, text);

@@ -2,6 +2,7 @@
 //!
 //! A scene is written as the text that `covbeam render` reads, so that each one can be looked at.
 
+pub mod agreement;
 pub mod blocks;
 mod draw;
 pub mod errors;

@@ -97,18 +97,18 @@ impl Clear {
             }
         }
         match stream.uniform() {
-            ..0.35 => {
+            ..0.3 => {
                 let index = number(stream.between(1.2, 1.8));
                 text.field("material", format!("{{ dielectric = {{ index = {index} }} }}"));
                 if milk && chance(stream, 0.5) {
                     text.field("inside", "\"milk\"");
                 }
             }
-            ..0.5 => {
+            ..0.4 => {
                 let reflectance = color(tint(stream, 0.9, 0.5));
                 text.field("material", format!("{{ mirror = {{ reflectance = {reflectance} }} }}"));
             }
-            ..0.75 => text.field("material", lambert(stream)),
+            ..0.7 => text.field("material", lambert(stream)),
             _ => text.field("material", "\"black\""),
         }
     }

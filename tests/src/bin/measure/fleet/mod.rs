@@ -7,9 +7,9 @@ mod table;
 use crate::Outcome;
 use crate::rendering::cpu_seconds;
 use covbeam_render::progress::Display;
+use covbeam_tests::fleet::agreement::level;
 use covbeam_tests::fleet::blocks::SUSPECT;
 use covbeam_tests::fleet::member;
-use covbeam_tests::statistics::sidak;
 use row::{Row, measure};
 use std::path::PathBuf;
 
@@ -22,9 +22,6 @@ pub(crate) struct Fleet {
     pub(crate) seconds: Vec<f64>,
     pub(crate) out: PathBuf,
 }
-
-/// Chance that a fleet of sound pictures has a failing block.
-const FAMILY_WISE: f64 = 0.01;
 
 /// Scenes that the page shows.
 const SHOWN: usize = 5;
@@ -47,7 +44,7 @@ pub(crate) fn run(fleet: &Fleet) -> Outcome<()> {
     }
     display.finish();
     let suspects: usize = rows.iter().map(|row| row.suspects.len()).sum();
-    let level = sidak(FAMILY_WISE, suspects.max(1));
+    let level = level(suspects);
     for row in &mut rows {
         row.failures = row.suspects.iter().filter(|suspect| suspect.judged.p < level).copied().collect();
     }

@@ -4,39 +4,24 @@ use crate::Outcome;
 use crate::budget::spend;
 use crate::rendering::cpu_seconds;
 use covbeam_render::film::Picture;
+use covbeam_render::scene::Scene;
 use covbeam_tests::fleet::Member;
-use covbeam_tests::fleet::blocks::{self, SUSPECT, Verdict};
+use covbeam_tests::fleet::agreement::{Agreement, Passes, RUNS, Suspect, examine};
+use covbeam_tests::fleet::blocks;
 use covbeam_tests::fleet::errors::Errors;
 use covbeam_tests::fleet::rings::{Ratio, ratios, rings};
-use covbeam_tests::fleet::runs::{Estimator, light_tracing_sees_all, mean, narrow, pictures};
+use covbeam_tests::fleet::runs::{Estimator, mean, narrow};
 
-/// Independent runs of each method, for each of the two steps of the test of blocks.
-const RUNS: u32 = 8;
+/// CPU-seconds of all runs of a method for the test of blocks, about; a power of two of passes is chosen, so that it seldom depends on
+/// the machine.
+const EFFORT: [(Estimator, f64); 3] =
+    [(Estimator::Default, 2.0), (Estimator::Reference, 4.5), (Estimator::Light, 1.0)];
 
-/// Passes of a run. The reference is the noisier and cheaper a pass.
-const PASSES: [(Estimator, u32); 3] =
-    [(Estimator::Default, 8), (Estimator::Reference, 48), (Estimator::Light, 3)];
-
-/// Seeds of a method and step never meet those of another.
-const SEEDS: [(Estimator, u32); 5] = [
-    (Estimator::Default, 1_000),
-    (Estimator::Reference, 2_000),
-    (Estimator::Light, 3_000),
-    (Estimator::Plain, 4_000),
-    (Estimator::EveryPixel, 5_000),
-];
+/// First seed of the runs at equal time: those of the test of blocks are below.
+const SEED: u32 = 10_000;
 
 /// The methods at equal time, the default first.
 pub(super) const COMPARED: [Estimator; 3] = [Estimator::Default, Estimator::Plain, Estimator::EveryPixel];
-
-/// A block that the first runs made suspect.
-#[derive(Clone, Copy)]
-pub(super) struct Suspect {
-    pub(super) block: usize,
-    pub(super) against: Estimator,
-    /// From fresh runs.
-    pub(super) judged: Verdict,
-}
 
 /// When a budget was spent.
 pub(super) struct Point {
@@ -50,6 +35,8 @@ pub(super) struct Point {
 
 pub(super) struct Row {
     pub(super) number: u32,
+    /// Of the runs for the test of blocks.
+    pub(super) passes: Passes,
     pub(super) blocks: usize,
     pub(super) light_traced: bool,
     pub(super) suspects: Vec<Suspect>,
@@ -66,8 +53,19 @@ pub(super) struct Row {
     pub(super) pictures: Vec<Picture>,
 }
 
-fn of<T: Copy>(estimator: Estimator, table: &[(Estimator, T)]) -> T {
-    table.iter().find(|(of, _)| *of == estimator).expect("every method that is run is in the table").1
+/// Passes of one of the runs, from the time of one pass.
+fn passes(scene: &Scene, estimator: Estimator, effort: f64) -> Outcome<u32> {
+    let narrowed = narrow(scene);
+    let scene = if estimator == Estimator::Reference { &narrowed } else { scene };
+    let mut renderer = estimator.renderer(scene, 1);
+    let start = cpu_seconds()?;
+    // The first pass is not typical: the grid is empty.
+    for pass in 1..=2 {
+        renderer.pass(pass, &|| false).expect("never cancelled");
+    }
+    let a_pass = ((cpu_seconds()? - start) / 2.0).max(0.005);
+    let exponent = (effort / (f64::from(RUNS) * a_pass)).log2().round();
+    Ok(2_f64.powf(exponent.clamp(1.0, 6.0)) as u32)
 }
 
 pub(super) fn measure(
@@ -78,45 +76,16 @@ pub(super) fn measure(
 ) -> Outcome<Row> {
     let start = cpu_seconds()?;
     let scene = &member.scene;
-    // Step 0 suspects, step 1 judges.
-    let runs = |estimator: Estimator, step: u32| {
-        let first = of(estimator, &SEEDS) + step * RUNS;
-        pictures(scene, estimator, first..first + RUNS, of(estimator, &PASSES))
-    };
-    report("reference", 0.0);
-    let reference = runs(Estimator::Reference, 0)?;
-    report("default", 0.3);
-    let tested = runs(Estimator::Default, 0)?;
-    let light_traced = light_tracing_sees_all(scene);
-    let mut suspects = Vec::new();
-    let mut fresh = None;
-    for against in [Estimator::Reference, Estimator::Light] {
-        if against == Estimator::Light && !light_traced {
-            continue;
-        }
-        report("blocks", 0.4);
-        let first = match against {
-            Estimator::Reference => blocks::compare(&tested, &reference),
-            _ => blocks::compare(&tested, &runs(against, 0)?),
-        };
-        let suspected = |verdict: &Verdict| verdict.p < SUSPECT;
-        if first.iter().any(suspected) {
-            let tested = match &fresh {
-                Some(pictures) => pictures,
-                None => fresh.insert(runs(Estimator::Default, 1)?),
-            };
-            let second = blocks::compare(tested, &runs(against, 1)?);
-            let judged = first.iter().zip(second).enumerate().filter(|(_, (first, _))| suspected(first));
-            suspects.extend(judged.map(|(block, (_, judged))| Suspect { block, against, judged }));
-        }
-    }
+    report("blocks", 0.05);
+    let [default, reference, light] = EFFORT.map(|(estimator, effort)| passes(scene, estimator, effort));
+    let passes = Passes { default: default?, reference: reference?, light: light? };
+    let Agreement { suspects, light_traced, tested, reference } = examine(scene, passes)?;
     let halves = reference.split_at(RUNS as usize / 2);
     let (a, b, whole) = (mean(halves.0), mean(halves.1), mean(&reference));
     let mut curves = Vec::new();
     for (index, estimator) in (0_u32..).zip(COMPARED) {
         report("equal time", 0.5 + 0.16 * f64::from(index));
-        // The first seeds belong to the test of blocks.
-        let seed = of(estimator, &SEEDS) + 2 * RUNS;
+        let seed = SEED + index;
         curves.push(spend(scene, || estimator.renderer(scene, seed), budgets)?);
     }
     let points = (0..budgets.len()).map(|budget| {
@@ -132,6 +101,7 @@ pub(super) fn measure(
     let light = |picture: &Picture| blocks::means(picture).iter().sum::<f64>();
     Ok(Row {
         number,
+        passes,
         blocks: blocks::means(&whole).len(),
         light_traced,
         suspects,

@@ -2,6 +2,7 @@
 
 use super::Fleet;
 use super::row::Row;
+use covbeam_tests::fleet::agreement::Suspect;
 use covbeam_tests::fleet::rings::{ENDS, Ratio};
 use covbeam_tests::fleet::runs::Estimator;
 use std::fmt::Write;
@@ -21,11 +22,15 @@ pub(super) fn agreement(rows: &[Row], suspects: usize, level: f64) {
     {
         let tested = || rows.iter().filter(|row| against != Estimator::Light || row.light_traced);
         let blocks: usize = tested().map(|row| row.blocks).sum();
-        let of = |of: &[super::row::Suspect]| of.iter().filter(|suspect| suspect.against == against).count();
+        let of = |of: &[Suspect]| of.iter().filter(|suspect| suspect.against == against).count();
         let suspects: usize = tested().map(|row| of(&row.suspects)).sum();
         let failing: Vec<usize> = tested().map(|row| of(&row.failures)).filter(|count| *count > 0).collect();
+        let plain: usize = tested()
+            .flat_map(|row| &row.failures)
+            .filter(|suspect| suspect.against == against && suspect.plain.p < level)
+            .count();
         println!(
-            "| {name} | {} | {blocks} | {suspects} | {} | {} |",
+            "| {name} | {} | {blocks} | {suspects} | {} | {plain} | {} |",
             tested().count(),
             failing.iter().sum::<usize>(),
             failing.len()
@@ -169,7 +174,9 @@ pub(super) fn print_worst(fleet: &Fleet, worst: &[&Row]) {
 
 /// One line a scene.
 pub(super) fn csv(rows: &[Row], budgets: &[f64]) -> String {
-    let mut text = "scene,blocks,light_traced,suspects,failures,total".to_owned();
+    let mut text =
+        "scene,default_passes,reference_passes,light_passes,blocks,light_traced,suspects,failures,total"
+            .to_owned();
     for end in ENDS {
         let _ = write!(text, ",ring_to_{end},ring_to_{end}_error");
     }
@@ -188,8 +195,11 @@ pub(super) fn csv(rows: &[Row], budgets: &[f64]) -> String {
     for row in rows {
         let _ = write!(
             text,
-            "{},{},{},{},{},{}",
+            "{},{},{},{},{},{},{},{},{}",
             row.number,
+            row.passes.default,
+            row.passes.reference,
+            row.passes.light,
             row.blocks,
             row.light_traced,
             row.suspects.len(),
