@@ -47,7 +47,7 @@ fn a_planted_halo_is_seen() {
     let reference = pictures(&scene, Estimator::Reference, 1..1 + RUNS, 16).expect("finite");
     let mut halo = pictures(&scene, Estimator::Reference, 101..101 + RUNS, 16).expect("finite");
     for picture in &mut halo {
-        // A tenth of each pixel goes evenly to the pixels up to ten to the left and right of it.
+        // A fifth of each pixel goes evenly to the pixels up to ten to the left and right of it.
         let width = picture.width as usize;
         for row in picture.radiance.chunks_mut(width) {
             let spread: Vec<Vec3> = (0..width)
@@ -57,12 +57,12 @@ fn a_planted_halo_is_seen() {
                     row[near].iter().copied().sum::<Vec3>() / count
                 })
                 .collect();
-            row.iter_mut().zip(spread).for_each(|(value, spread)| *value = 0.9 * *value + 0.1 * spread);
+            row.iter_mut().zip(spread).for_each(|(value, spread)| *value = 0.8 * *value + 0.2 * spread);
         }
     }
     let found = covbeam_tests::fleet::blocks::compare(&halo, &reference);
-    // Even by the level of a test of 200 scenes of 81 blocks in one step.
-    let seen = found.iter().filter(|verdict| verdict.p < 4e-7).count();
+    // The level of a hundred suspects.
+    let seen = found.iter().filter(|verdict| verdict.p < level(100)).count();
     assert!(seen >= 4, "{seen} of {} blocks", found.len());
 }
 

@@ -15,8 +15,6 @@ const PHOTONS: u32 = 1500;
 const DARKEST: f64 = 2e-4;
 /// Least share of the picture that is bright, as a number of pixels of equal brightness: (Σ L)² / Σ L².
 const BRIGHT_SHARE: f64 = 0.03;
-/// Share of the pixels that get some light.
-const LIT_SHARE: f64 = 0.5;
 /// Least correlation of two pictures with different seeds: below, five CPU-seconds would show noise alone.
 const REPEATED: f64 = 0.4;
 /// Share of the light that is still there with black surfaces: the fog's, but for what surfaces give to it.
@@ -31,15 +29,12 @@ pub(super) fn shows_something(scene: &Scene) -> bool {
     let (count, sum) = (first.len() as f64, first.iter().sum::<f64>());
     let product = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
     let squares = product(&first, &first);
-    let lit = first.iter().filter(|value| **value > 0.0).count() as f64;
     let flux: f64 = scene.lights.iter().map(|light| f64::from(luminance(light.flux()))).sum();
     let across = f64::from((scene.grid.max - scene.grid.min).length());
     let wall = flux / (PI * across * across);
     let repeated = product(&first, &second) / (squares * product(&second, &second)).sqrt();
-    let seen = sum > DARKEST * wall * count
-        && sum * sum > BRIGHT_SHARE * count * squares
-        && lit > LIT_SHARE * count
-        && repeated > REPEATED;
+    let seen =
+        sum > DARKEST * wall * count && sum * sum > BRIGHT_SHARE * count * squares && repeated > REPEATED;
     seen && fog_share(scene, sum) > FOG_SHARE
 }
 

@@ -12,10 +12,10 @@ use covbeam_tests::fleet::errors::Errors;
 use covbeam_tests::fleet::rings::{Ratio, ratios, rings};
 use covbeam_tests::fleet::runs::{Estimator, mean, narrow};
 
-/// CPU-seconds of all runs of a method for the test of blocks, about; a power of two of passes is chosen, so that it seldom depends on
-/// the machine.
+/// CPU-seconds of all runs of a method for the test of blocks, about, in the last budget; a power of two of passes is chosen, so that it
+/// seldom depends on the machine.
 const EFFORT: [(Estimator, f64); 3] =
-    [(Estimator::Default, 2.0), (Estimator::Reference, 4.5), (Estimator::Light, 1.0)];
+    [(Estimator::Default, 0.4), (Estimator::Reference, 0.9), (Estimator::Light, 0.2)];
 
 /// First seed of the runs at equal time: those of the test of blocks are below.
 const SEED: u32 = 10_000;
@@ -77,7 +77,8 @@ pub(super) fn measure(
     let start = cpu_seconds()?;
     let scene = &member.scene;
     report("blocks", 0.05);
-    let [default, reference, light] = EFFORT.map(|(estimator, effort)| passes(scene, estimator, effort));
+    let [default, reference, light] =
+        EFFORT.map(|(estimator, share)| passes(scene, estimator, share * budgets[budgets.len() - 1]));
     let passes = Passes { default: default?, reference: reference?, light: light? };
     let Agreement { suspects, light_traced, tested, reference } = examine(scene, passes)?;
     let halves = reference.split_at(RUNS as usize / 2);
