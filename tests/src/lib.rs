@@ -1,6 +1,7 @@
 //! What checks covbeam from outside: the naive high-precision twin, hard cases, statistics.
 
 pub mod energy;
+pub mod fleet;
 pub mod header;
 pub mod single_scatter;
 pub mod statistics;

@@ -23,6 +23,7 @@ pub mod output;
 pub mod pass;
 pub mod photon;
 pub mod plan;
+pub mod progress;
 pub mod radius;
 pub mod random;
 pub mod record;

@@ -1,7 +1,6 @@
 //! `covbeam`: renders a scene, compares two pictures, tests the predicted spectra, or reports on all methods.
 
 mod cli;
-mod progress;
 mod render_command;
 mod report_command;
 mod spectrum_command;

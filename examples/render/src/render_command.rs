@@ -7,6 +7,7 @@ use covbeam_render::march::Marching;
 use covbeam_render::memory;
 use covbeam_render::output::{OutputError, RenderInfo, check_writable, write_bitmap, write_exr, write_png};
 use covbeam_render::pass::Renderer;
+use covbeam_render::progress::seconds;
 use covbeam_render::render::{End, Goal, Progress, RenderError, render};
 use covbeam_render::scene::Scene;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -342,15 +343,6 @@ fn summary(progress: &Progress) -> String {
     text
 }
 
-pub(crate) fn seconds(time: Duration) -> String {
-    let all = time.as_secs_f64();
-    match all {
-        ..60.0 => format!("{all:.1} s"),
-        60.0..3600.0 => format!("{} min {:02} s", time.as_secs() / 60, time.as_secs() % 60),
-        _ => format!("{} h {:02} min", time.as_secs() / 3600, time.as_secs() / 60 % 60),
-    }
-}
-
 /// CPU time of all threads so far, user and system [s]; None where the system does not tell. Unlike the split by
 /// part, which is measured with a clock, it does not grow when other programs share the cores.
 fn cpu_seconds() -> Option<f64> {
@@ -375,13 +367,6 @@ fn peak_memory_mb() -> Option<f64> {
 mod tests {
     use super::*;
     use covbeam_render::pass::PassTimes;
-
-    #[test]
-    fn a_time_is_shown_in_the_unit_that_fits() {
-        assert_eq!(seconds(Duration::from_millis(1540)), "1.5 s");
-        assert_eq!(seconds(Duration::from_secs(61)), "1 min 01 s");
-        assert_eq!(seconds(Duration::from_secs(2 * 3600 + 5 * 60 + 59)), "2 h 05 min");
-    }
 
     #[test]
     fn the_summary_splits_the_time_and_counts_pairs_per_second_of_gather() {

@@ -1,9 +1,9 @@
 //! `covbeam report`: from scenes to one page, with the numbers beside it.
 
 use crate::cli::ReportArgs;
-use crate::progress::Display;
-use crate::render_command::{DEFAULT_NAME, DEFAULT_SCENE, STOPPED, seconds};
+use crate::render_command::{DEFAULT_NAME, DEFAULT_SCENE, STOPPED};
 use covbeam_render::output::{check_writable, replace_file};
+use covbeam_render::progress::{Display, seconds};
 use covbeam_render::report::{
     METHODS, Options, Reference, Report, Subject, Watch, csv, figure, json, measure, page,
 };

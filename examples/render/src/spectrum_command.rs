@@ -1,10 +1,10 @@
 //! `covbeam spectrum`: the truth test from a scene file to tables and plots on the disk.
 
 use crate::cli::{LineArgument, SpectrumArgs};
-use crate::progress::Display;
 use crate::render_command::STOPPED;
 use covbeam::GridLayout;
 use covbeam_render::output::{check_writable, replace_file};
+use covbeam_render::progress::Display;
 use covbeam_render::scene::Scene;
 use covbeam_render::spectrum::{
     Analysis, BATCHES, Line, Options, Point, Prediction, analyse, default_lines, default_points,

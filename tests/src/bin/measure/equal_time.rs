@@ -1,8 +1,8 @@
 //! Error at equal CPU time.
 
-use crate::rendering::{Reference, cpu_seconds, load, name, other_regions};
+use crate::budget::spend;
+use crate::rendering::{Reference, load, name, other_regions};
 use crate::{Outcome, Size};
-use covbeam_render::film::Film;
 use covbeam_render::pass::{Method, Renderer};
 use covbeam_render::scene::Scene;
 use std::path::{Path, PathBuf};
@@ -39,18 +39,22 @@ pub(crate) fn run(
         for (label, method, planned) in METHODS {
             let mut points = vec![Point::default(); budgets.len()];
             for seed in 1..=seeds {
-                let found = spend(scene, reference, (method, planned), seed, budgets)?;
+                let renderer = || {
+                    let mut renderer = Renderer::new(scene, method, scene.settings.photons, seed);
+                    if planned {
+                        renderer.plan_eye_rays();
+                    }
+                    renderer
+                };
+                let found = spend(scene, renderer, budgets)?;
                 eprintln!("{name}, {label}: run {seed} of {seeds} done");
                 for (point, found) in points.iter_mut().zip(found) {
                     let share = 1.0 / f64::from(seeds);
-                    point.passes += share * found.passes;
+                    point.passes += share * f64::from(found.passes);
                     point.seconds += share * found.seconds;
-                    point.rel_mse.resize(found.rel_mse.len(), 0.0);
-                    point
-                        .rel_mse
-                        .iter_mut()
-                        .zip(found.rel_mse)
-                        .for_each(|(sum, error)| *sum += share * error);
+                    let rel_mse = reference.rel_mse(&found.picture)?;
+                    point.rel_mse.resize(rel_mse.len(), 0.0);
+                    point.rel_mse.iter_mut().zip(rel_mse).for_each(|(sum, error)| *sum += share * error);
                 }
             }
             curves.push((label, points));
@@ -58,53 +62,6 @@ pub(crate) fn run(
         print_table(name, scene, reference, seeds, &curves);
     }
     Ok(())
-}
-
-/// Renders until the last budget is spent; a pass is not begun that would end after a budget, if it took as long as the last.
-fn spend(
-    scene: &Scene,
-    reference: &Reference,
-    (method, planned): (Method, bool),
-    seed: u32,
-    budgets: &[f64],
-) -> Outcome<Vec<Point>> {
-    let mut points = Vec::new();
-    let mut spent = 0.0;
-    let mut timed = |work: &mut dyn FnMut() -> Outcome<()>| -> Outcome<f64> {
-        let start = cpu_seconds()?;
-        work()?;
-        spent += cpu_seconds()? - start;
-        Ok(spent)
-    };
-    let mut renderer = None;
-    timed(&mut || {
-        let mut new = Renderer::new(scene, method, scene.settings.photons, seed);
-        if planned {
-            new.plan_eye_rays();
-        }
-        renderer = Some(new);
-        Ok(())
-    })?;
-    let mut renderer = renderer.expect("made above");
-    let mut film = Film::new(scene.camera.width, scene.camera.height);
-    let mut before = 0.0;
-    for pass in 1.. {
-        let now = timed(&mut || {
-            let (image, _) = renderer.pass(pass, &|| false).expect("never cancelled");
-            Ok(film.add(&image)?)
-        })?;
-        while points.len() < budgets.len() && 2.0 * now - before > budgets[points.len()] {
-            let start = cpu_seconds()?;
-            let picture = film.picture();
-            let seconds = now + cpu_seconds()? - start;
-            points.push(Point { passes: f64::from(pass), seconds, rel_mse: reference.rel_mse(&picture)? });
-        }
-        if points.len() == budgets.len() {
-            break;
-        }
-        before = now;
-    }
-    Ok(points)
 }
 
 fn print_table(name: &str, scene: &Scene, reference: &Reference, seeds: u32, curves: &[(&str, Vec<Point>)]) {

@@ -1,10 +1,12 @@
 //! The long measurements behind the figures in the documents: run one, read its table.
 
 mod ablation;
+mod budget;
 mod convergence;
 mod cost;
 mod emission;
 mod equal_time;
+mod fleet;
 mod grids;
 mod marching;
 mod means;
@@ -150,6 +152,28 @@ enum Measurement {
         seeds: u32,
         #[command(flatten)]
         size: Size,
+    },
+    /// Scenes made from a seed: blocks of pixels of the default method against plain beams and light tracing, all tested; brightness by
+    /// distance from the brightest part; error at equal CPU time. Writes the scenes, a table of them (fleet.csv) and pictures of the worst.
+    Fleet {
+        /// Number of scenes.
+        #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..))]
+        scenes: u32,
+        /// Seed of the fleet.
+        #[arg(long, default_value_t = 1)]
+        seed: u32,
+        /// Number of the first scene.
+        #[arg(long, default_value_t = 1)]
+        first: u32,
+        /// Pixels across, and down.
+        #[arg(long, default_value_t = 72, value_parser = clap::value_parser!(u32).range(16..=16384))]
+        width: u32,
+        /// CPU-seconds of a method on a scene, rising.
+        #[arg(long, value_delimiter = ',', default_values_t = [1.25, 5.0])]
+        seconds: Vec<f64>,
+        /// Folder to write.
+        #[arg(long, default_value = "fleet")]
+        out: PathBuf,
     },
     /// Wedges of beams that run nearly along an eye ray, in a ball scene after few passes: how bright, and is their light all there?
     Wedges {
@@ -298,6 +322,9 @@ fn main() -> Outcome<()> {
         }
         Measurement::EqualTime { scenes, references, seconds, seeds, size } => {
             equal_time::run(&scenes, &references, &seconds, seeds, size)
+        }
+        Measurement::Fleet { scenes, seed, first, width, seconds, out } => {
+            fleet::run(&fleet::Fleet { scenes, seed, first, width, seconds, out })
         }
         Measurement::Wedges { scene, reference, passes, seeds, out, size } => {
             wedges::run(&scene, &reference, passes, seeds, out, size)

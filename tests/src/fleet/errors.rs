@@ -1,0 +1,88 @@
+//! Errors against a reference that is noisy itself.
+//!
+//! With two independent halves A and B of a reference, the mean of (I - A)(I - B) is that of (I - R)² for a reference without noise: theirs
+//! cancels in the mean. What it still adds is spread, which the standard errors show. Between two pictures held against the same halves
+//! the product of the halves' noises cancels exactly, so that their difference is known better than either.
+
+use super::blocks;
+use super::rings::Ratio;
+use covbeam_render::compare::luminance;
+use covbeam_render::film::Picture;
+
+/// Relative squared error of a picture by block of pixels, as sums.
+#[derive(Clone, Debug)]
+pub struct Errors {
+    /// Of (I - A)(I - B) / (R² + (0.01 mean R)²), R = (A + B) / 2: relMSE as `covbeam compare` normalises it.
+    sums: Vec<f64>,
+    pixels: f64,
+}
+
+impl Errors {
+    /// Of a picture against both halves of a reference of its size.
+    pub fn new(picture: &Picture, halves: [&Picture; 2]) -> Self {
+        let values = |picture: &Picture| -> Vec<f64> {
+            picture.radiance.iter().map(|value| f64::from(luminance(*value))).collect()
+        };
+        let (image, [a, b]) = (values(picture), halves.map(values));
+        let pixels = image.len() as f64;
+        let mean = a.iter().chain(&b).sum::<f64>() / (2.0 * pixels);
+        let floor = (0.01 * mean).powi(2);
+        let mut sums = Vec::new();
+        for (pixel, ((i, a), b)) in (0..).zip(image.iter().zip(&a).zip(&b)) {
+            let block = blocks::block_of(picture.width, pixel);
+            sums.resize(sums.len().max(block + 1), 0.0);
+            let r = 0.5 * (a + b);
+            sums[block] += (i - a) * (i - b) / (r * r + floor);
+        }
+        Self { sums, pixels }
+    }
+
+    /// relMSE. Where the noise of the reference is larger than the error it may come out negative.
+    pub fn rel_mse(&self) -> Ratio {
+        let count = self.sums.len() as f64;
+        let sum: f64 = self.sums.iter().sum();
+        let square: f64 = self.sums.iter().map(|part| (part - sum / count).powi(2)).sum();
+        Ratio { value: sum / self.pixels, error: (count / (count - 1.0) * square).sqrt() / self.pixels }
+    }
+
+    /// relMSE over that of another picture held against the same halves, with the standard error of the jackknife over the blocks.
+    ///
+    /// Blocks that lie side by side share some light, so that the true spread is somewhat larger.
+    pub fn over(&self, other: &Self) -> Ratio {
+        let [above, below]: [f64; 2] = [self, other].map(|errors| errors.sums.iter().sum());
+        let without: Vec<f64> =
+            self.sums.iter().zip(&other.sums).map(|(a, b)| (above - a) / (below - b)).collect();
+        let count = without.len() as f64;
+        let mean = without.iter().sum::<f64>() / count;
+        let square: f64 = without.iter().map(|ratio| (ratio - mean).powi(2)).sum();
+        Ratio { value: above / below, error: ((count - 1.0) / count * square).sqrt() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use covbeam_hard_cases::random::Stream;
+    use glam::Vec3;
+
+    /// A reference with halves of 10 % of noise, pictures with 10 and 20 %: relMSE .01 and .04.
+    #[test]
+    fn the_noise_of_the_reference_cancels() {
+        let mut stream = Stream::new(3);
+        let mut picture = |noise: f64| {
+            // Uniform with a standard deviation of 1.
+            let mut value = || 1.0 + noise * 12_f64.sqrt() * (stream.uniform() - 0.5);
+            let radiance = (0..128 * 128).map(|_| Vec3::splat(value() as f32)).collect();
+            Picture { width: 128, height: 128, radiance, layers: None, maps: None }
+        };
+        let (a, b) = (picture(0.1), picture(0.1));
+        let [ten, twenty] = [0.1, 0.2].map(|noise| Errors::new(&picture(noise), [&a, &b]));
+        let (first, second) = (ten.rel_mse(), twenty.rel_mse());
+        // R² is larger than 1 by the noise of R, .005, and its inverse by three times that.
+        assert!((first.value - 0.01).abs() < 4.0 * first.error + 0.0002, "{first:?}");
+        assert!((second.value - 0.04).abs() < 4.0 * second.error + 0.0008, "{second:?}");
+        assert!(first.error < 0.001);
+        let ratio = ten.over(&twenty);
+        assert!((ratio.value - 0.25).abs() < 4.0 * ratio.error + 0.01 && ratio.error < 0.02, "{ratio:?}");
+    }
+}

@@ -1,0 +1,98 @@
+//! Independent runs of the methods that are held against each other.
+
+use covbeam_render::film::{Film, FilmError, Picture};
+use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::scene::{Material, Scene};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// A way to make a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Estimator {
+    /// Adaptive beams, few eye rays where the picture is smooth: what a render gets that asks for nothing else.
+    Default,
+    /// Adaptive beams, an eye ray through every pixel.
+    EveryPixel,
+    /// Plain beams at the scene's radius.
+    Plain,
+    /// Plain beams at a radius that is small from the first pass to the last: see [`narrow`].
+    Reference,
+    /// Light tracing.
+    Light,
+}
+
+impl Estimator {
+    /// Light paths a pass.
+    pub fn photons(self, scene: &Scene) -> u32 {
+        // A path costs a beam's gather less.
+        if self == Self::Light { 20 * scene.settings.photons } else { scene.settings.photons }
+    }
+
+    /// A renderer of this kind; for [`Estimator::Reference`] the scene must be the narrowed one.
+    pub fn renderer(self, scene: &Scene, seed: u32) -> Renderer<'_> {
+        let method = match self {
+            Self::Default | Self::EveryPixel => Method::Adaptive,
+            Self::Plain | Self::Reference => Method::Ppb,
+            Self::Light => Method::LightTrace,
+        };
+        let mut renderer = Renderer::new(scene, method, self.photons(scene), seed);
+        if self == Self::Default {
+            renderer.plan_eye_rays();
+        }
+        renderer
+    }
+}
+
+/// The scene with a quarter of the kernels' radius, which stays as it is over the passes: with radii of a 256th of the scene's diagonal, a
+/// thousandth of it, a tenth of a pixel of a picture of a hundred.
+pub fn narrow(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    scene.settings.radius *= 0.25;
+    // r shrinks as passes^((α - 1) / 2) or slower.
+    scene.settings.alpha = 0.999;
+    scene
+}
+
+/// Whether light tracing sees all of the picture: it misses what is seen through glass or in mirrors.
+pub fn light_tracing_sees_all(scene: &Scene) -> bool {
+    let specular =
+        |material: Material| matches!(material, Material::Dielectric { .. } | Material::Mirror { .. });
+    !scene.objects.iter().any(|object| specular(object.material))
+}
+
+/// Pictures of `passes` passes each, one a seed.
+///
+/// # Errors
+/// A pass that is not finite.
+pub fn pictures(
+    scene: &Scene,
+    estimator: Estimator,
+    seeds: Range<u32>,
+    passes: u32,
+) -> Result<Vec<Picture>, FilmError> {
+    let narrowed = (estimator == Estimator::Reference).then(|| narrow(scene));
+    let scene = narrowed.as_ref().unwrap_or(scene);
+    let picture = |seed| {
+        let mut renderer = estimator.renderer(scene, seed);
+        let mut film = Film::new(scene.camera.width, scene.camera.height);
+        for pass in 1..=passes {
+            let (image, _) = renderer.pass(pass, &|| false).expect("never cancelled");
+            film.add(&image)?;
+        }
+        Ok(film.picture())
+    };
+    seeds.into_par_iter().map(picture).collect()
+}
+
+/// The mean of some pictures, at least one.
+pub fn mean(pictures: &[Picture]) -> Picture {
+    let share = 1.0 / pictures.len() as f32;
+    let mut radiance = vec![Vec3::ZERO; pictures[0].radiance.len()];
+    for picture in pictures {
+        for (sum, value) in radiance.iter_mut().zip(&picture.radiance) {
+            *sum += share * *value;
+        }
+    }
+    Picture { width: pictures[0].width, height: pictures[0].height, radiance, layers: None, maps: None }
+}
