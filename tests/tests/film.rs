@@ -14,7 +14,8 @@ fn value() -> impl Strategy<Value = f32> {
 fn pass() -> impl Strategy<Value = PassImage> {
     let radiance = prop::collection::vec([value(), value(), value()].prop_map(Vec3::from), PIXELS);
     let gather = prop::collection::vec([value(), value(), value(), value()], PIXELS);
-    (radiance, gather).prop_map(|(radiance, gather)| PassImage {
+    (1_u32..100, radiance, gather).prop_map(|(pass, radiance, gather)| PassImage {
+        pass,
         width: PIXELS as u32,
         height: 1,
         radiance,
@@ -35,7 +36,8 @@ fn bits(picture: &Picture) -> Vec<u32> {
     let layers = picture.layers.as_ref().unwrap();
     let radiance = picture.radiance.iter().flat_map(|v| v.to_array());
     let layers = layers.radius.iter().chain(&layers.sigma).chain(&layers.samples).copied();
-    radiance.chain(layers).map(f32::to_bits).collect()
+    let error = picture.error.iter().flatten().copied();
+    radiance.chain(layers).chain(error).map(f32::to_bits).collect()
 }
 
 fn passes_in_two_orders() -> impl Strategy<Value = (Vec<PassImage>, Vec<PassImage>)> {
@@ -81,8 +83,8 @@ fn small_passes_are_not_lost_beside_a_bright_one() {
 
 #[test]
 fn the_mean_is_the_same_in_every_unit() {
-    // A power of two changes the exponent only, as long as the values stay above 2^-56 (see Film).
-    for exponent in [-30, -10, 10, 25] {
+    // A power of two changes the exponents only, those of the film's unit too.
+    for exponent in [-60, -30, -10, 10, 25, 60] {
         let unit = 2.0_f32.powi(exponent);
         let one = |value: f32| PassImage {
             width: 1,
@@ -90,7 +92,7 @@ fn the_mean_is_the_same_in_every_unit() {
             radiance: vec![Vec3::splat(value)],
             ..PassImage::default()
         };
-        let (mut film, mut scaled) = (Film::new(1, 1), Film::new(1, 1));
+        let (mut film, mut scaled) = (Film::new(1, 1), Film::of_radiance(1, 1, unit));
         for value in [0.1, 0.2, 1e-3, 700.0, 3.0] {
             film.add(&one(value)).unwrap();
             scaled.add(&one(value * unit)).unwrap();
@@ -111,6 +113,27 @@ fn sums_beyond_the_range_stop_there() {
         })
         .unwrap();
     }
-    // 2^47 over two passes.
-    assert_eq!(film.picture().radiance[0], Vec3::splat(2.0_f32.powi(46)));
+    // 2^31 over two passes.
+    assert_eq!(film.picture().radiance[0], Vec3::splat(2.0_f32.powi(30)));
+}
+
+#[test]
+fn the_error_is_half_the_difference_of_the_halves() {
+    let one = |pass: u32, value: f32| PassImage {
+        pass,
+        width: 1,
+        height: 1,
+        radiance: vec![Vec3::splat(value)],
+        ..PassImage::default()
+    };
+    let mut film = Film::new(1, 1);
+    film.add(&one(1, 1.0)).unwrap();
+    assert_eq!(film.picture().error, None, "one half is empty");
+    for (pass, value) in [(2, 5.0), (3, 3.0), (4, 9.0)] {
+        film.add(&one(pass, value)).unwrap();
+    }
+    // Odd passes: 2, even passes: 7.
+    let error = film.picture().error.unwrap()[0];
+    assert!((error - 2.5).abs() < 1e-6, "{error}");
+    assert!((film.picture().median_relative_error().unwrap() - 2.5 / 4.5).abs() < 1e-6);
 }

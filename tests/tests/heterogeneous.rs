@@ -102,7 +102,7 @@ fn world(air: Air) -> World {
 
 fn picture(scene: &Scene, method: Method, photons: u32, seed: u32, passes: u32) -> Vec<Vec3> {
     let mut renderer = Renderer::new(scene, method, photons, seed);
-    let mut film = Film::new(scene.camera.width, scene.camera.height);
+    let mut film = Film::of_scene(scene);
     for index in 1..=passes {
         let (image, _) = renderer.pass(index, &|| false).expect("not cancelled");
         film.add(&image).expect("finite");

@@ -40,7 +40,7 @@ fn picture_by(
     if planned {
         renderer.plan_eye_rays();
     }
-    let mut film = Film::new(scene.camera.width, scene.camera.height);
+    let mut film = Film::of_scene(scene);
     for index in passes {
         let (image, _) = renderer.pass(index, &|| false).expect("not cancelled");
         film.add(&image).expect("finite");

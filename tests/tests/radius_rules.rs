@@ -174,7 +174,7 @@ fn picture(scene: &Scene, rule: Option<RadiusRule>, planned: bool, passes: &[u32
     if planned {
         renderer.plan_eye_rays();
     }
-    let mut film = Film::new(scene.camera.width, scene.camera.height);
+    let mut film = Film::of_scene(scene);
     for index in passes {
         let (image, _) = renderer.pass(*index, &|| false).expect("not cancelled");
         film.add(&image).expect("finite");

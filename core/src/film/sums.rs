@@ -23,8 +23,8 @@ impl FilmUnit {
         Self { units: UNITS / f64::from(f32::from_bits(typical.to_bits() & 0x7f80_0000)) }
     }
 
-    /// A number in whole units, rounded once.
-    fn whole(&self, value: f32) -> i64 {
+    /// A radiance in whole units, rounded once; it stops at the largest number.
+    pub fn whole(&self, value: f32) -> i64 {
         // The product is exact (a power of two, far from f64's limits); `as` stops at i64's limits.
         libm::rint(f64::from(value) * self.units) as i64
     }

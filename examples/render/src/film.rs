@@ -2,6 +2,7 @@
 
 use crate::compare::luminance;
 use crate::plan::{Plan, Wanted};
+use crate::scene::Scene;
 use covbeam::{
     FILM_TILE, FILM_TILE_PIXELS, FilmEvidence, FilmFilters, FilmNode, FilmPixel, FilmSample, FilmSums,
     FilmUnit, ImageFilter, Reconstruction, standard_errors, verify_filters,
@@ -169,7 +170,7 @@ pub struct Film {
     plan: Option<Plan>,
 }
 
-/// Units of the sums of densities and of gather sums in 1.
+/// Units of the sums of densities and of numbers of pairs in 1.
 const UNITS: f64 = (1_u64 << 32) as f64;
 
 const FITS: &str = "the film's size is that of the plan";
@@ -183,7 +184,12 @@ impl Film {
         Self::of_radiance(width, height, 1.0)
     }
 
-    /// The same for a radiance that is typical of the picture ([`crate::scene::Scene::typical_radiance`]).
+    /// A film for the pictures of a scene.
+    pub fn of_scene(scene: &Scene) -> Self {
+        Self::of_radiance(scene.camera.width, scene.camera.height, scene.typical_radiance())
+    }
+
+    /// A film for pictures whose radiance is about `typical` [W/(m² sr)], give or take a factor of a thousand.
     pub fn of_radiance(width: u32, height: u32, typical: f32) -> Self {
         Self {
             width,
@@ -224,7 +230,10 @@ impl Film {
         }
         if !pass.gather.is_empty() {
             self.gather.resize(pixels, [0; 4]);
-            self.gather.iter_mut().zip(&pass.gather).for_each(|(sums, values)| add_exactly(sums, *values));
+            self.gather
+                .iter_mut()
+                .zip(&pass.gather)
+                .for_each(|(sums, values)| add_gather(sums, values, &unit));
         }
         if let Some(SparseSamples { plan, samples }) = &pass.sparse {
             self.volume.resize(pixels, FilmSums::default());
@@ -238,7 +247,7 @@ impl Film {
                 if wanted.surfaces {
                     self.own[pixel].add(&unit, *surfaces, odd);
                 }
-                add_exactly(&mut self.gather[pixel], *gather);
+                add_gather(&mut self.gather[pixel], gather, &unit);
             }
             for (sum, density) in self.density.iter_mut().zip(plan.density()) {
                 *sum += (f64::from(*density) * UNITS).round_ties_even() as u64;
@@ -410,11 +419,12 @@ impl Film {
     }
 }
 
-fn add_exactly<const N: usize>(sums: &mut [i64; N], values: [f32; N]) {
+/// Contributions are in the film's unit, numbers of pairs are not.
+fn add_gather(sums: &mut [i64; 4], [light, radius, sigma, pairs]: &[f32; 4], unit: &FilmUnit) {
+    let pairs = (f64::from(*pairs) * UNITS) as i64;
+    let values = [unit.whole(*light), unit.whole(*radius), unit.whole(*sigma), pairs];
     for (sum, value) in sums.iter_mut().zip(values) {
-        // The product is exact (a power of two, far from f64's limits); `as` stops at i64's limits.
-        let units = (f64::from(value) * UNITS).round_ties_even() as i64;
-        *sum = sum.saturating_add(units);
+        *sum = sum.saturating_add(value);
     }
 }
 

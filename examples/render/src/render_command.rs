@@ -65,7 +65,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
     }
     let marching = Marching::default();
     renderer.march_as(Marching { samples: args.samples.unwrap_or(marching.samples), ..marching });
-    let mut film = Film::of_radiance(width, height, scene.typical_radiance());
+    let mut film = Film::of_scene(&scene);
     let mut display = Display::new();
     let mut autosave = Autosave::new();
     let rendered = render(

@@ -118,7 +118,7 @@ fn pixel_noise(pictures: &[Grey], pixels: &[usize]) -> f64 {
 
 fn picture(scene: &Scene, passes: u32, photons: u32, seed: u32) -> Result<Grey, Box<dyn Error>> {
     let mut renderer = Renderer::new(scene, Method::Adaptive, photons, seed);
-    let mut film = Film::new(scene.camera.width, scene.camera.height);
+    let mut film = Film::of_scene(scene);
     let pass = |index, cancelled: &(dyn Fn() -> bool + Sync)| renderer.pass(index, cancelled);
     let goal = Goal { passes: Some(passes), ..Goal::default() };
     render(&mut film, &goal, Instant::now(), &|| false, pass, |_, _| Ok::<_, Infallible>(None))?;

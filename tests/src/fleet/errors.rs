@@ -59,6 +59,25 @@ impl Errors {
     }
 }
 
+/// True error over stated error of a picture: the square root of the median over the blocks of mean (I - A)(I - B) over mean stated variance,
+/// so that noise of the reference cancels. None if the picture states none.
+pub fn true_over_stated(picture: &Picture, [a, b]: [&Picture; 2]) -> Option<f64> {
+    let stated = picture.error.as_ref()?;
+    let value = |of: &Picture, pixel: usize| f64::from(luminance(of.radiance[pixel]));
+    let mut sums: Vec<[f64; 2]> = Vec::new();
+    for (pixel, stated) in stated.iter().enumerate() {
+        let block = blocks::block_of(picture.width, pixel as u32);
+        sums.resize(sums.len().max(block + 1), [0.0; 2]);
+        let image = value(picture, pixel);
+        sums[block][0] += (image - value(a, pixel)) * (image - value(b, pixel));
+        sums[block][1] += f64::from(*stated).powi(2);
+    }
+    let mut ratios: Vec<f64> =
+        sums.iter().filter(|[_, stated]| *stated > 0.0).map(|[truth, stated]| truth / stated).collect();
+    ratios.sort_by(f64::total_cmp);
+    ratios.get(ratios.len() / 2).map(|ratio| ratio.max(0.0).sqrt())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -73,7 +92,7 @@ mod tests {
             // Uniform with a standard deviation of 1.
             let mut value = || 1.0 + noise * 12_f64.sqrt() * (stream.uniform() - 0.5);
             let radiance = (0..128 * 128).map(|_| Vec3::splat(value() as f32)).collect();
-            Picture { width: 128, height: 128, radiance, layers: None, maps: None }
+            Picture { width: 128, height: 128, radiance, error: None, layers: None, maps: None }
         };
         let (a, b) = (picture(0.1), picture(0.1));
         let [ten, twenty] = [0.1, 0.2].map(|noise| Errors::new(&picture(noise), [&a, &b]));

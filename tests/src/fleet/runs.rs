@@ -75,7 +75,7 @@ pub fn pictures(
     let scene = narrowed.as_ref().unwrap_or(scene);
     let picture = |seed| {
         let mut renderer = estimator.renderer(scene, seed);
-        let mut film = Film::new(scene.camera.width, scene.camera.height);
+        let mut film = Film::of_scene(scene);
         for pass in 1..=passes {
             let (image, _) = renderer.pass(pass, &|| false).expect("never cancelled");
             film.add(&image)?;
@@ -94,5 +94,12 @@ pub fn mean(pictures: &[Picture]) -> Picture {
             *sum += share * *value;
         }
     }
-    Picture { width: pictures[0].width, height: pictures[0].height, radiance, layers: None, maps: None }
+    Picture {
+        width: pictures[0].width,
+        height: pictures[0].height,
+        radiance,
+        error: None,
+        layers: None,
+        maps: None,
+    }
 }

@@ -219,7 +219,7 @@ pub(super) fn run(
     let memory = super::machine::PeakMemory::watch();
     let start = ProcessTime::now();
     let mut renderer = method.renderer(scene, seed);
-    let mut film = Film::new(scene.camera.width, scene.camera.height);
+    let mut film = Film::of_scene(scene);
     let already = start.elapsed().as_secs_f64();
     let mut points = Vec::new();
     let mut last_picture = None;

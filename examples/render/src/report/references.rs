@@ -258,7 +258,7 @@ impl Reference {
         for (number, seed) in SEEDS.into_iter().enumerate() {
             watch.begin(format!("{name}: reference, run {} of 2", number + 1), budget);
             let mut renderer = Renderer::new(&scene, Method::Adaptive, scene.settings.photons, seed);
-            let mut film = Film::new(scene.camera.width, scene.camera.height);
+            let mut film = Film::of_scene(&scene);
             let spent = spend(&mut renderer, &mut film, budget, 0.0, watch, |_, _, _| {})
                 .map_err(|source| ReferenceError::Pass { scene: name.to_owned(), source })?;
             let Some(spent) = spent else { return Ok(None) };

@@ -23,7 +23,7 @@ pub(crate) fn spend<'a>(
 ) -> Outcome<Vec<Spent>> {
     let mut start = cpu_seconds()?;
     let mut renderer = renderer();
-    let mut film = Film::new(scene.camera.width, scene.camera.height);
+    let mut film = Film::of_scene(scene);
     let (mut points, mut now) = (Vec::new(), 0.0);
     for passes in 1.. {
         let before = now;

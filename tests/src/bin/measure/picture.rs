@@ -19,7 +19,7 @@ pub(crate) fn run(path: &Path, sides: &[u32], passes: u32) -> Outcome<()> {
         (scene.camera.width, scene.camera.height) = (*side, *side);
         let mut renderer = Renderer::new(&scene, Method::Adaptive, scene.settings.photons, 1);
         renderer.plan_eye_rays();
-        let mut film = Film::of_radiance(*side, *side, scene.typical_radiance());
+        let mut film = Film::of_scene(&scene);
         let mut rays = 0;
         let start = cpu_seconds()?;
         for pass in 1..=passes {

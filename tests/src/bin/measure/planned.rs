@@ -16,7 +16,7 @@ pub(crate) fn run(path: &Path, reference: &Path, passes: u32, seed: u32, size: S
     let start = Instant::now();
     renderer.plan_eye_rays();
     let depth_seconds = start.elapsed().as_secs_f64();
-    let mut film = Film::new(scene.camera.width, scene.camera.height);
+    let mut film = Film::of_scene(&scene);
     let mut times = PassTimes::default();
     let mut curves = vec![Vec::new(); regions.len()];
     println!(

@@ -49,7 +49,7 @@ impl<'a> Run<'a> {
         if let Some(operator) = left_out {
             renderer.leave_out(operator);
         }
-        let mut film = Film::new(scene.camera.width, scene.camera.height);
+        let mut film = Film::of_scene(scene);
         let mut total = PassTimes::default();
         for index in 1..=passes {
             let (image, times) = renderer.pass(index, &|| false).expect("never cancelled");

@@ -109,7 +109,7 @@ fn curve(
     if planned {
         renderer.plan_eye_rays();
     }
-    let mut film = Film::new(scene.camera.width, scene.camera.height);
+    let mut film = Film::of_scene(scene);
     let mut spent = cpu_seconds()? - start;
     let (mut by_passes, mut by_time) = (Vec::new(), Vec::new());
     for pass in 1.. {

@@ -39,7 +39,7 @@ pub(crate) fn run(
             if planned {
                 renderer.plan_eye_rays();
             }
-            let mut film = Film::new(scene.camera.width, scene.camera.height);
+            let mut film = Film::of_scene(&scene);
             for pass in 1..=passes {
                 film.add(&renderer.pass(pass, &|| false).expect("never cancelled").0)?;
             }

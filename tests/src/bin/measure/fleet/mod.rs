@@ -61,6 +61,7 @@ pub(crate) fn run(fleet: &Fleet) -> Outcome<()> {
     );
     table::agreement(&rows, suspects, level);
     table::rings(&rows);
+    table::calibration(&rows);
     table::ratios(&rows, &fleet.seconds);
     let worst = table::worst(&rows, SHOWN);
     table::print_worst(fleet, &worst);

@@ -8,7 +8,7 @@ use covbeam_render::scene::Scene;
 use covbeam_tests::fleet::Member;
 use covbeam_tests::fleet::agreement::{Agreement, Passes, RUNS, Suspect, examine};
 use covbeam_tests::fleet::blocks;
-use covbeam_tests::fleet::errors::Errors;
+use covbeam_tests::fleet::errors::{Errors, true_over_stated};
 use covbeam_tests::fleet::rings::{Ratio, ratios, rings};
 use covbeam_tests::fleet::runs::{Estimator, mean, narrow};
 
@@ -46,6 +46,8 @@ pub(super) struct Row {
     /// Total light, default over reference.
     pub(super) total: f64,
     pub(super) points: Vec<Point>,
+    /// True error over the stated one of the default at the last budget.
+    pub(super) calibration: Option<f64>,
     /// relMSE of half of the reference.
     pub(super) noise: f64,
     pub(super) cpu_seconds: f64,
@@ -109,6 +111,7 @@ pub(super) fn measure(
         failures: Vec::new(),
         rings: ratios(&rings(&whole), &tested, &reference),
         total: light(&mean(&tested)) / light(&whole),
+        calibration: curves[0].last().and_then(|spent| true_over_stated(&spent.picture, [&a, &b])),
         points: points.collect(),
         noise: covbeam_render::compare::compare(&a, &b, |_, _| true)?.rel_mse / 2.0,
         cpu_seconds: cpu_seconds()? - start,

@@ -85,6 +85,17 @@ pub(super) fn rings(rows: &[Row]) {
     println!("| whole picture | {} | {cells} | | |", totals.len());
 }
 
+/// True error of the default over the one that it states.
+pub(super) fn calibration(rows: &[Row]) {
+    let values = sorted(rows.iter().filter_map(|row| row.calibration));
+    let cells = SHARES.map(|share| format!("{:.2}", quantile(&values, share))).join(" | ");
+    println!("\nTrue error over the stated one, default at the last budget, over the scenes\n");
+    println!(
+        "| scenes | min | 5 % | median | 95 % | max |\n|---|---|---|---|---|---|\n| {} | {cells} |",
+        values.len()
+    );
+}
+
 /// Error of the default over that of the others at equal CPU time.
 pub(super) fn ratios(rows: &[Row], budgets: &[f64]) {
     println!("\nrelMSE of the default over that of another method at equal CPU time, over the scenes\n");
@@ -191,7 +202,7 @@ pub(super) fn csv(rows: &[Row], budgets: &[f64]) -> String {
             let _ = write!(text, ",over_{method}_{seconds},over_{method}_{seconds}_error");
         }
     }
-    text += ",reference_noise,cpu_s\n";
+    text += ",true_over_stated,reference_noise,cpu_s\n";
     for row in rows {
         let _ = write!(
             text,
@@ -225,6 +236,7 @@ pub(super) fn csv(rows: &[Row], budgets: &[f64]) -> String {
                 let _ = write!(text, ",{value:.4},{error:.4}");
             }
         }
+        let _ = row.calibration.map_or(write!(text, ","), |ratio| write!(text, ",{ratio:.3}"));
         let _ = writeln!(text, ",{:.4e},{:.2}", row.noise, row.cpu_seconds);
     }
     text
