@@ -181,9 +181,9 @@ impl Plan {
         }
     }
 
-    /// How often a pass looks at what is beyond that fog, in (0, 1]: always where there is something to see; a quarter of the passes, for
-    /// what is smaller than a pixel, where the middle of the pixel sees black or nothing.
+    /// How often a pass looks at what is beyond that fog, in (0, 1]: always where there is something to see, and at silhouettes, which
+    /// cross pixels; a quarter of the passes, for what is smaller than a pixel, where the middle of the pixel sees black or nothing.
     fn surface_density(&self, pixel: usize) -> f32 {
-        if self.surfaces.black[pixel] { BLACK_DENSITY } else { 1.0 }
+        if self.surfaces.black[pixel] && self.surfaces.regions[pixel] != 0 { BLACK_DENSITY } else { 1.0 }
     }
 }
