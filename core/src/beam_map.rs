@@ -37,8 +37,8 @@ const PACKET: usize = 256;
 
 /// The beams of one medium and one pass.
 ///
-/// About 36 bytes a piece, up to four pieces a beam, and 260 bytes a node of up to eight leaves of up to eight pieces: with the beams themselves
-/// 70 bytes a piece, 250 a beam (`measure speed`). An exponential density adds 4 bytes a beam, a density grid 8 bytes a knot of the beams' columns
+/// About 36 bytes a piece, up to three pieces a beam, and 260 bytes a node of up to eight leaves of up to eight pieces: with the beams themselves
+/// 76 bytes a piece, 190 a beam (`measure speed`). An exponential density adds 4 bytes a beam, a density grid 8 bytes a knot of the beams' columns
 /// ([`Density::knots`]).
 #[derive(Clone)]
 pub struct BeamMap {

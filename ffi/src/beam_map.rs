@@ -197,7 +197,7 @@ pub unsafe extern "C" fn covbeam_beam_map_add(
 /// @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with COVBEAM_CANCELLED.
 /// @param user given to poll.
 /// @note n log n in the number of beams: at a million, 0.7 us a beam in a homogeneous medium and 2.8 us in
-///     voxels; 250 and about 450 bytes a beam afterwards.
+///     voxels; 190 and about 390 bytes a beam afterwards.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_commit(
     map: *mut covbeam_beam_map,

@@ -244,10 +244,10 @@ fn radius(count: usize) -> f32 {
     HITS * 512.0 / (count as f32 * 2.0 * 8.0 * 2.0 * std::f32::consts::FRAC_PI_4)
 }
 
-/// Pieces that a map cuts beams into: the fewest equal ones no longer than a third of the average beam.
+/// Pieces that a map cuts beams into: the fewest equal ones no longer than half the average beam.
 fn pieces(beams: &[Beam]) -> usize {
     let total: f64 = beams.iter().map(|beam| f64::from(beam.length)).sum();
-    let longest = (total / (3 * beams.len()) as f64) as f32;
+    let longest = (total / (2 * beams.len()) as f64) as f32;
     beams.iter().map(|beam| (beam.length / longest).ceil().max(1.0) as usize).sum()
 }
 
