@@ -400,10 +400,10 @@ fn complete(scene: &mut Scene, (grid, given): (GivenGrid, GivenSettings)) -> Res
         None => defaults::max_radius(&scene.grid, radius),
         Some((_, most)) if most >= radius => most,
         Some((field, _)) => {
-            let which = if given.radius.is_some() { "" } else { "the default " };
-            return Err(
-                field.refuse(format!("a length of at least {which}radius = {radius} and at most 1e9"))
-            );
+            let (which, remedy) =
+                if given.radius.is_some() { ("", "") } else { ("the default ", ", or radius given too") };
+            return Err(field
+                .refuse(format!("a length of at least {which}radius = {radius} and at most 1e9{remedy}")));
         }
     };
     let photons = given.photons.unwrap_or_else(|| defaults::photons(scene, &survey(), radius));
