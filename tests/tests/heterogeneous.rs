@@ -55,7 +55,7 @@ fn scene(air: Air, medium: &str, size: u32) -> Scene {
          [[object]]\nshape = \"sphere\"\ncenter = [0.2, 0.3, 0.1]\nradius = 0.7\nmaterial = \"black\"\n\
          [[object]]\nshape = \"box\"\nmin = [-4.0, -1.5, -6.0]\nmax = [4.0, 4.5, 4.0]\nmaterial = \"black\"\n\
          [[light]]\n{LIGHT}\n\
-         [grid]\ncells = [12, 12, 12]\n\
+         [grid]\nmin = [-4.0, -1.5, -6.0]\nmax = [4.0, 4.5, 4.0]\ncells = [12, 12, 12]\n\
          [render]\nradius = 0.04\nmax_radius = 0.08\nerror = 0.002\n"
     );
     Scene::parse(&text, "heterogeneous", dir.path()).expect("a valid scene")

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use covbeam::{ExponentialDensity, GridLayout, Kernel, PhaseFunction, PhaseKind};
-use covbeam_render::scene::{Light, Material, MediumDensity, Scene, Shape};
+use covbeam_render::scene::{Light, Material, MediumDensity, Scene, Settings, Shape};
 use covbeam_render::scene_file::SceneError;
 use glam::Vec3;
 use proptest::prelude::*;
@@ -196,8 +196,6 @@ fn the_ball_scenes_are_the_ones_that_were_measured_elsewhere() {
         assert_eq!((camera.position, camera.width, camera.height), (Vec3::new(0.0, 0.5, -5.0), 256, 256));
         assert!((camera.forward - Vec3::new(0.0, -0.5, 5.0).normalize()).length() < 1e-6);
         assert!((camera.tan_half_height - 17.5f32.to_radians().tan()).abs() < 1e-7);
-        assert_eq!((scene.grid.min, scene.grid.max), (Vec3::new(-4.0, -1.5, -6.0), Vec3::new(4.0, 4.5, 4.0)));
-        assert_eq!(scene.grid.cells, [32; 3]);
         // The floor is lit from above: its normal is up.
         let hit = scene.intersect(Vec3::new(2.0, 0.0, 0.0), Vec3::NEG_Y, f32::INFINITY).expect("the floor");
         assert_eq!((hit.object, hit.normal), (1, Vec3::Y));
@@ -228,13 +226,54 @@ fn what_a_file_does_not_say_has_a_default() {
                 [[light]]\nkind=\"point\"\nposition=[0,1,0]\nintensity=1\n";
     let scene = Scene::parse(text, "small.toml", Path::new("")).expect("valid");
     assert_eq!((scene.outside, scene.camera.up), (None, Vec3::Y));
-    assert_eq!(
-        (scene.grid.min, scene.grid.max, scene.grid.cells),
-        (Vec3::splat(-10.0), Vec3::splat(10.0), [32; 3])
-    );
+    // Without a medium nothing is known but where the objects are.
+    assert_eq!((scene.grid.min, scene.grid.max), (Vec3::splat(-10.0), Vec3::splat(10.0)));
     let settings = scene.settings;
-    assert_eq!((settings.passes, settings.photons, settings.alpha), (64, 5000, 0.5));
-    assert_eq!(settings.max_radius, 4.0 * settings.radius);
+    assert_eq!((settings.passes, settings.photons, settings.seed), (64, 5000, 1));
+    assert_eq!((settings.alpha, settings.error, settings.light_field_share), (0.5, 0.01, 0.1));
+    assert_eq!(settings.kernel, Kernel::Epanechnikov);
+}
+
+/// [`VALID`] without its numbers for the grid and the render.
+fn untuned() -> String {
+    let (start, end) = (VALID.find("[grid]").expect("present"), VALID.rfind("[[medium]]").expect("present"));
+    VALID[..start].to_owned() + &VALID[end..]
+}
+
+#[test]
+fn each_field_overrides_its_default_and_leaves_the_others() {
+    let folder = meshes();
+    let read = |extra: &str| {
+        let scene = Scene::parse(&(untuned() + extra), "untuned.toml", folder.path()).expect("valid");
+        (scene.grid, scene.settings)
+    };
+    let (grid, settings) = read("");
+    let corners = "[grid]\nmin = [-1, -1, -1]\nmax = [1, 1, 2]\n";
+    let (min, max) = (Vec3::splat(-1.0), Vec3::new(1.0, 1.0, 2.0));
+    let (given, others) = read(corners);
+    assert_eq!((given.min, given.max), (min, max));
+    // What follows from the light, and not from the box.
+    assert_eq!((others.radius, others.photons), (settings.radius, settings.photons));
+    assert_eq!(read("[grid]\ncells = [2, 3, 4]\n").0, GridLayout { cells: [2, 3, 4], ..grid });
+    assert_eq!(read("[render]\nphotons = 77\n"), (grid, Settings { photons: 77, ..settings }));
+    assert_eq!(read("[render]\nerror = 0.5\n"), (grid, Settings { error: 0.5, ..settings }));
+    assert_eq!(read("[render]\nmax_radius = 3\n"), (grid, Settings { max_radius: 3.0, ..settings }));
+    // As many beams a pixel take fewer paths.
+    let (same, wide) = read(&format!("[render]\nradius = {}\n", 4.0 * settings.radius));
+    assert_eq!((same, wide.radius), (grid, 4.0 * settings.radius));
+    assert!(wide.photons < settings.photons && wide.max_radius >= wide.radius, "{wide:?}");
+}
+
+#[test]
+fn a_largest_radius_below_the_default_radius_is_refused_with_that() {
+    let text = untuned() + "[render]\nmax_radius = 1e-6\n";
+    let error = Scene::parse(&text, "thin.toml", meshes().path()).expect_err("thin").to_string();
+    assert!(
+        error
+            .contains(": render.max_radius: found 1e-6, expected a length of at least the default radius = ")
+            && error.contains("or radius given too"),
+        "{error}"
+    );
 }
 
 /// (text in `VALID`, what replaces it, line of the error after that of the text, field, part of what is expected)
@@ -394,7 +433,7 @@ fn an_error_reads_as_one_line() {
 }
 
 #[test]
-fn a_scene_without_lights_or_camera_or_a_box_to_fill_is_refused() {
+fn a_scene_without_lights_or_camera_is_refused_and_one_without_a_box_to_fill_is_not() {
     let folder = meshes();
     let dark = &VALID[..VALID.find("[[light]]").expect("present")];
     let error = Scene::parse(dark, "dark.toml", folder.path()).expect_err("no light");
@@ -404,8 +443,8 @@ fn a_scene_without_lights_or_camera_or_a_box_to_fill_is_refused() {
     let flat = "[camera]\nposition=[0,0,-9]\nlook_at=[0,0,0]\nvertical_fov=40\nwidth=8\nheight=8\n\
                 [[object]]\nshape=\"rectangle\"\ncorner=[0,0,0]\nedge_u=[1,0,0]\nedge_v=[0,1,0]\nmaterial=\"black\"\n\
                 [[light]]\nkind=\"point\"\nposition=[0,1,0]\nintensity=1\n";
-    let error = Scene::parse(flat, "flat.toml", Path::new("")).expect_err("no volume");
-    assert!(error.to_string().starts_with("flat.toml:1: grid: found nothing, expected [grid]"), "{error}");
+    let scene = Scene::parse(flat, "flat.toml", Path::new("")).expect("valid");
+    assert!((scene.grid.max - scene.grid.min).min_element() > 0.0, "{:?}", scene.grid);
 }
 
 #[test]

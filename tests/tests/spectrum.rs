@@ -10,7 +10,11 @@ use glam::DVec3;
 use std::f64::consts::PI;
 use std::path::Path;
 
-const GLASS: &str = include_str!("../../examples/scenes/glass-ball.toml");
+/// In 32³ voxels over the whole room.
+const GLASS: &str = concat!(
+    include_str!("../../examples/scenes/glass-ball.toml"),
+    "\n[grid]\nmin = [-4.0, -1.5, -6.0]\nmax = [4.0, 4.5, 4.0]\ncells = [32, 32, 32]\n"
+);
 
 /// A point light just outside a corner of the grid, in a medium that absorbs and hardly scatters, in a black room.
 const LAMP: &str = r#"

@@ -2,6 +2,7 @@
 
 pub mod camera;
 pub mod compare;
+mod defaults;
 pub mod edges;
 mod exr_format;
 pub mod eye;

@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use covbeam::{ExponentialDensity, GridLayout, Medium, PhaseFunction, PhaseKind};
+use covbeam::{ExponentialDensity, Medium, PhaseFunction, PhaseKind};
 use glam::Vec3;
 
 use crate::camera::Camera;
 use crate::fields::{Field, SceneError, Table};
 use crate::mesh::MAX_COORDINATE;
-use crate::scene::{Light, MediumDensity, MediumId, SceneMedium};
+use crate::scene::{Light, MediumDensity, MediumId, Object, SceneMedium};
 use crate::scene_file::read_corners;
 use crate::volume::{MAX_DENSITY, Volume};
 
@@ -102,12 +102,13 @@ fn largest_extinction(medium: &Medium) -> f64 {
 }
 
 /// An exponential density grows below its origin without end: it must be moderate where the scene is, which is the
-/// grid's box, the camera and the lights.
+/// grid's box (without one, the objects), the camera and the lights.
 pub(crate) fn check_exponential(
     root: &Table<'_>,
     media: &[SceneMedium],
     outside: Option<MediumId>,
-    grid: &GridLayout,
+    grid: Option<(Vec3, Vec3)>,
+    objects: &[Object],
     camera: &Camera,
     lights: &[Light],
 ) -> Result<(), SceneError> {
@@ -117,9 +118,13 @@ pub(crate) fn check_exponential(
     };
     let height =
         |point: Vec3| (point.as_dvec3() - exponential.origin.as_dvec3()).dot(exponential.up.as_dvec3());
-    let below = Vec3::select(exponential.up.cmpgt(Vec3::ZERO), grid.min, grid.max);
-    let points = lights.iter().map(Light::position).chain([below, camera.position]);
-    let lowest = points.min_by(|a, b| height(*a).total_cmp(&height(*b))).unwrap_or(below);
+    let below = |(min, max)| Vec3::select(exponential.up.cmpgt(Vec3::ZERO), min, max);
+    let boxes = match grid {
+        Some(corners) => vec![corners],
+        None => objects.iter().map(|object| object.shape.bounds()).collect(),
+    };
+    let points = lights.iter().map(Light::position).chain(boxes.into_iter().map(below));
+    let lowest = points.fold(camera.position, |a, b| if height(b) < height(a) { b } else { a });
     let logarithm = -height(lowest) / f64::from(exponential.scale_height);
     let limit = f64::from(MAX_DENSITY) / largest_extinction(medium).max(1.0);
     if logarithm > limit.ln() {

@@ -151,6 +151,11 @@ impl BeamVoxels {
         self.passes += 1;
     }
 
+    /// Of each voxel, in the layout's order: the sums of power x length and of power² x length of its beams.
+    pub(crate) fn sums(&self) -> Vec<[f64; 2]> {
+        self.voxels.iter().map(|voxel| [voxel.weight, voxel.square]).collect()
+    }
+
     /// Density of a pass' beams in each voxel \[1/m²\], in the layout's order: of as many equally bright ones as would be as noisy.
     pub fn densities(&self) -> impl Iterator<Item = f64> {
         let size = (self.layout.max - self.layout.min).as_dvec3();

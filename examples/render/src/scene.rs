@@ -190,22 +190,3 @@ pub struct Settings {
     /// Kernel shape.
     pub kernel: covbeam::Kernel,
 }
-
-impl Settings {
-    /// What a scene file gets that says nothing: 64 passes of 5000 paths, and radii in proportion to the box
-    /// that holds the scene.
-    pub fn for_box(min: Vec3, max: Vec3) -> Self {
-        let radius = (max - min).length() / 256.0;
-        Self {
-            passes: 64,
-            photons: 5000,
-            seed: 1,
-            radius,
-            alpha: 0.5,
-            error: 0.01,
-            max_radius: 4.0 * radius,
-            light_field_share: 0.1,
-            kernel: covbeam::Kernel::Epanechnikov,
-        }
-    }
-}

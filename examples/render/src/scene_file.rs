@@ -10,6 +10,7 @@ use covbeam::{GridLayout, Kernel};
 use glam::{Quat, Vec3};
 
 use crate::camera::Camera;
+use crate::defaults::{self, Survey};
 pub use crate::fields::SceneError;
 use crate::fields::{Field, Source, Table};
 use crate::medium_file::{check_exponential, read_media, read_medium_name};
@@ -55,10 +56,14 @@ impl Scene {
         if lights.is_empty() {
             return Err(root.lacks("light", "at least one [[light]]"));
         }
-        let grid = read_grid(&root, &objects)?;
-        check_exponential(&root, &media, outside, &grid, &camera, &lights)?;
-        let settings = read_settings(&root, &grid)?;
-        Ok(Self { objects, lights, media, outside, camera, grid, settings })
+        let given = (read_grid(&root)?, read_settings(&root)?);
+        check_exponential(&root, &media, outside, given.0.corners, &objects, &camera, &lights)?;
+        // The survey that the defaults come from looks at neither.
+        let grid = GridLayout { min: Vec3::ZERO, max: Vec3::ONE, cells: [1; 3] };
+        let settings = defaults::settings();
+        let mut scene = Self { objects, lights, media, outside, camera, grid, settings };
+        complete(&mut scene, given)?;
+        Ok(scene)
     }
 }
 
@@ -290,45 +295,49 @@ fn read_spot(table: &Table<'_>, intensity: Vec3) -> Result<Light, SceneError> {
     })
 }
 
-/// The grid's box is that of all objects unless the file says otherwise.
-fn read_grid(root: &Table<'_>, objects: &[Object]) -> Result<GridLayout, SceneError> {
-    let table = root.optional("grid").map(|field| field.table()).transpose()?;
-    if let Some(table) = &table {
-        table.only(&["min", "max", "cells"])?;
-    }
-    let given =
-        table.as_ref().filter(|table| table.optional("min").is_some() || table.optional("max").is_some());
-    let (min, max) = match given {
-        Some(table) => read_corners(table)?,
-        None => {
-            let bounds = objects.iter().map(|object| object.shape.bounds());
-            let around = bounds.reduce(|(min, max), (a, b)| (min.min(a), max.max(b)));
-            let thick =
-                |&(min, max): &(Vec3, Vec3)| (max - min).min_element() > 1e-6 * (max - min).max_element();
-            around.filter(thick).ok_or_else(|| {
-                root.lacks("grid", "[grid] with min and max, because the objects do not span a box")
-            })?
-        }
-    };
-    let mut cells = [32; 3];
-    if let Some(field) = table.and_then(|table| table.optional("cells")) {
-        let expected = "three numbers of cells [x, y, z]";
-        let elements = field.elements(expected)?;
-        let [x, y, z] = elements.as_slice() else { return Err(field.refuse(expected)) };
-        let side = 1..MAX_GRID_CELLS + 1;
-        cells = [x.integer(side.clone())?, y.integer(side.clone())?, z.integer(side)?];
-        // Two factors of at most 2^24 each fit in u64, the third might not.
-        let plane = u64::from(cells[0]) * u64::from(cells[1]);
-        if plane > MAX_GRID_CELLS || plane * u64::from(cells[2]) > MAX_GRID_CELLS {
-            return Err(field.refuse(format!("at most {MAX_GRID_CELLS} cells together")));
-        }
-    }
-    Ok(GridLayout { min, max, cells })
+/// What a file says of the grid.
+struct GivenGrid {
+    corners: Option<(Vec3, Vec3)>,
+    cells: Option<[u32; 3]>,
 }
 
-fn read_settings(root: &Table<'_>, grid: &GridLayout) -> Result<Settings, SceneError> {
-    let mut settings = Settings::for_box(grid.min, grid.max);
-    let Some(field) = root.optional("render") else { return Ok(settings) };
+fn read_grid(root: &Table<'_>) -> Result<GivenGrid, SceneError> {
+    let Some(field) = root.optional("grid") else { return Ok(GivenGrid { corners: None, cells: None }) };
+    let table = field.table()?;
+    table.only(&["min", "max", "cells"])?;
+    let has_corners = table.optional("min").is_some() || table.optional("max").is_some();
+    let corners = has_corners.then(|| read_corners(&table)).transpose()?;
+    let cells = table.optional("cells").map(|field| read_cells(&field)).transpose()?;
+    Ok(GivenGrid { corners, cells })
+}
+
+fn read_cells(field: &Field<'_>) -> Result<[u32; 3], SceneError> {
+    let expected = "three numbers of cells [x, y, z]";
+    let elements = field.elements(expected)?;
+    let [x, y, z] = elements.as_slice() else { return Err(field.refuse(expected)) };
+    let side = 1..MAX_GRID_CELLS + 1;
+    let cells: [u32; 3] = [x.integer(side.clone())?, y.integer(side.clone())?, z.integer(side)?];
+    // Two factors of at most 2^24 each fit in u64, the third might not.
+    let plane = u64::from(cells[0]) * u64::from(cells[1]);
+    if plane > MAX_GRID_CELLS || plane * u64::from(cells[2]) > MAX_GRID_CELLS {
+        return Err(field.refuse(format!("at most {MAX_GRID_CELLS} cells together")));
+    }
+    Ok(cells)
+}
+
+/// What a file says of the render. What does not depend on the scene has its default.
+struct GivenSettings<'a> {
+    settings: Settings,
+    photons: Option<u32>,
+    radius: Option<f32>,
+    max_radius: Option<(Field<'a>, f32)>,
+}
+
+fn read_settings<'a>(root: &Table<'a>) -> Result<GivenSettings<'a>, SceneError> {
+    let mut given =
+        GivenSettings { settings: defaults::settings(), photons: None, radius: None, max_radius: None };
+    let settings = &mut given.settings;
+    let Some(field) = root.optional("render") else { return Ok(given) };
     let table = field.table()?;
     table.only(&[
         "passes",
@@ -345,14 +354,13 @@ fn read_settings(root: &Table<'_>, grid: &GridLayout) -> Result<Settings, SceneE
         settings.passes = field.integer(1..1 << 32)?;
     }
     if let Some(field) = table.optional("photons") {
-        settings.photons = field.integer(1..u64::from(MAX_PHOTONS) + 1)?;
+        given.photons = Some(field.integer(1..u64::from(MAX_PHOTONS) + 1)?);
     }
     if let Some(field) = table.optional("seed") {
         settings.seed = field.integer(0..1 << 32)?;
     }
     if let Some(field) = table.optional("radius") {
-        settings.radius = field.size()?;
-        settings.max_radius = 4.0 * settings.radius;
+        given.radius = Some(field.size()?);
     }
     if let Some(field) = table.optional("alpha") {
         settings.alpha = field.number("a number between 0 and 1, both excluded", |a| a > 0.0 && a < 1.0)?;
@@ -361,9 +369,8 @@ fn read_settings(root: &Table<'_>, grid: &GridLayout) -> Result<Settings, SceneE
         settings.error = field.number("a number in 0.000001..=1", |e| (1e-6..=1.0).contains(&e))?;
     }
     if let Some(field) = table.optional("max_radius") {
-        let radius = settings.radius;
-        let expected = format!("a length of at least radius = {radius} and at most 1e9");
-        settings.max_radius = field.number(&expected, |r| (radius..=MAX_COORDINATE).contains(&r))?;
+        let radius = field.size()?;
+        given.max_radius = Some((field, radius));
     }
     if let Some(field) = table.optional("light_field_share") {
         settings.light_field_share = field.number("a number in 0.0001..=1", |s| (1e-4..=1.0).contains(&s))?;
@@ -377,5 +384,29 @@ fn read_settings(root: &Table<'_>, grid: &GridLayout) -> Result<Settings, SceneE
             _ => return Err(field.refuse(expected)),
         };
     }
-    Ok(settings)
+    Ok(given)
+}
+
+/// Gives a scene its grid and settings: those of the file, and for the rest what the scene asks for.
+fn complete(scene: &mut Scene, (grid, given): (GivenGrid, GivenSettings)) -> Result<(), SceneError> {
+    let is_complete = grid.corners.is_some() && given.radius.is_some() && given.photons.is_some();
+    let survey = (!is_complete).then(|| Survey::new(scene));
+    let survey = || survey.expect("made where a number is missing");
+    let (min, max) = grid.corners.unwrap_or_else(|| (survey().min, survey().max));
+    let cells = grid.cells.unwrap_or_else(|| defaults::cells(min, max));
+    scene.grid = GridLayout { min, max, cells };
+    let radius = given.radius.unwrap_or_else(|| defaults::radius(&survey()));
+    let max_radius = match given.max_radius {
+        None => defaults::max_radius(&scene.grid, radius),
+        Some((_, most)) if most >= radius => most,
+        Some((field, _)) => {
+            let (which, remedy) =
+                if given.radius.is_some() { ("", "") } else { ("the default ", ", or radius given too") };
+            return Err(field
+                .refuse(format!("a length of at least {which}radius = {radius} and at most 1e9{remedy}")));
+        }
+    };
+    let photons = given.photons.unwrap_or_else(|| defaults::photons(scene, &survey(), radius));
+    scene.settings = Settings { photons, radius, max_radius, ..given.settings };
+    Ok(())
 }

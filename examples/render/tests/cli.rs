@@ -20,8 +20,10 @@ fn folder() -> TempDir {
         .replace("width = 256", "width = 24")
         .replace("height = 256", "height = 16")
         .replace("passes = 256", "passes = 3")
-        .replace("photons = 5000", "photons = 200");
-    assert!(small.contains("width = 24") && small.contains("passes = 3") && small.contains("photons = 200"));
+        .replace("# photons = 5000", "photons = 200");
+    assert!(
+        small.contains("width = 24") && small.contains("passes = 3") && small.contains("\nphotons = 200")
+    );
     fs::write(folder.path().join("ball.toml"), small).unwrap();
     folder
 }
