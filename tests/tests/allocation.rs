@@ -191,7 +191,8 @@ fn image_space_does_not_allocate() {
         let filter: ImageFilter = found.filter(0.04, 16.0);
         for i in 0..33 * 17 {
             if pixel_threshold(i % 33, i / 33, 1, 0) < filter.density() {
-                samples[i as usize] = FilmSample { radiance: Vec3::ONE, weight: 1.0, ..FilmSample::default() };
+                samples[i as usize] =
+                    FilmSample { radiance: Vec3::ONE, weight: 1.0, ..FilmSample::default() };
             }
         }
         film_regions(33, 17, &depth, &mut regions).unwrap();
