@@ -3,8 +3,8 @@
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     match std::env::var("CARGO_CFG_TARGET_OS").as_deref() {
-        Ok("linux") => println!("cargo::rustc-link-arg-cdylib=-Wl,-soname,libcovbeam.so.0"),
-        Ok("macos") => println!("cargo::rustc-link-arg-cdylib=-Wl,-install_name,@rpath/libcovbeam.0.dylib"),
+        Ok("linux") => println!("cargo::rustc-link-arg-cdylib=-Wl,-soname,libcovbeam.so.1"),
+        Ok("macos") => println!("cargo::rustc-link-arg-cdylib=-Wl,-install_name,@rpath/libcovbeam.1.dylib"),
         _ => {}
     }
 }

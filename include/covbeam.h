@@ -25,10 +25,7 @@
  *
  * examples/c is a whole host.
  *
- * Few eye rays where the picture is smooth: covbeam_image_spectra_along some eye rays, covbeam_image_spectra_filter,
- * covbeam_image_filters_density, a ray through each pixel whose covbeam_pixel_threshold is below its density; then
- * covbeam_film_regions and covbeam_reconstruction_* for the picture. Few shadow rays for light scattered once:
- * covbeam_march_*.
+ * Few eye rays where the picture is smooth: covbeam_film_*. Few shadow rays for light scattered once: covbeam_march_*.
  *
  * Conventions
  *
@@ -69,7 +66,7 @@
  * linear in its counts unless that is said.
  *
  * Versions: COVBEAM_ABI_VERSION changes when a host must be compiled anew, and with it the SONAME, which is
- * libcovbeam.so.0 now.
+ * libcovbeam.so.1 now.
  */
 
 
@@ -82,7 +79,7 @@
 /**
  * Of the ABI that the header declares. A host compares it with covbeam_abi_version().
  */
-#define COVBEAM_ABI_VERSION 1
+#define COVBEAM_ABI_VERSION 2
 
 /**
  * How a call ended. All but COVBEAM_OK have changed nothing, unless the function says otherwise.
@@ -261,6 +258,17 @@ typedef struct covbeam_beam_map covbeam_beam_map;
 typedef struct covbeam_density covbeam_density;
 
 /**
+ * Few eye rays for a picture whose light is smooth: where they are needed, what they saw, and the picture from
+ * them. A pass:
+ *
+ * covbeam_film_plan from spectra at some pixels; covbeam_film_density, and an eye ray through each pixel whose
+ * covbeam_pixel_threshold is below its density; covbeam_film_add what they saw. When a picture is wanted,
+ * covbeam_film_verify, then covbeam_film_picture, by several threads at once. About 60 bytes a pixel, 40 more with light
+ * from beyond the fog, and 35 or 70 once verified.
+ */
+typedef struct covbeam_film covbeam_film;
+
+/**
  * A grid of fluence spectra. It collects (covbeam_grid_deposit), adds up (covbeam_grid_merge), is resolved
  * once the photons of a pass are in (covbeam_grid_resolve), and is looked up from then on, by
  * covbeam_beam_map_gather too. It keeps what it has collected over the passes of a picture.
@@ -277,12 +285,6 @@ typedef struct covbeam_grid covbeam_grid;
  * covbeam_march_place, and the shadow rays of the round; covbeam_march_refine, and those of a second one.
  */
 typedef struct covbeam_march covbeam_march;
-
-/**
- * The samples of a picture, and the memory that filters of any width need to cost about the same: 27 bytes a
- * pixel. Filters pixels by several threads at once.
- */
-typedef struct covbeam_reconstruction covbeam_reconstruction;
 
 /**
  * Memory that gathers need, kept from call to call: one a thread.
@@ -840,18 +842,52 @@ typedef struct covbeam_image_filter {
 } covbeam_image_filter;
 
 /**
- * What the eye rays of one pixel saw. All 0 is a pixel without rays.
+ * What one eye ray saw of what it was asked for.
  */
-typedef struct covbeam_film_sample {
+typedef struct covbeam_film_ray {
     /**
-     * Sum of radiance / density, per channel.
+     * x to the right and y down.
+     */
+    uint32_t pixel[2];
+    /**
+     * 1 if it was asked for the fog before the first surface, whose light is filtered; else 0.
+     */
+    uint32_t has_volume;
+    /**
+     * 1 if it was asked for what lies beyond, which the pixel keeps to itself; else 0.
+     */
+    uint32_t has_rest;
+    /**
+     * The fog's radiance, per channel, finite and not negative [W/(m^2 sr)].
+     */
+    float volume[3];
+    /**
+     * That of the rest.
+     */
+    float rest[3];
+} covbeam_film_ray;
+
+/**
+ * A pixel of a picture.
+ */
+typedef struct covbeam_film_pixel {
+    /**
+     * All light, per channel [W/(m^2 sr)].
      */
     float radiance[3];
     /**
-     * Sum of 1 / density; 0 = no ray yet.
+     * That of the fog before the first surface.
      */
-    float weight;
-} covbeam_film_sample;
+    float volume[3];
+    /**
+     * Squared standard error of the filtered luminance; 0 = not known, or none is.
+     */
+    float variance;
+    /**
+     * Luminance of the odd passes minus that of the even ones, of the light that is not filtered.
+     */
+    float difference;
+} covbeam_film_pixel;
 
 /**
  * One knot of the table along an eye ray, from which shadow rays are placed.
@@ -2690,72 +2726,158 @@ covbeam_status covbeam_film_regions(uint32_t width,
                                     size_t label_stride);
 
 /**
- * Makes the reconstruction of a picture, without rays and of one region so far: every pixel is 0.
+ * Makes the film of a picture, without rays so far.
  *
  * @param width, height of the picture, each 1 to 65536; at most 2^31 pixels.
+ * @param typical_radiance of the picture, give or take a factor of a thousand [W/(m^2 sr)] > 0: light is added up in whole
+ *     multiples of 2^-32 of it, so that the order of passes and rays does not count; sums stop at 2^31 times it.
+ * @param count width x height.
+ * @param regions, region_stride of covbeam_film_regions, copied: filters do not reach from one into another, and
+ *     leave pixels with 0 alone. NULL is one region everywhere.
  * @param out the handle.
  */
-covbeam_status covbeam_reconstruction_new(uint32_t width,
-                                          uint32_t height,
-                                          struct covbeam_reconstruction **out);
+covbeam_status covbeam_film_new(uint32_t width,
+                                uint32_t height,
+                                float typical_radiance,
+                                size_t count,
+                                const uint32_t *regions,
+                                size_t region_stride,
+                                struct covbeam_film **out);
 
 /**
- * Frees a reconstruction.
+ * Frees a film.
  *
- * @param reconstruction NULL is ignored.
+ * @param film NULL is ignored.
  */
-void covbeam_reconstruction_free(struct covbeam_reconstruction *reconstruction);
+void covbeam_film_free(struct covbeam_film *film);
 
 /**
- * Takes the samples of the passes so far, in place of those before.
+ * How much memory a film holds.
  *
- * @param reconstruction of a picture of so many pixels.
+ * @param film the film.
+ * @param bytes receives it.
+ */
+covbeam_status covbeam_film_get_memory(const struct covbeam_film *film, size_t *bytes);
+
+/**
+ * At how many pixels the spectrum of the picture is wanted: about 43 x 43, whatever the picture's size.
+ *
+ * @param film the film.
+ * @param count receives their number.
+ */
+covbeam_status covbeam_film_get_node_count(const struct covbeam_film *film, size_t *count);
+
+/**
+ * At which pixels the spectrum of the picture is wanted.
+ *
+ * @param film the film.
+ * @param count as many as covbeam_film_get_node_count says.
+ * @param pixels, pixel_stride receive two numbers each: x to the right and y down.
+ */
+covbeam_status covbeam_film_nodes(const struct covbeam_film *film,
+                                  size_t count,
+                                  uint32_t *pixels,
+                                  size_t pixel_stride);
+
+/**
+ * Plans a pass: as wide filters as the spectra allow, none of which reaches where a narrower one is asked for; and two
+ * eye rays under each. In place of the plan before, if that has not been added. Stopped, that stays.
+ *
+ * @param film the film.
+ * @param pass its number. The passes with odd numbers are one half of all, the others are the other: what they differ by
+ *     tells the error, so a picture needs as many of both.
+ * @param error relative bias > 0 that a filter may cause, as covbeam_image_spectrum_filter takes it: of a
+ *     covbeam_kernel.
+ * @param light_paths of the pass: it gets at least half as many eye rays.
+ * @param count as many as covbeam_film_get_node_count says.
+ * @param spectra, spectrum_stride of covbeam_image_spectra_along the eye rays through the middles of the pixels of
+ *     covbeam_film_nodes; all 0 where there is no fog: such pixels have no filter, and a ray in each pass.
+ * @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with COVBEAM_CANCELLED.
+ * @param user given to poll.
+ * @note Thesis 5.3.2. 1 us a node and 30 ns a pixel.
+ */
+covbeam_status covbeam_film_plan(struct covbeam_film *film,
+                                 uint32_t pass,
+                                 float error,
+                                 uint32_t light_paths,
+                                 size_t count,
+                                 const struct covbeam_image_spectrum *spectra,
+                                 size_t spectrum_stride,
+                                 covbeam_poll poll,
+                                 void *user);
+
+/**
+ * Eye rays that pixels get in the pass that is planned.
+ *
+ * @param film a film with a plan whose pass has not been added.
  * @param count width x height.
- * @param samples, sample_stride one a pixel, row by row from the upper left, copied. One that is not finite, of
- *     a weight below 1e-9, or with a number beyond 1e29, counts as a pixel without rays: no NaN is spread.
- * @param regions, region_stride of covbeam_film_regions, copied; NULL is one region everywhere.
- * @note About 5 ns a pixel.
+ * @param densities, density_stride receive numbers in (0, 1].
  */
-covbeam_status covbeam_reconstruction_update(struct covbeam_reconstruction *reconstruction,
-                                             size_t count,
-                                             const struct covbeam_film_sample *samples,
-                                             size_t sample_stride,
-                                             const uint32_t *regions,
-                                             size_t region_stride);
+covbeam_status covbeam_film_density(const struct covbeam_film *film,
+                                    size_t count,
+                                    float *densities,
+                                    size_t density_stride);
 
 /**
- * The radiance of a pixel through its filter. Where no ray lies under the filter, it is widened until one does:
- * first in the pixel's own region, then anywhere.
+ * Adds the pass that is planned: what its eye rays saw.
  *
- * @param reconstruction the samples.
- * @param pixel two numbers: x to the right and y down, inside the picture.
- * @param filter the pixel's filter; all 0 is the mean of the pixel's own rays.
- * @param radiance three numbers, finite, within the range of the samples' means to rounding; 0 in a picture
- *     without rays.
- * @note Thesis 5.3.2. 0.4 us for a filter of half a pixel, 3 us for any wider round one, 13 us for one of 1:8.
+ * @param film a film with a plan whose pass has not been added.
+ * @param count number of rays, in any order, any number of them through a pixel; 0 is a pass that saw nothing.
+ * @param rays, ray_stride all of the pass.
+ * @note 20 ns a ray and 2 ns a pixel.
  */
-covbeam_status covbeam_reconstruction_pixel(const struct covbeam_reconstruction *reconstruction,
-                                            const uint32_t *pixel,
-                                            const struct covbeam_image_filter *filter,
-                                            float *radiance);
+covbeam_status covbeam_film_add(struct covbeam_film *film,
+                                size_t count,
+                                const struct covbeam_film_ray *rays,
+                                size_t ray_stride);
 
 /**
- * covbeam_reconstruction_pixel for `count` pixels, such as those of a tile.
+ * Makes a film ready for covbeam_film_picture: where a filter of the latest pass disagrees with narrower ones by more
+ * than the noise of the two halves of the passes, it is narrowed. Stopped, the film is as before.
  *
- * @param reconstruction as reconstruction there.
- * @param count number of pixels; with 0 nothing is done.
- * @param pixels, pixel_stride as pixel there.
- * @param filters, filter_stride as filter there; a stride of 0 gives all pixels the same.
- * @param radiances, radiance_stride as radiance there.
+ * @param film the film.
+ * @param poll may be NULL; asked at least every few milliseconds, in a picture of a million pixels. Not 0 ends the call with
+ *     COVBEAM_CANCELLED.
+ * @param user given to poll.
+ * @note After O. V. Lepski (1991): the widest filter that agrees with all narrower ones. 50 ms, and 30 ns a pixel.
  */
-covbeam_status covbeam_reconstruction_pixel_many(const struct covbeam_reconstruction *reconstruction,
-                                                 size_t count,
-                                                 const uint32_t *pixels,
-                                                 size_t pixel_stride,
-                                                 const struct covbeam_image_filter *filters,
-                                                 size_t filter_stride,
-                                                 float *radiances,
-                                                 size_t radiance_stride);
+covbeam_status covbeam_film_verify(struct covbeam_film *film,
+                                   covbeam_poll poll,
+                                   void *user);
+
+/**
+ * Some rows of the picture. Threads may share the work, each with rows of its own.
+ *
+ * @param film a film that has been verified since the latest pass was added.
+ * @param first_row a multiple of 8.
+ * @param count width x number of rows, which is a multiple of 8 or reaches the last row.
+ * @param pixels, pixel_stride receive the rows; 0 in a picture without rays.
+ * @note 0.2 us a pixel where filters are wide, up to 3 us where they are not.
+ */
+covbeam_status covbeam_film_picture(const struct covbeam_film *film,
+                                    uint32_t first_row,
+                                    size_t count,
+                                    struct covbeam_film_pixel *pixels,
+                                    size_t pixel_stride);
+
+/**
+ * Standard errors of a picture, from the two halves of its passes: squared differences averaged over 5x5 pixels, and what
+ * is known of the filtered light.
+ *
+ * @param width, height of the picture, or of a part of it that threads share: then rows at least 2 away from the
+ *     part's ends have the errors that they have in the whole.
+ * @param count width x height.
+ * @param pixels, pixel_stride of covbeam_film_picture.
+ * @param errors, error_stride receive the standard error of each pixel's luminance (Rec. 709) [W/(m^2 sr)].
+ * @note 40 ns and 20 bytes a pixel for the call.
+ */
+covbeam_status covbeam_film_errors(uint32_t width,
+                                   uint32_t height,
+                                   size_t count,
+                                   const struct covbeam_film_pixel *pixels,
+                                   size_t pixel_stride,
+                                   float *errors,
+                                   size_t error_stride);
 
 /**
  * Lays knots along a stretch of a ray, at equal steps of the angle at which a light sees it. Each is dark, and

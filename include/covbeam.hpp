@@ -111,6 +111,8 @@ using ImageSpectra = Strided<covbeam_image_spectrum>;
 using ImageSpectraIn = Strided<const covbeam_image_spectrum>;
 using ImageFilters = Strided<covbeam_image_filter>;
 using ImageFiltersIn = Strided<const covbeam_image_filter>;
+using FilmPixels = Strided<covbeam_film_pixel>;
+using FilmPixelsIn = Strided<const covbeam_film_pixel>;
 using Knots = Strided<covbeam_march_knot>;
 using KnotsIn = Strided<const covbeam_march_knot>;
 using Samples = Strided<covbeam_march_sample>;
@@ -523,32 +525,56 @@ inline void film_regions(uint32_t width, uint32_t height, Floats depths, Strided
     check(covbeam_film_regions(width, height, n, depths.data, depths.stride, labels.data, labels.stride));
 }
 
-/// The samples of a picture, and each pixel through its filter.
-class Reconstruction {
-public:
-    Reconstruction(uint32_t width, uint32_t height) {
-        covbeam_reconstruction* r = nullptr; check(covbeam_reconstruction_new(width, height, &r)); handle_.reset(r);
-    }
-    covbeam_reconstruction* get() noexcept { return handle_.get(); }
-    const covbeam_reconstruction* get() const noexcept { return handle_.get(); }
+inline void film_errors(uint32_t width, uint32_t height, FilmPixelsIn pixels, FloatsOut errors) {
+    const size_t n = detail::common(pixels.count, errors.count);
+    check(covbeam_film_errors(width, height, n, pixels.data, pixels.stride, errors.data, errors.stride));
+}
 
+/// Few eye rays for a picture whose light is smooth: plan, density, add for each pass; verify and picture when one is wanted.
+class Film {
+public:
     /// Without regions the picture is one.
-    void update(Strided<const covbeam_film_sample> samples,
-                Strided<const uint32_t> regions = Strided<const uint32_t>()) {
-        const size_t n = detail::common(samples.count, regions.count);
-        check(covbeam_reconstruction_update(get(), n, samples.data, samples.stride, regions.data, regions.stride));
+    Film(uint32_t width, uint32_t height, float typical_radiance,
+         Strided<const uint32_t> regions = Strided<const uint32_t>()) {
+        covbeam_film* f = nullptr;
+        const size_t n = regions.data ? regions.count : static_cast<size_t>(width) * height;
+        check(covbeam_film_new(width, height, typical_radiance, n, regions.data, regions.stride, &f));
+        handle_.reset(f);
     }
-    void pixel(const uint32_t* at, const covbeam_image_filter& filter, float* radiance) const {
-        check(covbeam_reconstruction_pixel(get(), at, &filter, radiance));
+    covbeam_film* get() noexcept { return handle_.get(); }
+    const covbeam_film* get() const noexcept { return handle_.get(); }
+
+    size_t memory() const { size_t v; check(covbeam_film_get_memory(get(), &v)); return v; }
+    size_t node_count() const { size_t v; check(covbeam_film_get_node_count(get(), &v)); return v; }
+    void nodes(Strided<uint32_t, 2> pixels) const {
+        check(covbeam_film_nodes(get(), pixels.count, pixels.data, pixels.stride));
     }
-    void pixels(Pixels at, ImageFiltersIn filters, VectorsOut radiances) const {
-        const size_t n = detail::common(at.count, filters.count, radiances.count);
-        check(covbeam_reconstruction_pixel_many(get(), n, at.data, at.stride, filters.data, filters.stride,
-                                                radiances.data, radiances.stride));
+    void plan(uint32_t pass, float error, uint32_t light_paths, ImageSpectraIn spectra) {
+        check(covbeam_film_plan(get(), pass, error, light_paths, spectra.count, spectra.data, spectra.stride, nullptr,
+                                nullptr));
+    }
+    template <class Poll>
+    void plan(uint32_t pass, float error, uint32_t light_paths, ImageSpectraIn spectra, Poll&& go_on) {
+        detail::Calls<Poll, Poll> calls(go_on, go_on);
+        calls.check(covbeam_film_plan(get(), pass, error, light_paths, spectra.count, spectra.data, spectra.stride,
+                                      calls.poll, &calls));
+    }
+    void density(FloatsOut out) const { check(covbeam_film_density(get(), out.count, out.data, out.stride)); }
+    void add(Strided<const covbeam_film_ray> rays) {
+        check(covbeam_film_add(get(), rays.count, rays.data, rays.stride));
+    }
+    void verify() { check(covbeam_film_verify(get(), nullptr, nullptr)); }
+    template <class Poll> void verify(Poll&& go_on) {
+        detail::Calls<Poll, Poll> calls(go_on, go_on);
+        calls.check(covbeam_film_verify(get(), calls.poll, &calls));
+    }
+    /// Whole rows, from a multiple of 8 on.
+    void picture(uint32_t first_row, FilmPixels out) const {
+        check(covbeam_film_picture(get(), first_row, out.count, out.data, out.stride));
     }
 
 private:
-    detail::Owner<covbeam_reconstruction, covbeam_reconstruction_free> handle_;
+    detail::Owner<covbeam_film, covbeam_film_free> handle_;
 };
 
 /// Places shadow rays along eye rays: one a thread.

@@ -45,7 +45,7 @@ class LibraryHook(BuildHookInterface):
 
     def initialize(self, version, build_data):
         given = os.environ.get(self.config["variable"])
-        # A link such as libcovbeam.so -> libcovbeam.so.0 stands for its target.
+        # A link such as libcovbeam.so -> libcovbeam.so.1 stands for its target.
         library = (Path(given) if given else built_library(self.config["package"], self.root)).resolve(strict=True)
         extension = next(e for e in (".so", ".dylib", ".dll") if e in library.name)
         module = self.config["library"]

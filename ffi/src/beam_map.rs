@@ -90,12 +90,12 @@ impl Beams {
     }
 }
 
-fn cancelled() -> Failure {
+pub(crate) fn cancelled() -> Failure {
     fail(COVBEAM_CANCELLED, format_args!("poll: asked to stop"))
 }
 
 /// Whether the host wants to go on.
-fn go_on(poll: covbeam_poll, user: *mut c_void) -> impl FnMut() -> bool {
+pub(crate) fn go_on(poll: covbeam_poll, user: *mut c_void) -> impl FnMut() -> bool {
     // SAFETY: the host promises that it may be called with `user` during the call.
     move || poll.is_none_or(|poll| unsafe { poll(user) } == 0)
 }

@@ -53,7 +53,8 @@ layout! {
     covbeam_pixel_step: 24, 4 { origin 0, direction 12 }
     covbeam_image_spectrum: 16, 4 { xx 0, xy 4, yy 8, weight 12 }
     covbeam_image_filter: 12, 4 { xx 0, xy 4, yy 8 }
-    covbeam_film_sample: 16, 4 { radiance 0, weight 12 }
+    covbeam_film_ray: 40, 4 { pixel 0, has_volume 8, has_rest 12, volume 16, rest 28 }
+    covbeam_film_pixel: 32, 4 { radiance 0, volume 12, variance 24, difference 28 }
     covbeam_march_knot: 16, 4 { distance 0, radiance 4, deviation 8, visibility 12 }
     covbeam_march_sample: 24, 8 { distance 0, weight 4, visibility 8, reserved 12, mass 16 }
     covbeam_march_expected: 8, 4 { radiance 0, error 4 }
@@ -106,4 +107,4 @@ values! {
     }
 }
 
-const _: () = assert!(COVBEAM_ABI_VERSION == 1);
+const _: () = assert!(COVBEAM_ABI_VERSION == 2);

@@ -29,6 +29,7 @@ mod memory;
 mod overhead;
 mod pair;
 mod phase;
+mod picture;
 mod spectrum;
 mod status;
 mod types;

@@ -279,14 +279,34 @@ pub struct covbeam_image_filter {
     pub yy: f32,
 }
 
-/// What the eye rays of one pixel saw. All 0 is a pixel without rays.
+/// What one eye ray saw of what it was asked for.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct covbeam_film_sample {
-    /// Sum of radiance / density, per channel.
+pub struct covbeam_film_ray {
+    /// x to the right and y down.
+    pub pixel: [u32; 2],
+    /// 1 if it was asked for the fog before the first surface, whose light is filtered; else 0.
+    pub has_volume: u32,
+    /// 1 if it was asked for what lies beyond, which the pixel keeps to itself; else 0.
+    pub has_rest: u32,
+    /// The fog's radiance, per channel, finite and not negative [W/(m^2 sr)].
+    pub volume: [f32; 3],
+    /// That of the rest.
+    pub rest: [f32; 3],
+}
+
+/// A pixel of a picture.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_film_pixel {
+    /// All light, per channel [W/(m^2 sr)].
     pub radiance: [f32; 3],
-    /// Sum of 1 / density; 0 = no ray yet.
-    pub weight: f32,
+    /// That of the fog before the first surface.
+    pub volume: [f32; 3],
+    /// Squared standard error of the filtered luminance; 0 = not known, or none is.
+    pub variance: f32,
+    /// Luminance of the odd passes minus that of the even ones, of the light that is not filtered.
+    pub difference: f32,
 }
 
 /// One knot of the table along an eye ray, from which shadow rays are placed.
@@ -522,10 +542,18 @@ pub(crate) fn image_filter(e: Element<covbeam_image_filter>) -> Result<core_type
     Ok(core_types::ImageFilter { xx, xy, yy })
 }
 
-impl From<covbeam_film_sample> for core_types::FilmSample {
-    fn from(sample: covbeam_film_sample) -> Self {
-        Self { radiance: sample.radiance.into(), weight: sample.weight }
-    }
+/// - `volume`: the filtered light alone.
+pub(crate) fn film_pixel(pixel: core_types::FilmPixel, volume: Vec3) -> covbeam_film_pixel {
+    let core_types::FilmPixel { radiance, variance, difference } = pixel;
+    covbeam_film_pixel { radiance: radiance.into(), volume: volume.into(), variance, difference }
+}
+
+/// What the error of a pixel is found from.
+pub(crate) fn film_pixel_of(e: Element<covbeam_film_pixel>) -> Result<core_types::FilmPixel, Failure> {
+    let covbeam_film_pixel { variance, difference, .. } = e.value;
+    finite_not_negative(e.part(|_| variance))?;
+    finite(e.part(|_| difference))?;
+    Ok(core_types::FilmPixel { radiance: Vec3::ZERO, variance, difference })
 }
 
 impl From<covbeam_march_knot> for core_types::MarchKnot {

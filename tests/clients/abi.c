@@ -166,9 +166,18 @@ AT(image_filter, xx, 0);
 AT(image_filter, xy, 4);
 AT(image_filter, yy, 8);
 
-SIZE(film_sample, 16, 4);
-AT(film_sample, radiance, 0);
-AT(film_sample, weight, 12);
+SIZE(film_ray, 40, 4);
+AT(film_ray, pixel, 0);
+AT(film_ray, has_volume, 8);
+AT(film_ray, has_rest, 12);
+AT(film_ray, volume, 16);
+AT(film_ray, rest, 28);
+
+SIZE(film_pixel, 32, 4);
+AT(film_pixel, radiance, 0);
+AT(film_pixel, volume, 12);
+AT(film_pixel, variance, 24);
+AT(film_pixel, difference, 28);
 
 SIZE(march_knot, 16, 4);
 AT(march_knot, distance, 0);
@@ -216,7 +225,7 @@ VALUE(DENSITY_VOXELS, 2);
 VALUE(KERNEL_BOX, 0);
 VALUE(KERNEL_EPANECHNIKOV, 1);
 VALUE(KERNEL_BIWEIGHT, 2);
-VALUE(ABI_VERSION, 1);
+VALUE(ABI_VERSION, 2);
 
 int main(int count, char **arguments)
 {

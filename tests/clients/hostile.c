@@ -146,8 +146,12 @@ static void remember(struct prepared *call) {
         first->resolved = false;
         first->tame = true;
         first->scribbled = false;
-    } else if (strcmp(name, "grid_resolve") == 0 || strcmp(name, "march_update") == 0) {
+    } else if (strcmp(name, "grid_resolve") == 0 || strcmp(name, "march_update") == 0 || strcmp(name, "film_plan") == 0) {
         first->resolved = true;
+    } else if (strcmp(name, "film_add") == 0) {
+        first->resolved = first->committed = false;
+    } else if (strcmp(name, "film_verify") == 0) {
+        first->committed = true;
     } else if (strcmp(name, "grid_deposit_spectra") == 0) {
         first->scribbled = true; /* any numbers, not only covariances */
     } else if (strcmp(name, "grid_merge") == 0) {
@@ -256,8 +260,8 @@ static void furnish(void) {
         "covbeam_beam_map_new", "covbeam_beam_map_new", "covbeam_beam_map_new", "covbeam_scratch_new", "covbeam_grid_deposit",
         "covbeam_grid_deposit", "covbeam_grid_resolve", "covbeam_grid_resolve", "covbeam_beam_map_add", "covbeam_beam_map_add",
         "covbeam_beam_map_add", "covbeam_beam_map_commit", "covbeam_beam_map_commit", "covbeam_grid_save",
-        "covbeam_reconstruction_new", "covbeam_reconstruction_new", "covbeam_reconstruction_update",
-        "covbeam_reconstruction_update", "covbeam_march_new", "covbeam_march_new", "covbeam_march_update",
+        "covbeam_film_new", "covbeam_film_new", "covbeam_film_plan", "covbeam_film_plan", "covbeam_film_add",
+        "covbeam_film_add", "covbeam_film_plan", "covbeam_film_verify", "covbeam_film_verify", "covbeam_march_new", "covbeam_march_new", "covbeam_march_update",
         "covbeam_march_update",
     };
     for (size_t i = 0; i < sizeof usual / sizeof *usual; i++)
@@ -334,7 +338,7 @@ static void check_others(void) {
     covbeam_density_free(NULL);
     covbeam_grid_free(NULL);
     covbeam_scratch_free(NULL);
-    covbeam_reconstruction_free(NULL);
+    covbeam_film_free(NULL);
     covbeam_march_free(NULL);
 }
 

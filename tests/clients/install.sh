@@ -32,15 +32,15 @@ same "the list of installed files" "$(cd "$prefix" && find . ! -type d | LC_ALL=
 ./lib/cmake/covbeam/covbeam-config.cmake
 ./lib/libcovbeam.a
 ./lib/libcovbeam.so
-./lib/libcovbeam.so.0
+./lib/libcovbeam.so.1
 ./lib/$full
 ./lib/pkgconfig/covbeam.pc"
 shared="$prefix/lib/$full"
-for link in libcovbeam.so libcovbeam.so.0; do
+for link in libcovbeam.so libcovbeam.so.1; do
     same "the link $link" "$(readlink "$prefix/lib/$link")" "$full"
 done
 readelf -d "$shared" > "$work/dynamic"
-same "the SONAME" "$(sed -n 's/.*SONAME.*\[\(.*\)\]/\1/p' "$work/dynamic")" "libcovbeam.so.0"
+same "the SONAME" "$(sed -n 's/.*SONAME.*\[\(.*\)\]/\1/p' "$work/dynamic")" "libcovbeam.so.1"
 # The C library, its loader, and gcc's unwinder for panics.
 same "the list of libraries needed" \
     "$(sed -n 's/.*NEEDED.*\[\(.*\)\.so\.[0-9]*\]/\1/p' "$work/dynamic" | grep -v '^ld-linux' | LC_ALL=C sort)" "libc

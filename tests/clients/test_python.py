@@ -218,41 +218,76 @@ class ImageSpace(unittest.TestCase):
         # The pattern strays from its share by 7.4 of 256 at most.
         self.assertLess(abs(chosen.sum() - 256 * densities[-1]), 7.5)
 
-    def test_light_does_not_bleed_across_a_silhouette_nor_a_nan_anywhere(self):
-        width, height = 12, 6
-        right = np.tile(np.arange(width) >= 6, height)
-        samples = np.zeros(width * height, cb.FILM_SAMPLE)
-        samples["radiance"], samples["weight"] = np.where(right, 8, 1)[:, np.newaxis], 1
-        samples["radiance"][14] = np.nan
+    def test_light_does_not_bleed_across_a_silhouette(self):
+        width, height = 48, 48
+        right = np.tile(np.arange(width) >= 24, height)
         regions = image.regions(width, height, np.where(right, 5, 2).astype(np.float32))
-        self.assertEqual(set(regions.reshape(height, width)[2].tolist()), {0, 1, 8})
+        self.assertEqual(set(regions.reshape(height, width)[2].tolist()), {0, 1, 26})
         pixels = image.pixels(width, height)
-        wide = np.zeros((), cb.IMAGE_FILTER)
-        wide["xx"] = wide["yy"] = 9
-        with cb.Reconstruction(width, height) as picture:
-            self.assertEqual(picture.pixels(pixels, wide).max(), 0)
-            picture.update(samples, regions)
-            found = picture.pixels(pixels, wide)
-            np.testing.assert_allclose(found[:, 0], np.where(right, 8, 1), rtol=1e-5)
-            picture.update(samples)
-            self.assertTrue(1.5 < picture.pixels(pixels[5], wide)[0] < 7.5)
+        for labels in (regions, None):
+            with cb.Film(width, height, 1.0, labels) as film:
+                nodes = film.nodes()
+                # As smooth as can be: the widest filters.
+                spectra = np.zeros(len(nodes), cb.IMAGE_SPECTRUM)
+                spectra["weight"] = 1
+                for pass_ in range(1, 9):
+                    film.plan(pass_, 0.1, 100, spectra, poll=lambda: True)
+                    chosen = image.thresholds(pass_, 0, pixels) < film.densities()
+                    rays = np.zeros(chosen.sum(), cb.FILM_RAY)
+                    rays["pixel"], rays["has_volume"] = pixels[chosen], 1
+                    rays["volume"] = np.where(right, 8, 1)[chosen, np.newaxis]
+                    film.add(rays)
+                with self.assertRaises(cb.Cancelled):
+                    film.verify(poll=lambda: False)
+                with self.assertRaisesRegex(cb.Error, "not verified"):
+                    film.picture()
+                film.verify(poll=lambda: True)
+                found = film.picture()
+                np.testing.assert_array_equal(found[8 * width : 24 * width], film.picture(8, 16))
+                if labels is None:
+                    # Where a filter of three pixels reaches over the edge: a mean of both.
+                    edge = found["volume"].reshape(height, width, 3)[24, 23:25, 0]
+                    self.assertTrue((1.2 < edge).all() and (edge < 7.8).all(), edge)
+                else:
+                    whole = regions > 0
+                    np.testing.assert_allclose(found["volume"][whole, 0], np.where(right, 8, 1)[whole], rtol=1e-5)
+                errors = image.errors(width, height, found)
+                self.assertTrue((errors >= 0).all() and errors.max() < 8)
+                self.assertGreater(film.memory, 60 * width * height)
         with self.assertRaisesRegex(cb.Error, "used after close"):
-            picture.update(samples)
+            film.verify()
 
     def test_what_is_no_picture_is_refused(self):
-        picture = cb.Reconstruction(4, 3)
-        none = np.zeros((), cb.IMAGE_FILTER)
-        with self.assertRaisesRegex(cb.Error, "pixels: .4, 0. is outside of the picture"):
-            picture.pixels(np.array([4, 0], np.uint32), none)
+        film = cb.Film(4, 3, 1)
+        spectra = np.zeros(4, cb.IMAGE_SPECTRUM)
+        with self.assertRaisesRegex(cb.Error, "no pass is planned"):
+            film.densities()
+        with self.assertRaisesRegex(cb.Error, "count: 5, but the nodes"):
+            film.plan(1, 0.1, 0, np.zeros(5, cb.IMAGE_SPECTRUM))
+        film.plan(1, 0.1, 0, spectra)
+        rays = np.zeros(2, cb.FILM_RAY)
+        rays["pixel"][1] = 4, 0
+        with self.assertRaisesRegex(cb.Error, r"rays\[1\]: .4, 0. is outside of the picture"):
+            film.add(rays)
+        rays["pixel"], rays["rest"] = 0, np.nan
+        with self.assertRaisesRegex(cb.Error, "rays.0.: NaN is not >= 0"):
+            film.add(rays)
+        with self.assertRaisesRegex(TypeError, "rays: dtype"):
+            film.add(np.zeros(2, cb.EYE_RAY))
+        film.add(rays[:0])
+        film.verify()
+        with self.assertRaisesRegex(cb.Error, "first_row: 1 is no multiple of 8"):
+            film.picture(1)
+        self.assertEqual(film.picture()["radiance"].max(), 0)
         with self.assertRaisesRegex(cb.Error, "count: 11"):
-            picture.update(np.zeros(11, cb.FILM_SAMPLE))
-        with self.assertRaisesRegex(TypeError, "pixels: dtype int64"):
-            picture.pixels(np.array([0, 0]), none)
+            cb.Film(4, 3, 1, np.ones(11, np.uint32))
         for size in ((0, 3), (65537, 1)):
             with self.assertRaisesRegex(cb.Error, "is not in 1 to 65536"):
-                cb.Reconstruction(*size)
+                cb.Film(*size, 1)
         with self.assertRaisesRegex(ValueError, "width: -1"):
-            cb.Reconstruction(-1, 3)
+            cb.Film(-1, 3, 1)
+        with self.assertRaisesRegex(cb.Error, "typical_radiance: 0 is not > 0"):
+            cb.Film(4, 3, 0)
 
 
 class Marching(unittest.TestCase):

@@ -43,7 +43,8 @@ static const struct {
     CALL(grid_look_up), CALL(grid_save), CALL(cross), CALL(gather_pair), CALL(filter_beams),
     CALL(beam_map_new), CALL(beam_map_clear), CALL(beam_map_add), CALL(beam_map_commit), CALL(beam_map_gather),
     CALL(image_spectrum_along), CALL(image_spectrum_filter), CALL(image_filter_density), CALL(pixel_threshold),
-    CALL(film_regions), CALL(reconstruction_new), CALL(reconstruction_update), CALL(reconstruction_pixel),
+    CALL(film_regions), CALL(film_new), CALL(film_nodes), CALL(film_plan), CALL(film_density), CALL(film_add),
+    CALL(film_picture), CALL(film_errors),
     CALL(march_lay), CALL(march_update), CALL(march_get_expected), CALL(march_get_first_round), CALL(march_place),
     CALL(march_refine),
 };
@@ -98,7 +99,7 @@ int main(int count, char **arguments)
         free(lines[i].out);
     }
     covbeam_march_free(march);
-    covbeam_reconstruction_free(picture);
+    covbeam_film_free(film);
     covbeam_scratch_free(scratch);
     covbeam_beam_map_free(map);
     covbeam_grid_free(grid);

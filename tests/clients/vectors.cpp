@@ -146,8 +146,7 @@ public:
         if (found == single_.end()) throw Mismatch("unknown name");
         const auto many_found = plural_.find(name);
         // Density and grid stay as they are until the lines of one state have been called at once.
-        const bool changes = name == "reconstruction_new" || name == "reconstruction_update";
-        if (name == "density_new" || name.compare(0, 5, "grid_") == 0 || changes) flush();
+        if (name == "density_new" || name.compare(0, 5, "grid_") == 0) flush();
         In reader(in);
         Out out;
         found->second(reader, out);
@@ -261,7 +260,8 @@ private:
     std::unique_ptr<cb::Grid> grid_;
     std::unique_ptr<cb::BeamMap> map_;
     cb::Scratch scratch_;
-    std::unique_ptr<cb::Reconstruction> picture_;
+    std::unique_ptr<cb::Film> film_;
+    size_t film_pixels_ = 0;
     cb::March march_;
     std::set<std::string> names_;
     size_t calls_ = 0, arrays_ = 0, elements_ = 0;
@@ -590,24 +590,47 @@ void Client::image_space() {
         cb::film_regions(width, height, depths, labels);
         out.all(labels);
     };
-    single_["reconstruction_new"] = [this](In& in, Out&) {
-        const uint32_t width = in.u();
-        picture_.reset(new cb::Reconstruction(width, in.u()));
+    single_["film_new"] = [this](In& in, Out&) {
+        const uint32_t width = in.u(), height = in.u();
+        const float typical = in.f();
+        film_.reset(new cb::Film(width, height, typical, in.rest<uint32_t>()));
+        film_pixels_ = size_t(width) * height;
     };
-    single_["reconstruction_update"] = [this](In& in, Out&) {
-        std::vector<covbeam_film_sample> samples(in.left() / 5);
-        for (covbeam_film_sample& sample : samples) sample = in.take<covbeam_film_sample>();
-        picture_->update(samples, in.rest<uint32_t>());
+    single_["film_nodes"] = [this](In&, Out& out) {
+        std::vector<uint32_t> nodes(2 * film_->node_count());
+        film_->nodes({nodes.data(), nodes.size() / 2, 8});
+        out.all(nodes);
+        if (film_->memory() < 20 * film_pixels_) throw Mismatch("a film of no size");
     };
-    gives("reconstruction_pixel", [this](In& in) {
-        const uint32_t pixel[2] = {in.u(), in.u()};
-        Vec radiance;
-        picture_->pixel(pixel, in.take<covbeam_image_filter>(), radiance.v);
-        return radiance;
-    });
-    array("reconstruction_pixel", 0, [this](In&, Rows& r) {
-        picture_->pixels(r.get<uint32_t, 2>(0), r.get<covbeam_image_filter>(2), r.put<float, 3>());
-    });
+    single_["film_plan"] = [this](In& in, Out&) {
+        const uint32_t pass = in.u();
+        const float error = in.f();
+        const uint32_t paths = in.u();
+        film_->plan(pass, error, paths, in.rest<covbeam_image_spectrum>());
+    };
+    single_["film_density"] = [this](In&, Out& out) {
+        std::vector<float> densities(film_pixels_);
+        film_->density(densities);
+        out.all(densities);
+    };
+    single_["film_add"] = [this](In& in, Out&) { film_->add(in.rest<covbeam_film_ray>()); };
+    single_["film_picture"] = [this](In&, Out& out) {
+        std::vector<covbeam_film_pixel> pixels(film_pixels_);
+        film_->verify();
+        film_->picture(0, pixels);
+        out.all(pixels);
+    };
+    single_["film_errors"] = [](In& in, Out& out) {
+        const uint32_t width = in.u(), height = in.u();
+        std::vector<covbeam_film_pixel> pixels(in.left() / 2);
+        for (covbeam_film_pixel& pixel : pixels) {
+            pixel.variance = in.f();
+            pixel.difference = in.f();
+        }
+        std::vector<float> errors(pixels.size());
+        cb::film_errors(width, height, pixels, errors);
+        out.all(errors);
+    };
 }
 
 void Client::marches() {

@@ -124,7 +124,7 @@ class Script:
     """What the lines act on."""
 
     def __init__(self):
-        self.density = self.grid = self.map = self.picture = None
+        self.density = self.grid = self.map = self.film = None
         self.march = cb.March()
         # (function, key of what the calls share) -> rows of input and of output words
         self.together = {}
@@ -174,9 +174,6 @@ class Script:
             medium = medium_of(words[:16], self)
             call = lambda rays, steps: image.along(self.grid, medium, rays, steps_of(steps))
             return self.alone(name, words[:16].tobytes(), call, [cb.EYE_RAY, 12], words[16:], expected)
-        if name == "reconstruction_pixel":
-            call = lambda pixels, filters: self.picture.pixels(pixels.view(np.uint32), filters)
-            return self.alone(name, None, call, [2, cb.IMAGE_FILTER], words, expected)
         method = getattr(self, name, None)
         if method is None:
             raise Difference(f"{name} is no function that this client knows")
@@ -284,16 +281,32 @@ class Script:
     def film_regions(self, words, numbers):
         return flat(image.regions(words[0], words[1], numbers[2:]))
 
-    def reconstruction_new(self, words, _):
-        self.run_together()
-        self.picture = cb.Reconstruction(*words)
+    def film_new(self, words, numbers):
+        self.film = cb.Film(words[0], words[1], numbers[2], words[3:])
         return NOTHING
 
-    def reconstruction_update(self, words, _):
-        self.run_together()
-        count = len(words) // 5
-        self.picture.update(words[: 4 * count].view(cb.FILM_SAMPLE), words[4 * count :])
+    def film_nodes(self, _words, _numbers):
+        return flat(self.film.nodes().reshape(1, -1))
+
+    def film_plan(self, words, numbers):
+        self.film.plan(words[0], numbers[1], words[2], words[3:].copy().view(cb.IMAGE_SPECTRUM))
         return NOTHING
+
+    def film_density(self, _words, _numbers):
+        return flat(self.film.densities())
+
+    def film_add(self, words, _):
+        self.film.add(words.copy().view(cb.FILM_RAY))
+        return NOTHING
+
+    def film_picture(self, _words, _numbers):
+        self.film.verify()
+        return flat(self.film.picture())
+
+    def film_errors(self, words, numbers):
+        pixels = np.zeros(len(words) // 2 - 1, cb.FILM_PIXEL)
+        pixels["variance"], pixels["difference"] = numbers[2:].reshape(-1, 2).T
+        return flat(image.errors(words[0], words[1], pixels))
 
     def march_lay(self, words, numbers):
         knots = march.lay(numbers[0:3], numbers[3:6], numbers[6], numbers[7], numbers[8:11], int(words[11]))

@@ -16,7 +16,7 @@ namespace cb = covbeam;
 #define SIZE(type, bytes) \
     static_assert(sizeof(covbeam_##type) == bytes && std::is_standard_layout<covbeam_##type>::value, #type)
 #define AT(type, member, offset) static_assert(offsetof(covbeam_##type, member) == offset, #type "." #member)
-static_assert(COVBEAM_ABI_VERSION == 1, "the numbers below are those of ABI 1");
+static_assert(COVBEAM_ABI_VERSION == 2, "the numbers below are those of ABI 2");
 static_assert(sizeof(void*) == 8 && sizeof(size_t) == 8, "the numbers below are those of a 64-bit machine");
 static_assert(sizeof(covbeam_status) == 4 && sizeof(covbeam_density_kind) == 4, "enums are 32 bits wide");
 SIZE(phase, 8); AT(phase, kind, 0); AT(phase, asymmetry, 4);
@@ -55,7 +55,10 @@ SIZE(pixel_step, 24); AT(pixel_step, origin, 0); AT(pixel_step, direction, 12);
 SIZE(image_spectrum, 16); AT(image_spectrum, xx, 0); AT(image_spectrum, xy, 4); AT(image_spectrum, yy, 8);
 AT(image_spectrum, weight, 12);
 SIZE(image_filter, 12); AT(image_filter, xx, 0); AT(image_filter, xy, 4); AT(image_filter, yy, 8);
-SIZE(film_sample, 16); AT(film_sample, radiance, 0); AT(film_sample, weight, 12);
+SIZE(film_ray, 40); AT(film_ray, pixel, 0); AT(film_ray, has_volume, 8); AT(film_ray, has_rest, 12);
+AT(film_ray, volume, 16); AT(film_ray, rest, 28);
+SIZE(film_pixel, 32); AT(film_pixel, radiance, 0); AT(film_pixel, volume, 12); AT(film_pixel, variance, 24);
+AT(film_pixel, difference, 28);
 SIZE(march_knot, 16); AT(march_knot, distance, 0); AT(march_knot, radiance, 4); AT(march_knot, deviation, 8);
 AT(march_knot, visibility, 12);
 SIZE(march_sample, 24); AT(march_sample, distance, 0); AT(march_sample, weight, 4); AT(march_sample, visibility, 8);
@@ -80,7 +83,7 @@ template <class T> struct Owner {
                                !std::is_copy_constructible<T>::value && sizeof(T) == sizeof(void*);
 };
 static_assert(Owner<cb::Grid>::ok && Owner<cb::Density>::ok && Owner<cb::BeamMap>::ok && Owner<cb::Scratch>::ok &&
-                  Owner<cb::Reconstruction>::ok && Owner<cb::March>::ok,
+                  Owner<cb::Film>::ok && Owner<cb::March>::ok,
               "owners move without a throw, are not copied, and are one pointer");
 
 namespace {

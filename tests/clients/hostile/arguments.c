@@ -329,6 +329,17 @@ static void whole_picture(struct prepared *call, uint32_t pixels) {
     }
 }
 
+/* The same for a film: an element a pixel, or one for each block of 2 x 2. */
+static void film_count(struct prepared *call, const struct slot *slot) {
+    const char *name = call->function->name;
+    const bool nodes = strcmp(name, "covbeam_film_nodes") == 0 || strcmp(name, "covbeam_film_plan") == 0;
+    if (strcmp(name, "covbeam_film_add") == 0) return;
+    if (nodes)
+        whole_picture(call, (slot->width + 1) / 2 * ((slot->height + 1) / 2));
+    else
+        whole_picture(call, slot->width * slot->height);
+}
+
 /* Numbers of a march that must go together. */
 static void march_rules(struct prepared *call) {
     const char *name = call->function->name;
@@ -384,9 +395,25 @@ void prepare(struct prepared *call, const struct function *function, const struc
                 if (i == 1) whole_picture(call, call->arguments[0].word * a->word);
                 break;
             }
+            if (strcmp(p->word, "row") == 0) {
+                a->word = 0;
+                if (fault->kind == WORD) {
+                    a->word = fault->number % 2 ? 3 : 0xffffffffu;
+                    must(call, COVBEAM_INVALID_VALUE);
+                }
+                break;
+            }
             a->word = strcmp(p->name, "pass") == 0 ? (chance(4) ? (uint32_t)draw() | 1 : 1 + below(99)) : below(3);
             if (fault->kind == WORD) {
-                a->word = strcmp(p->name, "pass") == 0 ? 0 : fault->number % 2 ? 3 : 0xffffffffu;
+                if (strcmp(p->word, "row") == 0) {
+                a->word = 0;
+                if (fault->kind == WORD) {
+                    a->word = fault->number % 2 ? 3 : 0xffffffffu;
+                    must(call, COVBEAM_INVALID_VALUE);
+                }
+                break;
+            }
+            a->word = strcmp(p->name, "pass") == 0 ? 0 : fault->number % 2 ? 3 : 0xffffffffu;
                 must(call, COVBEAM_INVALID_VALUE);
             }
             break;
@@ -405,14 +432,16 @@ void prepare(struct prepared *call, const struct function *function, const struc
         case 'u': a->pointer = &callbacks; break;
         case '@': case '!': case '+':
             handle_argument(call, i, fault);
-            if (p->kind == '!' && call->handles[i] >= 0 && pool[call->handles[i]].kind == PICTURE)
-                whole_picture(call, pool[call->handles[i]].width * pool[call->handles[i]].height);
+            if (call->handles[i] >= 0 && pool[call->handles[i]].kind == PICTURE) film_count(call, &pool[call->handles[i]]);
             break;
         case '<': case '>': case '=': pointer_argument(call, i, fault, faults, fault_count); break;
         default: break; /* strides and lengths are set with their arrays */
         }
     }
     march_rules(call);
+    for (int i = 0; i < function->parameter_count; i++)
+        if (call->whole && function->parameters[i].kind == 'n' && call->arguments[i].size != call->count)
+            must(call, COVBEAM_SHORT_BUFFER);
     const int map = call->handles[0];
     if (map >= 0 && function->parameters[0].committed && pool[map].committed && call->ceiling > pool[map].ceiling)
         must(call, COVBEAM_MISMATCH);

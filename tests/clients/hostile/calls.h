@@ -4,7 +4,7 @@
  *
  * A parameter is its name in the header and its kind:
  *   n count of the arrays after it; s stride of the array before; k number of elements of the packed array before
- *   $R a float under rule R; #shape, #pass, #extent (of a picture), #any an integer; poll, shade, user
+ *   $R a float under rule R; #shape, #pass, #extent (of a picture), #row (its first), #any an integer; poll, shade, user
  *   @KIND a handle that is looked at, !KIND one that is changed, +KIND place for a new one; .STATE it must be in
  *   <TYPE read, >TYPE written, =TYPE both; TYPE a struct of types.c, or f:RULES floats
  *   ? may be NULL
@@ -409,22 +409,40 @@ CALL(covbeam_pixel_threshold_many,
 CALL(covbeam_film_regions,
     "width #extent; height #extent; count n; depths <f:*; depth_stride s; labels >f:i; label_stride s",
     WORD(0), WORD(1), SIZE(2), POINTER(3), SIZE(4), POINTER(5), SIZE(6))
-CALL(covbeam_reconstruction_new,
-    "width #extent; height #extent; out +picture",
-    WORD(0), WORD(1), POINTER(2))
-FREE(covbeam_reconstruction_free,
-    "reconstruction !picture",
+CALL(covbeam_film_new,
+    "width #extent; height #extent; typical_radiance $+; count n; regions <f:i?; region_stride s; out +picture",
+    WORD(0), WORD(1), NUMBER(2), SIZE(3), POINTER(4), SIZE(5), POINTER(6))
+FREE(covbeam_film_free,
+    "film !picture",
     POINTER(0))
-CALL(covbeam_reconstruction_update,
-    "reconstruction !picture; count n; samples <sample; sample_stride s; regions <f:i?; region_stride s",
-    POINTER(0), SIZE(1), POINTER(2), SIZE(3), POINTER(4), SIZE(5))
-CALL(covbeam_reconstruction_pixel,
-    "reconstruction @picture; pixel <pixel; filter <filter; radiance >f:fff",
-    POINTER(0), POINTER(1), POINTER(2), POINTER(3))
-CALL(covbeam_reconstruction_pixel_many,
-    "reconstruction @picture; count n; pixels <pixel; pixel_stride s; filters <filter; filter_stride s; "
-    "radiances >f:fff; radiance_stride s",
-    POINTER(0), SIZE(1), POINTER(2), SIZE(3), POINTER(4), SIZE(5), POINTER(6), SIZE(7))
+CALL(covbeam_film_get_memory,
+    "film @picture; bytes >size",
+    POINTER(0), POINTER(1))
+CALL(covbeam_film_get_node_count,
+    "film @picture; count >size",
+    POINTER(0), POINTER(1))
+CALL(covbeam_film_nodes,
+    "film @picture; count n; pixels >f:ii; pixel_stride s",
+    POINTER(0), SIZE(1), POINTER(2), SIZE(3))
+CALL(covbeam_film_plan,
+    "film !picture; pass #any; error $+; light_paths #any; count n; spectra <image; spectrum_stride s; "
+    "poll poll; user user",
+    POINTER(0), WORD(1), NUMBER(2), WORD(3), SIZE(4), POINTER(5), SIZE(6), POLL(7), POINTER(8))
+CALL(covbeam_film_density,
+    "film @picture.resolved; count n; densities >f:l; density_stride s",
+    POINTER(0), SIZE(1), POINTER(2), SIZE(3))
+CALL(covbeam_film_add,
+    "film !picture.resolved; count n; rays <seen; ray_stride s",
+    POINTER(0), SIZE(1), POINTER(2), SIZE(3))
+CALL(covbeam_film_verify,
+    "film !picture; poll poll; user user",
+    POINTER(0), POLL(1), POINTER(2))
+CALL(covbeam_film_picture,
+    "film @picture.committed; first_row #row; count n; pixels >shown; pixel_stride s",
+    POINTER(0), WORD(1), SIZE(2), POINTER(3), SIZE(4))
+CALL(covbeam_film_errors,
+    "width #extent; height #extent; count n; pixels <pixel; pixel_stride s; errors >f:q; error_stride s",
+    WORD(0), WORD(1), SIZE(2), POINTER(3), SIZE(4), POINTER(5), SIZE(6))
 CALL(covbeam_march_lay,
     "origin <f:fff; direction <f:uuu; from $f; to $N; light <f:fff; count n; knots >place; knot_stride s",
     POINTER(0), POINTER(1), NUMBER(2), NUMBER(3), POINTER(4), SIZE(5), POINTER(6), SIZE(7))

@@ -73,7 +73,7 @@ void sound_element(struct prepared *call, const struct parameter *p, unsigned ch
     } else if (is(type, "field") || is(type, "segment")) {
         memcpy(words + (is(type, "field") ? 0 : 6), &fields[below(16)], sizeof *fields);
     }
-    if (is(type, "pixel") && call->handles[0] >= 0) {
+    if (is(type, "seen") && call->handles[0] >= 0) {
         words[0] = below(pool[call->handles[0]].width);
         words[1] = below(pool[call->handles[0]].height);
     }

@@ -54,7 +54,7 @@ void slot_free(struct slot *slot) {
     case GRID: covbeam_grid_free(slot->handle); break;
     case MAP: covbeam_beam_map_free(slot->handle); break;
     case DENSITY: covbeam_density_free(slot->handle); break;
-    case PICTURE: covbeam_reconstruction_free(slot->handle); break;
+    case PICTURE: covbeam_film_free(slot->handle); break;
     case MARCH: covbeam_march_free(slot->handle); break;
     default: covbeam_scratch_free(slot->handle); break;
     }
@@ -140,13 +140,19 @@ static uint64_t density_digest(const struct slot *slot) {
 }
 
 static uint64_t picture_digest(const struct slot *slot) {
-    const uint32_t pixels[2][2] = { { 0, 0 }, { slot->width - 1, slot->height - 1 } };
-    const covbeam_image_filter filter = { 4, 0, 4 };
-    float radiances[2][3];
-    if (covbeam_reconstruction_pixel_many(slot->handle, 2, pixels[0], sizeof *pixels, &filter, 0, radiances[0],
-                                          sizeof *radiances) != COVBEAM_OK)
-        abort();
-    return hash(0xcbf29ce484222325u, radiances, sizeof radiances);
+    const size_t count = (size_t)slot->width * slot->height;
+    size_t bytes = 0;
+    float densities[81];
+    covbeam_film_pixel pixels[81];
+    memset(densities, 0, sizeof densities);
+    memset(pixels, 0, sizeof pixels);
+    if (count > 81 || covbeam_film_get_memory(slot->handle, &bytes) != COVBEAM_OK) abort();
+    const int32_t statuses[2] = { covbeam_film_density(slot->handle, count, densities, 4),
+                                  covbeam_film_picture(slot->handle, 0, count, pixels, sizeof *pixels) };
+    if ((statuses[0] == COVBEAM_OK) != slot->resolved || (statuses[1] == COVBEAM_OK) != slot->committed) abort();
+    uint64_t state = hash(0xcbf29ce484222325u, &bytes, sizeof bytes);
+    state = hash(state, densities, sizeof densities);
+    return hash(state, pixels, sizeof pixels);
 }
 
 static uint64_t march_digest(const struct slot *slot) {

@@ -63,32 +63,88 @@ void film_regions(struct call *c)
     free(labels);
 }
 
-void reconstruction_new(struct call *c)
+void film_new(struct call *c)
 {
     uint32_t width = take_u32(c), height = take_u32(c);
-    covbeam_reconstruction_free(picture);
-    must(covbeam_reconstruction_new(width, height, &picture));
-}
-
-void reconstruction_update(struct call *c)
-{
-    size_t count = left(c, 5);
-    covbeam_film_sample *samples = spread(c, count, 4, 4);
+    float typical = take_float(c);
+    size_t count = left(c, 1);
     uint32_t *regions = spread(c, count, 1, 8);
-    must(covbeam_reconstruction_update(picture, count, samples, sizeof *samples + 4, regions, 12));
-    free(samples);
+    covbeam_film_free(film);
+    must(covbeam_film_new(width, height, typical, count, regions, 12, &film));
     free(regions);
 }
 
-void reconstruction_pixel(struct call *c)
+void film_nodes(struct call *c)
 {
-    uint32_t pixel[2];
-    covbeam_image_filter filter;
-    float radiance[3], again[7];
-    take(c, pixel, 2);
-    take(c, &filter, 3);
-    must(covbeam_reconstruction_pixel(picture, pixel, &filter, radiance));
-    give(c, radiance, 3);
-    must(covbeam_reconstruction_pixel_many(picture, 2, pixel, 0, &filter, 0, again, 16));
-    equal(&again[4], radiance, sizeof radiance, "covbeam_reconstruction_pixel_many: another radiance");
+    size_t i, count;
+    uint32_t *pixels;
+    must(covbeam_film_get_node_count(film, &count));
+    pixels = memory(12 * count);
+    must(covbeam_film_nodes(film, count, pixels, 12));
+    for (i = 0; i < count; i++)
+        give(c, &pixels[3 * i], 2);
+    free(pixels);
+}
+
+void film_plan(struct call *c)
+{
+    uint32_t pass = take_u32(c), paths;
+    float error = take_float(c);
+    size_t count;
+    covbeam_image_spectrum *spectra;
+    paths = take_u32(c);
+    count = left(c, 4);
+    spectra = spread(c, count, 4, 4);
+    must(covbeam_film_plan(film, pass, error, paths, count, spectra, sizeof *spectra + 4, NULL, NULL));
+    free(spectra);
+}
+
+/* As many as the picture has pixels: those of the current line's results. */
+static size_t results(struct call *c, size_t words) { return c->line->outs / words; }
+
+void film_density(struct call *c)
+{
+    size_t i, count = results(c, 1);
+    float *densities = memory(8 * count);
+    must(covbeam_film_density(film, count, densities, 8));
+    for (i = 0; i < count; i++)
+        give(c, &densities[2 * i], 1);
+    free(densities);
+}
+
+void film_add(struct call *c)
+{
+    size_t count = left(c, 10);
+    covbeam_film_ray *rays = spread(c, count, 10, 4);
+    must(covbeam_film_add(film, count, rays, sizeof *rays + 4));
+    free(rays);
+}
+
+void film_picture(struct call *c)
+{
+    size_t i, count = results(c, 8);
+    covbeam_film_pixel *pixels = memory(count * sizeof *pixels);
+    must(covbeam_film_verify(film, NULL, NULL));
+    must(covbeam_film_picture(film, 0, count, pixels, sizeof *pixels));
+    for (i = 0; i < count; i++)
+        give(c, &pixels[i], 8);
+    free(pixels);
+}
+
+void film_errors(struct call *c)
+{
+    uint32_t width = take_u32(c), height = take_u32(c);
+    size_t i, count = left(c, 2);
+    covbeam_film_pixel *pixels = memory(count * sizeof *pixels);
+    float *errors = memory(8 * count);
+    memset(pixels, 0, count * sizeof *pixels);
+    for (i = 0; i < count; i++) {
+        pixels[i].variance = take_float(c);
+        pixels[i].difference = take_float(c);
+    }
+    must(covbeam_film_errors(width, height, count, pixels, sizeof *pixels, errors, 8));
+    for (i = 0; i < count; i++)
+        give(c, &errors[2 * i], 1);
+    free(pixels);
+    free(errors);
 }

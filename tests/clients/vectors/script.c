@@ -15,7 +15,7 @@ covbeam_density *density;
 covbeam_grid *grid;
 covbeam_beam_map *map;
 covbeam_scratch *scratch;
-covbeam_reconstruction *picture;
+covbeam_film *film;
 covbeam_march *march;
 
 void fail(const char *what)

@@ -7,7 +7,7 @@
 //! for a u64. The inputs are the C parameters in their order, structs by their fields, arrays element by element; left out
 //! are `struct_size`, handles, pointers, counts and strides. What is changed in place is the first input and the last output.
 //!
-//! Lines follow each other like calls: there is one density, grid, map, reconstruction and march at a time. A medium of kind 2 has the
+//! Lines follow each other like calls: there is one density, grid, map, film and march at a time. A medium of kind 2 has the
 //! current density. `use_grid` (0 or 1) says whether the grid is passed. Several elements stand one after the other:
 //!
 //! ```text
@@ -28,8 +28,10 @@
 //! medium_tabulate medium origin[3] direction[3] length -> knot[2]...
 //! image_spectrum_along medium ray[7] steps[12] -> spectrum[4]
 //! pixel_threshold pass seed x y -> threshold         film_regions width height depth... -> label...
-//! reconstruction_new width height ->                 reconstruction_update sample[4]... region... ->
-//! reconstruction_pixel x y filter[3] -> radiance[3]
+//! film_new width height typical_radiance region... ->    film_nodes -> (x y)...
+//! film_plan pass error light_paths spectrum[4]... -> film_density -> density...
+//! film_add ray[10]... ->                             film_picture -> pixel[8]..., once verified
+//! film_errors width height (variance difference)... -> error...
 //! march_lay origin[3] direction[3] from to light[3] count -> distance...       march_update knot[4]... ->
 //! march_get_expected -> radiance error               march_get_first_round rays -> first
 //! march_place jitter... -> sample[6]...              march_refine first_count sample[6]... jitter... -> sample[6]...

@@ -1,7 +1,7 @@
 //! Values as words, and the lines of the file.
 
 use covbeam::{
-    Beam, Crossing, Curvature, Derivatives, EyeRay, FilmSample, FluenceSpectrum, Gathered, GridLayout,
+    Beam, Crossing, Curvature, Derivatives, EyeRay, FilmPixel, FluenceSpectrum, Gathered, GridLayout,
     ImageFilter, ImageSpectrum, Kernel, KernelRadius, Knot, LightField, MarchKnot, MarchSample,
     PhaseFunction, PhaseKind, PixelStep, Vec3,
 };
@@ -178,9 +178,10 @@ impl Words for ImageFilter {
     }
 }
 
-impl Words for FilmSample {
+/// What its error is found from.
+impl Words for FilmPixel {
     fn append(&self, line: &mut String) {
-        append_all(&[&self.radiance, &self.weight], line);
+        append_all(&[&self.variance, &self.difference], line);
     }
 }
 

@@ -6,7 +6,7 @@ light_field.travel, covbeam_beam_map_gather is BeamMap.gather. covbeam.h is the 
 - Arrays are passed by address and stride, never copied: views work, and what cannot be passed is refused with TypeError or
   ValueError. The dtypes (LIGHT_FIELD, BEAM, EYE_RAY, SEGMENT, ...) are the C structs; numbers are float32.
 - A call that fails raises Error, with its status and a message, and has changed nothing.
-- Objects (Grid, Density, BeamMap, Scratch, Reconstruction, March) close at the end of a `with`, by close(), or with their last reference.
+- Objects (Grid, Density, BeamMap, Scratch, Film, March) close at the end of a `with`, by close(), or with their last reference.
 - Threads: several may read an object at once, one may change it; a call that would break this raises Error. The library runs
   without the interpreter's lock.
 """
@@ -23,7 +23,8 @@ from .dtypes import (
     CURVATURE,
     DERIVATIVES,
     EYE_RAY,
-    FILM_SAMPLE,
+    FILM_PIXEL,
+    FILM_RAY,
     FLUENCE_CELL,
     GATHERED,
     GRID_CELL,
@@ -39,7 +40,7 @@ from .dtypes import (
 )
 from .errors import Cancelled, Error, Status
 from .grid import Grid
-from .image import Reconstruction
+from .image import Film
 from .kernel import Kernel, KernelShape, Schedule
 from .march import March
 from .media import Density, Exponential, GridLayout, Medium

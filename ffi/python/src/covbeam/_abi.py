@@ -3,7 +3,7 @@
 import ctypes
 
 #: COVBEAM_ABI_VERSION of the header that this module was written for.
-ABI_VERSION = 1
+ABI_VERSION = 2
 
 _vector = ctypes.c_float * 3
 
@@ -86,7 +86,7 @@ RESULTS = {
     "covbeam_density_free": None,
     "covbeam_grid_free": None,
     "covbeam_scratch_free": None,
-    "covbeam_reconstruction_free": None,
+    "covbeam_film_free": None,
     "covbeam_march_free": None,
 }
 
@@ -176,10 +176,17 @@ PROTOTYPES = {
     "covbeam_image_filters_density": "z" + "pz" * 2,
     "covbeam_pixel_threshold_many": "uuz" + "pz" * 2,
     "covbeam_film_regions": "uuz" + "pz" * 2,
-    "covbeam_reconstruction_new": "uup",
-    "covbeam_reconstruction_free": "p",
-    "covbeam_reconstruction_update": "pz" + "pz" * 2,
-    "covbeam_reconstruction_pixel_many": "pz" + "pz" * 3,
+    "covbeam_film_new": "uufz" + "pz" + "p",
+    "covbeam_film_free": "p",
+    "covbeam_film_get_memory": "pp",
+    "covbeam_film_get_node_count": "pp",
+    "covbeam_film_nodes": "pz" + "pz",
+    "covbeam_film_plan": "pufuz" + "pz" + "pp",
+    "covbeam_film_density": "pz" + "pz",
+    "covbeam_film_add": "pz" + "pz",
+    "covbeam_film_verify": "ppp",
+    "covbeam_film_picture": "puz" + "pz",
+    "covbeam_film_errors": "uuz" + "pz" * 2,
     "covbeam_march_lay": "ppffp" + "zpz",
     "covbeam_march_new": "p",
     "covbeam_march_free": "p",

@@ -88,8 +88,15 @@ IMAGE_SPECTRUM = _struct(*((name, _f4) for name in ("xx", "xy", "yy", "weight"))
 #: Covariance of a Gaussian reconstruction filter [pixels^2], x to the right, y down; all 0 is no filter.
 IMAGE_FILTER = _struct(*((name, _f4) for name in ("xx", "xy", "yy")))
 
-#: What the eye rays of one pixel saw: sum of radiance / density, and sum of 1 / density.
-FILM_SAMPLE = _struct(("radiance", _f4, (3,)), ("weight", _f4))
+#: What one eye ray saw of what it was asked for: its pixel, x and y; 1 or 0 for whether it was asked for the fog before the first
+#: surface, whose light is filtered, and for what lies beyond; the radiance of both [W/(m^2 sr)].
+FILM_RAY = _struct(
+    ("pixel", np.uint32, (2,)), ("has_volume", np.uint32), ("has_rest", np.uint32), ("volume", _f4, (3,)), ("rest", _f4, (3,))
+)
+
+#: A pixel of a picture: all light, and that of the fog before the first surface [W/(m^2 sr)]; squared standard error of the filtered
+#: luminance, 0 where it is not known; luminance of the odd passes minus that of the even ones, of the light that is not filtered.
+FILM_PIXEL = _struct(("radiance", _f4, (3,)), ("volume", _f4, (3,)), ("variance", _f4), ("difference", _f4))
 
 #: One knot of the table along an eye ray: distance from its origin [m], light scattered to the eye a metre if nothing is in the way
 #: [W/(m^3 sr)], deviation of the fluence's spectrum along the ray [cycles/m], share of the light that is expected to arrive. NaN:

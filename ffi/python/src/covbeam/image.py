@@ -1,20 +1,24 @@
 """Image space: how many eye rays the in-scattered light needs where, and the picture from those that were traced.
 
-    spectra = image.along(grid, medium, rays, steps)           # of the pixels, or of some of them
-    filters = image.filters(spectra, error, widest)
-    chosen = image.thresholds(pass_, seed, pixels) < image.densities(filters)
-    ...                                                         # trace those; samples: sums over light / density, 1 / density
-    picture = Reconstruction(width, height)
-    picture.update(samples, regions(width, height, depths))
-    light = picture.pixels(pixels, filters)
+    film = Film(width, height, typical_radiance, regions(width, height, depths))
+    spectra = image.along(grid, medium, rays, steps)           # of the eye rays through film.nodes()
+    film.plan(pass_, error, light_paths, spectra)
+    chosen = image.thresholds(pass_, seed, pixels) < film.densities()
+    ...                                                         # trace those
+    film.add(rays)                                              # FILM_RAY
+    film.verify()
+    light = film.picture()                                      # FILM_PIXEL
 """
+
+import ctypes
 
 import numpy as np
 
-from ._arrays import COUNT, FLOAT, PIXEL, VECTOR, WORD, Kind, elementwise, given, made, optional, struct
+from ._arrays import COUNT, FLOAT, PIXEL, WORD, Kind, elementwise, given, made, struct
+from ._callbacks import Call
 from ._handles import Object, Owner, using
-from ._library import lib
-from .dtypes import EYE_RAY, FILM_SAMPLE, IMAGE_FILTER, IMAGE_SPECTRUM, PIXEL_STEP
+from ._library import check, lib
+from .dtypes import EYE_RAY, FILM_PIXEL, FILM_RAY, IMAGE_FILTER, IMAGE_SPECTRUM, PIXEL_STEP
 from .media import Medium
 
 
@@ -102,47 +106,122 @@ def regions(width, height, depths, *, out=None):
     )
 
 
-class Reconstruction(Object):
-    """The samples of a picture, and each pixel through its filter: 27 bytes a pixel. Without rays so far, every pixel is 0.
+def errors(width, height, pixels, *, out=None):
+    """Standard errors of a picture's luminance [W/(m^2 sr)], from the two halves of its passes: float32 (n,).
+
+    - width, height: of the picture, or of a part of it: rows at least 2 away from the part's ends have the errors of the whole.
+    - pixels: FILM_PIXEL of shape (width x height,).
+    """
+    return elementwise(
+        lib.covbeam_film_errors,
+        _word("width", width),
+        _word("height", height),
+        COUNT,
+        given("pixels", pixels, Kind(FILM_PIXEL)),
+        made("out", out, FLOAT),
+    )
+
+
+class Film(Object):
+    """Few eye rays for a picture whose light is smooth: where they are needed, what they saw, and the picture from them.
+
+    The cycle of a pass: plan, densities, add. When a picture is wanted: verify, then picture.
 
     - width, height: of the picture, each 1 to 65536; at most 2^31 pixels.
+    - typical_radiance: of the picture, give or take a factor of a thousand [W/(m^2 sr)] > 0: light is added up in whole multiples of
+      2^-32 of it, so that the order of passes and rays does not count.
+    - regions: of image.regions, copied; None: one everywhere.
     """
 
-    def __init__(self, width, height):
-        words = _word("width", width), _word("height", height)
-        self._owner = Owner(lib.covbeam_reconstruction_new, lib.covbeam_reconstruction_free, *words)
+    def __init__(self, width, height, typical_radiance, regions=None):
+        self._size = _word("width", width), _word("height", height)
+        count, address, stride = width * height, None, 0
+        if regions is not None:
+            labels = given("regions", regions, WORD)
+            address, stride = labels.address, labels.stride
+            count = 1 if labels.count is None else labels.count
+        arguments = *self._size, typical_radiance, count, address, stride
+        self._owner = Owner(lib.covbeam_film_new, lib.covbeam_film_free, *arguments)
 
-    def update(self, samples, regions=None):
-        """Takes the samples of the passes so far, in place of those before.
+    @property
+    def memory(self):
+        """How much memory the film holds [bytes]."""
+        return self._number(lib.covbeam_film_get_memory)
 
-        - samples: FILM_SAMPLE of shape (width x height,), row by row from the upper left, copied. One that is not finite counts as a
-          pixel without rays.
-        - regions: of image.regions; None: one everywhere.
+    def nodes(self):
+        """At which pixels the spectrum of the picture is wanted: x and y, uint32 (n, 2)."""
+        count = self._number(lib.covbeam_film_get_node_count)
+        out = np.zeros((count, 2), np.uint32)
+        with using(self) as [film]:
+            return elementwise(lib.covbeam_film_nodes, film, COUNT, made("out", out, PIXEL))
+
+    def plan(self, pass_, error, light_paths, spectra, *, poll=None):
+        """Plans a pass: filters as wide as the spectra allow, none of which reaches where a narrower one is asked for.
+
+        - pass_: its number. Passes with odd numbers are one half of all, the others are the other: they tell the error.
+        - error: relative bias > 0 that a filter may cause: Kernel.error.
+        - light_paths: of the pass; it gets at least half as many eye rays.
+        - spectra: IMAGE_SPECTRUM (n,), of the eye rays through nodes(); all 0 where there is no fog.
+        - poll: as in BeamMap.commit.
         """
-        with using(changed=self) as [picture]:
+        call = Call(poll)
+        with using(changed=self) as [film]:
             elementwise(
-                lib.covbeam_reconstruction_update,
-                picture,
+                lib.covbeam_film_plan,
+                film,
+                _word("pass_", pass_),
+                error,
+                _word("light_paths", light_paths),
                 COUNT,
-                given("samples", samples, Kind(FILM_SAMPLE)),
-                optional("regions", regions, WORD),
+                given("spectra", spectra, Kind(IMAGE_SPECTRUM)),
+                call.poll,
+                None,
+                ended=call.check,
             )
 
-    def pixels(self, pixels, filters, *, out=None):
-        """The radiance of pixels through their filters: float32, (n, 3).
+    def densities(self, *, out=None):
+        """Eye rays that pixels get in the pass that is planned, in (0, 1]: float32 (width x height,)."""
+        out = np.zeros(self._size[0] * self._size[1], np.float32) if out is None else out
+        with using(self) as [film]:
+            return elementwise(lib.covbeam_film_density, film, COUNT, made("out", out, FLOAT))
 
-        - pixels: x and y, uint32 of shape (2,) or (n, 2), inside the picture.
-        - filters: IMAGE_FILTER; all 0 is the mean of a pixel's own rays.
+    def add(self, rays):
+        """Adds the pass that is planned.
+
+        - rays: FILM_RAY (n,), all of the pass, in any order.
         """
-        with using(self) as [picture]:
+        with using(changed=self) as [film]:
+            elementwise(lib.covbeam_film_add, film, COUNT, given("rays", rays, Kind(FILM_RAY)))
+
+    def verify(self, *, poll=None):
+        """Narrows the latest pass' filters where the two halves of the passes disagree with them, and makes the film ready for picture().
+
+        - poll: as in BeamMap.commit.
+        """
+        call = Call(poll)
+        with using(changed=self) as [film]:
+            call.check(lib.covbeam_film_verify(film, call.poll, None))
+
+    def picture(self, first_row=0, rows=None, *, out=None):
+        """Rows of the picture: FILM_PIXEL (rows x width,). Threads may share the work.
+
+        - first_row: a multiple of 8.
+        - rows: their number, a multiple of 8 or up to the last; None for all from first_row on.
+        """
+        width, height = self._size
+        if out is None:
+            count = width * (height - first_row if rows is None else rows)
+            out = np.zeros(max(count, 0), FILM_PIXEL)
+        with using(self) as [film]:
             return elementwise(
-                lib.covbeam_reconstruction_pixel_many,
-                picture,
-                COUNT,
-                given("pixels", pixels, PIXEL),
-                given("filters", filters, Kind(IMAGE_FILTER)),
-                made("out", out, VECTOR),
+                lib.covbeam_film_picture, film, _word("first_row", first_row), COUNT, made("out", out, Kind(FILM_PIXEL))
             )
+
+    def _number(self, function):
+        number = ctypes.c_size_t()
+        with using(self) as [film]:
+            check(function(film, ctypes.addressof(number)))
+        return number.value
 
 
 def _word(name, number):
