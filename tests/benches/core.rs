@@ -345,7 +345,7 @@ fn film(c: &mut Criterion) {
     let size = 256;
     let sample = |i: u32| {
         let seen = pixel_threshold(i % size, i / size, 1, 0) < 0.25;
-        let ray = FilmSample { radiance: Vec3::splat((i % 97) as f32), weight: 1.0 };
+        let ray = FilmSample { radiance: Vec3::splat((i % 97) as f32), weight: 1.0, ..FilmSample::default() };
         if seen { ray } else { FilmSample::default() }
     };
     let samples: Vec<FilmSample> = (0..size * size).map(sample).collect();
