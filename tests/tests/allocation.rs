@@ -5,11 +5,12 @@ use std::hint::black_box;
 use allocation_counter::measure;
 use covbeam::{
     Attenuation, Beam, BeamBlock, Column, CovarianceGrid, Curvature, Density, DensityGrid,
-    ExponentialDensity, EyeRay, FilmNode, FilmSample, FluenceCell, FluenceGrid, FluenceSpectrum, Gathered,
-    GridCell, GridError, GridLayout, ImageFilter, ImageSpectrum, Kernel, KernelRadius, Knot, LightField,
-    March, MarchCell, MarchKnot, MarchSample, Medium, Passage, PhaseFunction, PhaseKind, PixelStep,
-    Reconstruction, Vec2, Vec3, cross, error_bound, film_regions, gather_pair, pixel_threshold,
-    progressive_radius,
+    ExponentialDensity, EyeRay, FILM_TILE_PIXELS, FilmFilterNode, FilmFilters, FilmLattice, FilmNode,
+    FilmPixel, FilmSample, FilmSums, FilmUnit, FluenceCell, FluenceGrid, FluenceSpectrum, Gathered, GridCell,
+    GridError, GridLayout, ImageFilter, ImageSpectrum, Kernel, KernelRadius, Knot, LightField, March,
+    MarchCell, MarchKnot, MarchSample, Medium, Passage, PhaseFunction, PhaseKind, PixelStep, Reconstruction,
+    Vec2, Vec3, cross, error_bound, film_regions, gather_pair, pixel_threshold, progressive_radius,
+    standard_errors, verify_filters,
 };
 
 const LAYOUT: GridLayout = GridLayout { min: Vec3::splat(-2.0), max: Vec3::splat(2.0), cells: [8, 8, 8] };
@@ -198,9 +199,46 @@ fn image_space_does_not_allocate() {
         film_regions(33, 17, &depth, &mut regions).unwrap();
         black_box(Reconstruction::node_count(33, 17));
         let picture = Reconstruction::new(33, 17, &samples, &regions, &mut nodes).unwrap();
-        pixel = picture.pixel(20, 9, &filter);
+        pixel = picture.pixel(20, 9, &filter) + picture.nearby(3, 4);
     });
     assert!(pixel.x > 0.0);
+    assert_eq!(count, 0);
+}
+
+#[test]
+fn the_film_does_not_allocate() {
+    let lattice = FilmLattice::new(33, 17).unwrap();
+    let count = lattice.node_count();
+    let spectra = vec![ImageSpectrum { weight: 1.0, ..ImageSpectrum::default() }; count];
+    let (mut filters, mut verified) = (vec![FilmFilterNode::default(); count], Vec::with_capacity(count));
+    let (mut samples, regions) = (vec![FilmSample::default(); 33 * 17], vec![1; 33 * 17]);
+    let mut blocks = vec![FilmNode::default(); Reconstruction::node_count(33, 17)];
+    let mut evidence = Vec::with_capacity(count);
+    let (mut pixels, mut errors) = (vec![FilmPixel::default(); 33 * 17], vec![0.0; 33 * 17]);
+    let count = allocations(|| {
+        black_box((FilmLattice::new(5, 5).is_ok(), lattice.node_count(), lattice.pixel(3), lattice.widest()));
+        black_box(lattice.least_density(9));
+        let found = FilmFilters::new(lattice, &regions, &spectra, 0.1, &mut filters).unwrap();
+        black_box((found.lattice(), found.filter(3, 4)));
+        let unit = FilmUnit::new(1.0);
+        for sample in &mut samples {
+            let mut sums = FilmSums::default();
+            sums.add(&unit, Vec3::ONE, true);
+            sums.add(&unit, Vec3::X, false);
+            *sample = sums.sample(&unit, f64::from(sums.rays()));
+            black_box(sample.halves());
+        }
+        let picture = Reconstruction::new(33, 17, &samples, &regions, &mut blocks).unwrap();
+        evidence.extend((0..lattice.node_count()).map(|node| found.evidence(node, &picture)));
+        verified.extend_from_slice(&filters);
+        verify_filters(&lattice, &evidence, &mut verified).unwrap();
+        let found = FilmFilters::of(lattice, &regions, &verified).unwrap();
+        let mut tile = [FilmPixel::default(); FILM_TILE_PIXELS];
+        picture.tile(8, 8, &found, &mut tile);
+        pixels[..FILM_TILE_PIXELS].copy_from_slice(&tile);
+        standard_errors(33, 17, &pixels, 0, &mut errors).unwrap();
+    });
+    assert!(pixels[0].radiance.x > 0.0);
     assert_eq!(count, 0);
 }
 

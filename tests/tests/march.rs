@@ -5,7 +5,7 @@ use covbeam_render::march::{Marching, Placement};
 use covbeam_render::pass::{Method, Renderer};
 use covbeam_render::scene::Scene;
 use covbeam_tests::random::Stream;
-use covbeam_tests::single_scatter::{Density, Lamp, World};
+use covbeam_tests::single_scatter::{Density, Emission, Lamp, World};
 use covbeam_tests::statistics::Sample;
 use glam::DVec3;
 use proptest::prelude::*;
@@ -387,16 +387,20 @@ fn the_picture_of_every_placement_is_that_of_the_quadrature() {
     let spot = "kind = \"spot\"\nposition = [0.9, 1.8, -0.4]\nlook_at = [0.4, 0.8, 0.0]\n\
                 intensity = [9.0, 8.0, 7.0]\ninner_angle = 30\nouter_angle = 40\n";
     let point = "kind = \"point\"\nposition = [0.9, 1.8, -0.4]\nintensity = [9.0, 8.0, 7.0]\n";
-    for (lamp, cone) in
-        [(point, None), (spot, Some((axis.normalize(), 30f64.to_radians(), 40f64.to_radians())))]
-    {
+    for (lamp, emission) in [
+        (point, Emission::Even),
+        (
+            spot,
+            Emission::Spot { axis: axis.normalize(), inner: 30f64.to_radians(), outer: 40f64.to_radians() },
+        ),
+    ] {
         let scene = room(lamp);
         let world = World {
             density: Density::Exponential { scale_height: 1.5 },
             scattering: DVec3::new(0.3, 0.2, 0.1),
             absorption: DVec3::new(0.0, 0.1, 0.02),
             asymmetry: 0.4,
-            lamp: Lamp { position, intensity: DVec3::new(9.0, 8.0, 7.0), cone },
+            lamp: Lamp { position, intensity: DVec3::new(9.0, 8.0, 7.0), emission },
             ball: (DVec3::new(0.1, 0.2, 0.4), 0.6),
             room: (DVec3::splat(-4.0), DVec3::splat(4.0)),
         };

@@ -193,7 +193,7 @@ impl<'a> Reconstruction<'a> {
     /// ```
     /// use covbeam::{FilmNode, FilmSample, ImageFilter, Reconstruction, Vec3};
     /// let mut samples = [FilmSample::default(); 9];
-    /// samples[0] = FilmSample { radiance: Vec3::splat(4.0), weight: 2.0 };
+    /// samples[0] = FilmSample { radiance: Vec3::splat(4.0), weight: 2.0, ..FilmSample::default() };
     /// let mut nodes = [FilmNode::default(); 5];
     /// let picture = Reconstruction::new(3, 3, &samples, &[1; 9], &mut nodes)?;
     /// assert_eq!(picture.pixel(2, 2, &ImageFilter { xx: 1.0, xy: 0.0, yy: 1.0 }), Vec3::splat(2.0));
@@ -280,6 +280,9 @@ impl<'a> Reconstruction<'a> {
             *found = filters.at(px, py);
             if let Some((filter, _)) = found {
                 smallest = smallest.min(filter.matrix().eigenvalues()[1]);
+            } else if px < self.width && py < self.height && self.region(px, py) != 0 {
+                // What has no filter is as sharp as its own rays; borders are never interpolated.
+                smallest = 0.0;
             }
         }
         let deviation = sqrtf(smallest.max(0.0));
@@ -299,6 +302,10 @@ impl<'a> Reconstruction<'a> {
             let difference = halves.map_or(0.0, |[first, second]| first - second);
             *out = FilmPixel { radiance, variance, difference };
         }
+    }
+
+    fn region(&self, x: u32, y: u32) -> u32 {
+        self.regions[y as usize * self.width as usize + x as usize]
     }
 
     /// The sum under a filter, over the pixels of one region or of all.

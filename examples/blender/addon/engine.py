@@ -20,6 +20,7 @@ PASSES = (
     ("In-Scattered", 3, "RGB", "COLOR"),
     ("Radius", 1, "X", "VALUE"),
     ("Bandwidth", 1, "X", "VALUE"),
+    ("Standard Error", 1, "X", "VALUE"),
 )
 
 
@@ -77,7 +78,7 @@ class CovbeamEngine(bpy.types.RenderEngine):
         with closing(Session(job.scene, job.settings, self.goes_on)) as session:
             result = self.begin_result(0, 0, camera.width, camera.height, layer=job.view_layer)
             try:
-                passes = Passes(self, session, job.budget, result)
+                passes = Passes(self, session, job.budget, result, job.start)
                 passes.run()
             finally:
                 # What has been shown is kept, cancelled or not.
@@ -141,12 +142,12 @@ class _Job:
             # Blender answers with all processors where the artist has set no number.
             threads=scene.render.threads,
         )
-        start = perf_counter()
+        self.start = perf_counter()
         self.scene, report = export(depsgraph, poll=poll)
         geometry = self.scene.geometry
         record.untranslated = [str(entry) for entry in report.entries]
         record.figures += [
-            f"Reading the scene: {text.duration(perf_counter() - start)}",
+            f"Reading the scene: {text.duration(perf_counter() - self.start)}",
             f"Geometry: {geometry.triangle_count:,} triangles, {text.memory(geometry.memory)}",
         ]
 

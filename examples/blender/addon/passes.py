@@ -14,8 +14,11 @@ DISPLAY_SHARE = 0.1
 #: Seconds between texts in the status bar while a pass runs.
 STATUS_INTERVAL = 0.25
 
-#: How many times as long as a coarse picture a whole one takes, at most.
-COARSE = 32
+#: With a time limit, the first pass has this share of the light paths: it tells how many of them a pass has time for.
+TRIAL = 1 / 16
+
+#: Share of the time that one pass takes at most, with a time limit.
+PASS_SHARE = 0.15
 
 #: A cancelled render shows its last passes only if making the picture takes no longer than this [s].
 LAST_PICTURE = 0.1
@@ -25,32 +28,53 @@ class Passes:
     """Runs the passes of a session within a budget; hands pictures and progress to the engine.
 
     - result: Blender's render result, with the layer that is rendered.
+    - start: when the scene began to be read, of perf_counter.
     - cancelled: whether the artist has stopped it. What was shown last is kept.
     """
 
-    def __init__(self, engine, session, budget, result):
+    def __init__(self, engine, session, budget, result, start):
         self.engine, self.session, self.budget, self.result = engine, session, budget, result
         self.cancelled = False
-        self._start = self._told = perf_counter()
-        # Seconds spent on pictures, those that the next one is expected to take, and the passes that the latest shows.
-        self._display = self._next_display = 0.0
+        self._start, self._told = start, perf_counter()
+        # Seconds spent on pictures; those that the latest pass and picture took; and the passes that the latest picture shows.
+        self._display = self._pass = self._picture = 0.0
         self._shown = 0
+        self._late = False
 
     def run(self):
         try:
+            if self.budget.seconds > 0:
+                self._try_out()
             while not self._enough():
-                self.session.render_pass(self._poll)
-                self._tell()
-                affordable = self._display + self._next_display <= DISPLAY_SHARE * self._elapsed()
-                if self._enough():
+                self._render_pass()
+                affordable = self._display + self._picture <= DISPLAY_SHARE * self._elapsed()
+                if affordable or self._enough():
                     self._show(self._poll)
-                elif affordable:
-                    # Something to see as soon as there is.
-                    self._show(self._poll, coarse=self._shown == 0)
         except Cancelled:
-            self.cancelled = True
-            if self.session.passes > self._shown > 0 and self._next_display <= LAST_PICTURE:
+            self.cancelled = not self._late
+            news = self.session.passes > self._shown
+            if news and (self._late or (self._shown > 0 and self._picture <= LAST_PICTURE)):
                 self._show(None)
+
+    def _try_out(self):
+        """Finds out what a pass and a picture cost, and gives passes as many light paths as there is time for."""
+        trial = max(int(TRIAL * self.session.photons), 1)
+        self.session.restart(trial)
+        self._render_pass()
+        self._show(self._poll)
+        left = self.budget.seconds - self._elapsed() - self._picture
+        photons = int(trial * PASS_SHARE * left / max(self._pass, 1e-6))
+        # Where there is no time for more, the trial is the first pass.
+        if photons > trial:
+            self.session.restart(photons)
+            self._pass *= min(photons, self.session.photons) / trial
+            self._shown = 0
+
+    def _render_pass(self):
+        start = perf_counter()
+        self.session.render_pass(self._poll)
+        self._pass = perf_counter() - start
+        self._tell()
 
     def figures(self):
         """Lines for the report."""
@@ -68,13 +92,14 @@ class Passes:
         return perf_counter() - self._start
 
     def _enough(self):
-        return self.budget.enough(self.session.passes, self._elapsed())
+        return self.budget.enough(self.session.passes, self._elapsed(), self._pass, self._picture)
 
     def _poll(self):
         """Asked by the session at least every 0.1 s: whether to go on."""
         if perf_counter() - self._told >= STATUS_INTERVAL:
             self._tell()
-        return self.engine.goes_on()
+        self._late = self.budget.late(self.session.passes, self._elapsed(), self._picture)
+        return self.engine.goes_on() and not self._late
 
     def _tell(self):
         self._told = perf_counter()
@@ -83,10 +108,10 @@ class Passes:
         self.engine.update_progress(budget.progress(done, elapsed))
         self.engine.update_stats("", f"Covbeam: pass {min(done + 1, budget.passes)} of {budget.passes}{left}")
 
-    def _show(self, poll, coarse=False):
+    def _show(self, poll):
         """Hands the picture so far to Blender."""
         start = perf_counter()
-        picture = self.session.picture(poll, coarse)
+        picture = self.session.picture(poll)
         height, width = picture.radius.shape
         # Light that is added to a picture covers nothing of it, but as a picture of its own it is opaque: alpha is 1.
         combined = np.ones((height, width, 4), np.float32)
@@ -96,12 +121,13 @@ class Passes:
             "In-Scattered": picture.first,
             "Radius": picture.radius,
             "Bandwidth": picture.bandwidth,
+            "Standard Error": picture.error,
         }
         for layer in self.result.layers[0].passes:
             # Blender counts rows from the bottom.
             layer.rect.foreach_set(np.ascontiguousarray(values[layer.name][::-1], np.float32).reshape(-1))
         self.engine.update_result(self.result)
         taken = perf_counter() - start
-        self._next_display = COARSE * taken if coarse else taken
+        self._picture = taken
         self._display += taken
         self._shown = self.session.passes

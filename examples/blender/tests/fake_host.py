@@ -27,6 +27,7 @@ class Picture:
     first: np.ndarray
     radius: np.ndarray
     bandwidth: np.ndarray
+    error: np.ndarray
 
 
 class Geometry:
@@ -54,7 +55,7 @@ def picture(width, height, passes=1):
     values[..., 0] = np.linspace(0, 1, width)
     values[..., 1] = np.linspace(0, 1, height)[:, None]
     values[..., 2] = passes
-    return Picture(values, values / 2, values[..., 0] + 2, values[..., 1] + 3)
+    return Picture(values, values / 2, values[..., 0] + 2, values[..., 1] + 3, values[..., 0] / 4)
 
 
 class Session:
@@ -68,7 +69,7 @@ class Session:
     times = {"photons": 0.0, "gather": 0.0}
 
     def __init__(self, scene, settings, poll=None):
-        self.scene, self.passes = scene, 0
+        self.scene, self.passes, self.photons = scene, 0, settings.photons
         Session.open += 1
         Session.settings.append(settings)
 
@@ -82,7 +83,10 @@ class Session:
             ask(poll)
         self.passes += 1
 
-    def picture(self, poll=None, coarse=False):
+    def restart(self, photons):
+        self.passes, self.photons = 0, min(photons, Session.settings[-1].photons)
+
+    def picture(self, poll=None):
         return picture(self.scene.camera.width, self.scene.camera.height, self.passes)
 
     def close(self):

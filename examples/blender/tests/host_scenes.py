@@ -151,3 +151,44 @@ def mixed(scale=1.0, at=(0, 0, 0), power=1.0, size=16):
         (box(place(-2, -1.4, -2), place(2, -1.2, 2)), material(diffuse=0.7), -1),
     ]
     return scene(meshes, lights, [fog], camera(place(0.3, 0.2, -4), place(0, 0, 0), 40, size, size))
+
+
+#: A spot in a room full of fog, all in view: where it is, and the cosines of its cone.
+_SPOT, _INNER, _OUTER = np.array([0.3, 4.6, 0.3]), np.cos(np.radians(13.0)), np.cos(np.radians(14.3))
+
+
+def spot_in_fog(size):
+    """A lit cone, and the light that fog scatters around it."""
+    room, fog = box((-3, 0, -7.5), (3, 5, 3)), volume("fog", 0.15, 0)
+    axis = -_SPOT / np.linalg.norm(_SPOT)
+    lamp = Light(
+        "spot", LightKind.SPOT, position=_SPOT, axis=axis, cosine=_OUTER, blend=_INNER - _OUTER, intensity=np.full(3, 119.0)
+    )
+    return scene([(room, BLACK, -1)], [lamp], [fog], _spot_camera(size), world=0)
+
+
+def _spot_camera(size):
+    return camera((0, 2.2, -7), (0, 1.6, 0), 54, size, size)
+
+
+def in_cone(size):
+    """Pixels through whose middle some of the spot's cone is seen: (h, w)."""
+    view = _spot_camera(size)
+    y, x = np.mgrid[0:size, 0:size] + 0.5
+    across, up = view.left + x.ravel() * view.step[0], view.top - y.ravel() * view.step[1]
+    d = view.forward + across[:, None] * view.right + up[:, None] * view.up
+    axis, seen = -_SPOT / np.linalg.norm(_SPOT), np.zeros(len(d), bool)
+    for far in np.linspace(0.1, 12, 600):
+        point = view.position + far * d
+        inside = (np.abs(point[:, 0]) < 3) & (point[:, 1] > 0) & (point[:, 1] < 5) & (point[:, 2] < 3)
+        light = point - _SPOT
+        seen |= inside & (light @ axis > _OUTER * np.linalg.norm(light, axis=1))
+    return seen.reshape(size, size)
+
+
+def distance_from(inside):
+    """Of each pixel from the nearest of some [pixels]."""
+    places = np.argwhere(inside)
+    all_ = np.argwhere(np.ones_like(inside))
+    nearest = [np.sqrt(((all_[i : i + 512, None] - places) ** 2).sum(-1).min(axis=1)) for i in range(0, len(all_), 512)]
+    return np.concatenate(nearest).reshape(inside.shape)

@@ -8,7 +8,7 @@ import unittest
 import covbeam as cb
 import covbeam_rays as rays
 import numpy as np
-from covbeam import image, light_field
+from covbeam import light_field
 
 FOG = cb.Medium(scattering=0.2)
 LAYOUT = cb.GridLayout((-2, -2, -2), (2, 2, 2), (8, 8, 8))
@@ -106,23 +106,27 @@ class Threads(unittest.TestCase):
                     found = gather.gather(beam_map, KERNEL, grid, eyes, starts)
                     self.assertEqual(found.tobytes(), expected.tobytes(), f"{count} threads, {len(starts) - 1} tasks")
 
-    def test_a_reconstruction_has_the_bits_of_covbeams_own_for_any_number_of_threads(self):
+    def test_a_picture_has_the_bits_of_covbeams_own_for_any_number_of_threads(self):
         random = np.random.default_rng(6)
-        samples = np.zeros(200 * 100, cb.FILM_SAMPLE)
-        samples["weight"] = random.integers(0, 3, size=len(samples))
-        samples["radiance"] = random.uniform(size=(len(samples), 3)) * samples["weight"][:, None]
-        filters = np.zeros(len(samples), cb.IMAGE_FILTER)
-        filters["xx"], filters["yy"] = random.uniform(0, 9, size=(2, len(samples)))
-        pixels = image.pixels(200, 100)
-        with cb.Reconstruction(200, 100) as picture:
-            picture.update(samples)
-            expected = picture.pixels(pixels, filters)
-            self.assertGreater(len(pixels), 2 * 4096)
+        with cb.Film(200, 100, 1.0) as film:
+            spectra = np.zeros(len(film.nodes()), cb.IMAGE_SPECTRUM)
+            spectra["xx"], spectra["yy"] = random.uniform(0, 1e-3, size=(2, len(spectra)))
+            spectra["weight"] = 1
+            film.plan(1, 0.1, 1000, spectra)
+            film_rays = np.zeros(8000, cb.FILM_RAY)
+            film_rays["pixel"] = random.integers(0, (200, 100), size=(8000, 2))
+            film_rays["has_volume"] = 1
+            film_rays["volume"] = random.uniform(size=(8000, 3))
+            film.add(film_rays)
             gather = rays.Gather()
+            with self.assertRaisesRegex(cb.Error, "film: not verified"):
+                gather.picture(film)
+            film.verify()
+            expected = film.picture()
+            self.assertGreater(expected["radiance"].max(), 0.1)
             for count in (1, 2, 3):
                 rays.threads(count)
-                found = gather.reconstruct(picture, pixels, filters)
-                self.assertEqual(found.tobytes(), expected.tobytes(), f"{count} threads")
+                self.assertEqual(gather.picture(film).tobytes(), expected.tobytes(), f"{count} threads")
 
     def test_hits_and_edges_have_the_same_bits_for_any_number_of_threads(self):
         positions, triangles = grid_mesh(60)

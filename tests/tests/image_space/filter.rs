@@ -14,7 +14,7 @@ fn middle_through(filter: &ImageFilter, picture: &dyn Fn(f64, f64) -> f64) -> f6
     const SIZE: u32 = 241;
     let value = |i: u32| picture(f64::from(i % SIZE) - 120.0, f64::from(i / SIZE) - 120.0);
     let samples: Vec<FilmSample> = (0..SIZE * SIZE)
-        .map(|i| FilmSample { radiance: Vec3::splat(value(i) as f32), weight: 1.0 })
+        .map(|i| FilmSample { radiance: Vec3::splat(value(i) as f32), weight: 1.0, ..FilmSample::default() })
         .collect();
     let mut nodes = vec![FilmNode::default(); Reconstruction::node_count(SIZE, SIZE)];
     let regions = vec![1; samples.len()];

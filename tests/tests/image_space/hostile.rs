@@ -11,19 +11,19 @@ const BAD: [f32; 3] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
 fn bad_sample() -> impl Strategy<Value = FilmSample> {
     let bad = BAD.iter().flat_map(|bad| {
         [
-            FilmSample { radiance: Vec3::new(*bad, 1.0, 1.0), weight: 2.0 },
-            FilmSample { radiance: Vec3::new(1.0, *bad, 1.0), weight: 2.0 },
-            FilmSample { radiance: Vec3::new(1.0, 1.0, *bad), weight: 2.0 },
-            FilmSample { radiance: Vec3::ONE, weight: *bad },
+            FilmSample { radiance: Vec3::new(*bad, 1.0, 1.0), weight: 2.0, ..FilmSample::default() },
+            FilmSample { radiance: Vec3::new(1.0, *bad, 1.0), weight: 2.0, ..FilmSample::default() },
+            FilmSample { radiance: Vec3::new(1.0, 1.0, *bad), weight: 2.0, ..FilmSample::default() },
+            FilmSample { radiance: Vec3::ONE, weight: *bad, ..FilmSample::default() },
         ]
     });
     let extreme = [
-        FilmSample { radiance: Vec3::ONE, weight: -1.0 },
-        FilmSample { radiance: Vec3::ONE, weight: 0.0 },
-        FilmSample { radiance: Vec3::ONE, weight: 1e-40 },
-        FilmSample { radiance: Vec3::splat(3e38), weight: 1.0 },
-        FilmSample { radiance: Vec3::splat(-3e38), weight: 1.0 },
-        FilmSample { radiance: Vec3::ONE, weight: 3e38 },
+        FilmSample { radiance: Vec3::ONE, weight: -1.0, ..FilmSample::default() },
+        FilmSample { radiance: Vec3::ONE, weight: 0.0, ..FilmSample::default() },
+        FilmSample { radiance: Vec3::ONE, weight: 1e-40, ..FilmSample::default() },
+        FilmSample { radiance: Vec3::splat(3e38), weight: 1.0, ..FilmSample::default() },
+        FilmSample { radiance: Vec3::splat(-3e38), weight: 1.0, ..FilmSample::default() },
+        FilmSample { radiance: Vec3::ONE, weight: 3e38, ..FilmSample::default() },
     ];
     prop::sample::select(bad.chain(extreme).collect::<Vec<_>>())
 }
@@ -115,7 +115,7 @@ fn sums_of_the_largest_samples_stay_finite() {
     for (radiance, weight) in
         [(1e29, 1e29), (1e29, 1.0), (1e29, 1e-9), (1.0, 1e29), (1e-30, 1e-9), (-1e29, 1e-9)]
     {
-        rays.samples.fill(FilmSample { radiance: Vec3::splat(radiance), weight });
+        rays.samples.fill(FilmSample { radiance: Vec3::splat(radiance), weight, ..FilmSample::default() });
         for filter in [ImageFilter::NONE, turned(5.0, 5.0, 0.0), turned(1e4, 1e4, 0.0)] {
             let pixel = rays.reconstruct(|from| from.pixel(31, 30, &filter));
             assert!((pixel.x / (radiance / weight) - 1.0).abs() < 1e-5, "{pixel} of {radiance} / {weight}");
@@ -133,7 +133,8 @@ fn one_ray_lights_all_of_a_picture_and_none_leaves_it_dark() {
             assert!(rays.picture(&filter).iter().all(|pixel| *pixel == Vec3::ZERO));
         }
         let last = rays.samples.len() - 1;
-        rays.samples[last] = FilmSample { radiance: Vec3::new(3.0, 6.0, -12.0), weight: 3.0 };
+        rays.samples[last] =
+            FilmSample { radiance: Vec3::new(3.0, 6.0, -12.0), weight: 3.0, ..FilmSample::default() };
         for filter in filters {
             assert!(rays.picture(&filter).iter().all(|pixel| *pixel == Vec3::new(1.0, 2.0, -4.0)));
         }
@@ -177,7 +178,7 @@ fn a_picture_with_a_handful_of_rays_is_filled(width: u32, height: u32) {
     let mut stream = Stream::new(8);
     for _ in 0..5 {
         let at = (stream.uniform() * f64::from(width) * f64::from(height)) as usize;
-        rays.samples[at] = FilmSample { radiance: Vec3::splat(8.0), weight: 2.0 };
+        rays.samples[at] = FilmSample { radiance: Vec3::splat(8.0), weight: 2.0, ..FilmSample::default() };
     }
     rays.reconstruct(|from| {
         for i in 0..300 {

@@ -2,8 +2,10 @@
 
 mod filter;
 mod hostile;
+mod lattice;
 mod mask;
 mod reconstruction;
 mod regions;
 mod spectrum;
 mod structure;
+mod verify;

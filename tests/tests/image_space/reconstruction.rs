@@ -16,8 +16,11 @@ pub(super) struct Rays {
 impl Rays {
     /// One region, with a ray of weight 1 and this radiance through each pixel.
     pub(super) fn full(width: u32, height: u32, radiance: impl Fn(u32, u32) -> f32) -> Self {
-        let sample =
-            |i: u32| FilmSample { radiance: Vec3::splat(radiance(i % width, i / width)), weight: 1.0 };
+        let sample = |i: u32| FilmSample {
+            radiance: Vec3::splat(radiance(i % width, i / width)),
+            weight: 1.0,
+            ..FilmSample::default()
+        };
         let samples: Vec<_> = (0..width * height).map(sample).collect();
         Self { width, height, regions: vec![1; samples.len()], samples }
     }
@@ -47,7 +50,7 @@ fn weight(deviations: f64) -> f64 {
     ((-0.5 * deviations * deviations).exp() - AT_REACH).max(0.0)
 }
 
-/// Least and largest value that a pixel may have: Σ w radiance / Σ w weight over the pixels of its region, where blocks of up to half
+/// Least and largest value that a pixel may have: Σ w radiance / Σ w weight over the pixels of its region, where blocks of up to
 /// the filter's smallest standard deviation may count as standing at their middle, in red.
 ///
 /// A block of s x s pixels has each of them within (s - 1)/√2 pixels of its middle, so a pixel's distance in standard deviations is off by
@@ -58,7 +61,7 @@ fn bounds(rays: &Rays, x: u32, y: u32, filter: &ImageFilter) -> Option<[f64; 2]>
         (f64::from(filter.xx) + 1.0 / 12.0, f64::from(filter.xy), f64::from(filter.yy) + 1.0 / 12.0);
     let smallest = 0.5 * (xx + yy) - (0.25 * (xx - yy).powi(2) + xy * xy).sqrt();
     let determinant = xx * yy - xy * xy;
-    let block = (0.5 * smallest.sqrt()).log2().floor().exp2().max(1.0);
+    let block = smallest.sqrt().log2().floor().exp2().max(1.0);
     let off = (block - 1.0) / 2.0_f64.sqrt() / smallest.sqrt();
     let own = rays.regions[(y * rays.width + x) as usize];
     let mut terms = Vec::new();
@@ -120,7 +123,11 @@ pub(super) fn rays() -> impl Strategy<Value = Rays> {
             if stream.uniform() < filled {
                 let weight = stream.between(1.0, 20.0) as f32;
                 let mut channel = || stream.uniform() as f32 * weight;
-                rays.samples[i] = FilmSample { radiance: Vec3::new(channel(), channel(), channel()), weight };
+                rays.samples[i] = FilmSample {
+                    radiance: Vec3::new(channel(), channel(), channel()),
+                    weight,
+                    ..FilmSample::default()
+                };
             }
             rays.regions[i] = match layout {
                 0 => 1,
@@ -200,8 +207,8 @@ fn blocks_are_close_to_the_sum_over_pixels() {
         let (error, noise) = (error.sqrt(), (12.0 * 4.0 * std::f64::consts::PI * a * b).sqrt().recip());
         println!("{a} x {b}: {error:.5}, noise {noise:.5}");
         // White noise of variance 1/12 is the worst that blocks can be given. A pixel of it strays from 1/2 by that over the filter's
-        // 4π sqrt(det H) pixels, in squares; blocks measured at 0.10 to 0.15 of it.
-        assert!(error < 0.2 * noise, "{error} against {noise}");
+        // 4π sqrt(det H) pixels, in squares; blocks of up to its smallest deviation measured at 0.2 to 0.3 of it.
+        assert!(error < 0.4 * noise, "{error} against {noise}");
     }
 }
 
@@ -212,7 +219,7 @@ fn a_constant_picture_stays_as_it_is() {
     let mut stream = Stream::new(6);
     for sample in &mut rays.samples {
         let weight = if stream.uniform() < 0.3 { stream.between(1.0, 9.0) as f32 } else { 0.0 };
-        *sample = FilmSample { radiance: Vec3::splat(0.25 * weight), weight };
+        *sample = FilmSample { radiance: Vec3::splat(0.25 * weight), weight, ..FilmSample::default() };
     }
     for filter in
         [turned(0.0, 0.0, 0.0), turned(0.5, 0.5, 0.0), turned(3.0, 11.0, 0.4), turned(30.0, 30.0, 0.0)]
@@ -293,7 +300,8 @@ fn a_pixel_at_a_border_keeps_to_its_own_ray_and_gives_it_to_no_other() {
 fn a_region_without_rays_takes_the_nearest_of_others() {
     let mut rays = Rays::none(17, 33);
     rays.regions[..17 * 16].fill(18);
-    rays.samples[17 * 32] = FilmSample { radiance: Vec3::new(2.0, 4.0, 8.0), weight: 2.0 };
+    rays.samples[17 * 32] =
+        FilmSample { radiance: Vec3::new(2.0, 4.0, 8.0), weight: 2.0, ..FilmSample::default() };
     for filter in [ImageFilter::NONE, turned(2.0, 2.0, 0.0), turned(100.0, 0.0, 0.0)] {
         assert!(rays.picture(&filter).iter().all(|pixel| *pixel == Vec3::new(1.0, 2.0, 4.0)), "{filter:?}");
     }

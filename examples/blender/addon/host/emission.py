@@ -77,6 +77,8 @@ class Emitter:
         wanted = np.array([float(np.sum(e.flux)) * e.worth for e in self._emitters], np.float64)
         self._bounds = np.cumsum(wanted) / max(wanted.sum(), 1e-300)
         self.is_dark = not wanted.sum() > 0
+        #: Of the brightest channel, of all lights [W].
+        self.flux = float(np.sum([np.max(e.flux) for e in self._emitters]))
 
     def emit(self, sampler, count, with_fields):
         """Draws the starts of `count` paths."""

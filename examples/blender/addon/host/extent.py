@@ -95,3 +95,15 @@ def grid_layout(scene, number, voxels):
     side = float(size.max()) / voxels
     cells = [max(1, int(np.ceil(length / side - 1e-6))) for length in size]
     return covbeam.GridLayout(tuple(low.tolist()), tuple(high.tolist()), tuple(cells))
+
+
+def typical_radiance(scene, emitter, lit):
+    """Radiance of the picture to within a few powers of ten [W/(m^2 sr)]: that of light scattered once, if all of the lights' power
+    crossed a sphere as large as the distance from the camera to what is lit."""
+    away = float(np.linalg.norm(np.asarray(scene.camera.position, np.float64) - lit.center))
+    distance = max(lit.radius, away)
+    scattering = max((float(np.max(volume.scattering)) for volume in scene.volumes), default=0.0)
+    scattered = min(max(scattering * distance, 1e-3), 1.0)
+    typical = scattered * emitter.flux / (4 * np.pi * distance**2)
+    # What is beyond single precision is dark, or makes no picture anyway.
+    return min(max(typical, 1e-30), 1e30) if typical > 0 else 1.0

@@ -1,21 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sums over passes, and the picture from them."""
+"""What the passes add up to, and the picture from it."""
 
 from dataclasses import dataclass
 
+import covbeam
 import numpy as np
-from covbeam import FILM_SAMPLE, Reconstruction
+from covbeam import FILM_RAY, image
 
 from . import ask
+from .plan import spectra_at
 
-#: Pixels from one to the next in which radius and bandwidth are found.
-_LAYERS = 4
+#: Pixels along the side of a block over which radius and bandwidth are averaged.
+_LAYERS = 8
 
-#: Pixels from one to the next of a coarse picture.
-_COARSE = 8
+#: Rows that are worked on at a time: much less than a tenth of a second.
+_ROWS = 128
 
-#: Pixels, and rows of them, that are worked on at a time: much less than a tenth of a second.
-_SLICE, _ROWS = 1 << 18, 128
+#: Rows around a part of a picture that its errors need.
+_AROUND = 2
 
 
 @dataclass(frozen=True)
@@ -30,93 +32,87 @@ class Picture:
     #: (h, w), 0 where nothing was gathered.
     radius: np.ndarray
     bandwidth: np.ndarray
+    #: Standard error of the luminance of all light: (h, w). 0 after a single pass.
+    error: np.ndarray
 
 
 class Film:
-    """Adds up passes in double precision, in their order."""
+    """A covbeam.Film, and sums for radius and bandwidth."""
 
-    def __init__(self, width, height):
-        self._size = width, height
-        pixels = width * height
-        self._volume, self._surfaces = np.zeros((pixels, 4)), np.zeros((pixels, 4))
-        self._density, self._gather = np.zeros(pixels), np.zeros((pixels, 3))
+    def __init__(self, scene, view, typical_radiance):
+        camera = scene.camera
+        self._scene, self._view = scene, view
+        self._film = covbeam.Film(camera.width, camera.height, typical_radiance, view.regions)
+        self._nodes = self._film.nodes()
+        blocks = -(-camera.height // _LAYERS), -(-camera.width // _LAYERS)
+        # Of gather weight, weight x radius, weight x bandwidth.
+        self._gather = np.zeros((*blocks, 3))
         self.passes = 0
 
     @property
     def memory(self):
         """Bytes of all sums."""
-        return sum(a.nbytes for a in (self._volume, self._surfaces, self._density, self._gather))
+        return self._film.memory + self._gather.nbytes
 
-    def add(self, first, beyond, density, seen, sums):
-        """Adds a pass.
+    def close(self):
+        self._film.close()
+
+    def plan(self, number, error, photons, grids, poll):
+        """Density of eye rays of the pass, for each pixel.
+
+        - error: relative bias that a filter may cause in it; photons: its light paths; grids: a resolved Grid by volume.
+        """
+        spectra = spectra_at(self._nodes, self._view, self._scene, grids, poll)
+        self._film.plan(number, error, photons, spectra, poll=poll)
+        return self._film.densities()
+
+    def add(self, first, beyond, seen, sums):
+        """Adds the pass that is planned.
 
         - first, beyond: bool (pixels,), where eye rays asked for the fog before the first surface and for what lies beyond.
-        - density: of the former.
         - seen: radiance before and beyond the first surface: float64 (2, pixels, 3).
         - sums: before the first surface, of gather weight, weight x radius, weight x bandwidth: (pixels, 3).
         """
-        self._volume[:, :3] += seen[0]
-        self._volume[:, 3] += first
-        # In most pictures few pixels see beyond.
-        at = np.flatnonzero(beyond)
-        self._surfaces[at, :3] += seen[1][at]
-        self._surfaces[at, 3] += 1
-        self._density += density
-        self._gather += sums
+        at = np.flatnonzero(first | beyond)
+        rays = np.zeros(len(at), FILM_RAY)
+        pixels = self._view.pixels[at]
+        rays["pixel"], rays["has_volume"], rays["has_rest"] = pixels, first[at], beyond[at]
+        rays["volume"], rays["rest"] = seen[0][at], seen[1][at]
+        self._film.add(rays)
+        block = pixels[:, 1] // _LAYERS * np.uint32(self._gather.shape[1]) + pixels[:, 0] // _LAYERS
+        for channel in range(3):
+            layer = self._gather[..., channel]
+            layer += np.bincount(block, sums[at, channel], layer.size).reshape(layer.shape)
         self.passes += 1
 
-    def picture(self, gather, view, filters, poll, coarse=False):
-        """The Picture so far, filtered with the filters of the latest pass. `gather`: a covbeam_rays.Gather.
-
-        `coarse`: all that is filtered at every _COARSE-th pixel across and down, and straight lines between them.
-        """
-        width, height = self._size
-        step = _COARSE if coarse else 1
-        nodes = np.arange(width * height).reshape(height, width)[::step, ::step]
-        # A pixel's sums over the passes' mean density, not each ray over its own: one from an early pass, when the grid knew
-        # little and wanted few, must not outweigh all later ones (the balance heuristic).
-        volume = self._filtered(gather, view, self._volume, nodes.ravel(), filters, poll).reshape(*nodes.shape, 3)
-        volume = _enlarged(volume, step, height, width, slice(None)) if coarse else volume
-        ask(poll)
-        # What is beyond has no filter.
-        rays = self._surfaces[:, 3:]
-        surfaces = (self._surfaces[:, :3] / np.maximum(rays, 1)).astype(np.float32).reshape(height, width, 3)
-        ask(poll)
-        # Radius and bandwidth vary slowly: every fourth pixel is enough.
-        step = _COARSE if coarse else _LAYERS
-        nodes = np.arange(width * height).reshape(height, width)[::step, ::step]
-        sums = np.concatenate([self._gather, self._volume[:, 3:]], axis=1)
-        layer_sums = self._filtered(gather, view, sums, nodes.ravel(), filters, poll).reshape(*nodes.shape, 3)
+    def picture(self, gather, poll):
+        """The Picture so far. `gather`: a covbeam_rays.Gather."""
+        width, height = self._film.width, self._film.height
+        self._film.verify(poll=poll)
+        pixels = gather.picture(self._film, poll=poll)
+        error = np.zeros(height * width, np.float32)
         layers = np.zeros((2, height, width), np.float32)
         for start in range(0, height, _ROWS):
             ask(poll)
-            rows = slice(start, start + _ROWS)
-            weight, radius, bandwidth = np.moveaxis(_enlarged(layer_sums, step, height, width, rows), 2, 0)
+            end = min(start + _ROWS, height)
+            if self.passes > 1:
+                low, high = max(start - _AROUND, 0), min(end + _AROUND, height)
+                part = image.errors(width, high - low, pixels[low * width : high * width])
+                error[start * width : end * width] = part[(start - low) * width : (end - low) * width]
+            weight, radius, bandwidth = np.moveaxis(_enlarged(self._gather, height, width, slice(start, end)), 2, 0)
             lit = weight > 0
             for layer, values in zip(layers, (radius, bandwidth)):
-                layer[rows] = np.where(lit, values / np.where(lit, weight, 1), 0)
-        return Picture(volume + surfaces, volume, *layers)
-
-    def _filtered(self, gather, view, sums, at, filters, poll):
-        """Sums, (pixels, 4) with the number of rays last, of some pixels through their filters: float32 (n, 3)."""
-        samples = np.zeros(len(sums), FILM_SAMPLE)
-        for start in range(0, len(sums), _SLICE):
-            ask(poll)
-            here = slice(start, start + _SLICE)
-            share = (1 / np.maximum(self._density[here], 1e-30))[:, None]
-            samples["radiance"][here] = sums[here, :3] * share
-            samples["weight"][here] = sums[here, 3] * share[:, 0]
-        with Reconstruction(*self._size) as reconstruction:
-            reconstruction.update(samples, view.regions)
-            return gather.reconstruct(reconstruction, view.pixels[at], filters[at], poll=poll)
+                layer[start:end] = np.where(lit, values / np.where(lit, weight, 1), 0)
+        pixels, error = pixels.reshape(height, width), error.reshape(height, width)
+        return Picture(pixels["radiance"].copy(), pixels["volume"].copy(), *layers, error)
 
 
-def _enlarged(nodes, step, height, width, rows):
-    """Some rows of a picture from every step-th pixel across and down, bilinear between them."""
+def _enlarged(blocks, height, width, rows):
+    """Some rows of a picture from its blocks, bilinear between their middles."""
     for axis, places in ((0, np.arange(height)[rows]), (1, np.arange(width))):
-        position = np.minimum(places / step, nodes.shape[axis] - 1)
+        position = np.clip((places + 0.5) / _LAYERS - 0.5, 0, blocks.shape[axis] - 1)
         low = position.astype(np.int64)
-        high = np.minimum(low + 1, nodes.shape[axis] - 1)
-        share = (position - low).astype(np.float32).reshape([-1 if i == axis else 1 for i in range(3)])
-        nodes = nodes.take(low, axis) * (1 - share) + nodes.take(high, axis) * share
-    return nodes
+        high = np.minimum(low + 1, blocks.shape[axis] - 1)
+        share = (position - low).reshape([-1 if i == axis else 1 for i in range(3)])
+        blocks = blocks.take(low, axis) * (1 - share) + blocks.take(high, axis) * share
+    return blocks

@@ -10,12 +10,12 @@ import numpy as np
 
 from . import Cancelled, ask
 from .emission import Ball, Emitter
-from .extent import grid_layout, lit_ball, scene_ball
+from .extent import grid_layout, lit_ball, scene_ball, typical_radiance
 from .eyes import EyeTracer
 from .film import Film
 from .interior import Interiors
 from .photons import PhotonTracer
-from .plan import Plan, View
+from .plan import View, wanted
 from .sampler import pixel_offset
 from .scene import BLACK
 
@@ -87,8 +87,9 @@ class Session:
         self._schedule = covbeam.Schedule(
             covbeam.KernelShape.EPANECHNIKOV, radius, _ALPHA, _WIDEST * radius, settings.quality
         )
-        self._film = Film(scene.camera.width, scene.camera.height)
-        self._filters = None
+        self._typical = typical_radiance(scene, emitter, lit)
+        self._film = Film(scene, self._view, self._typical)
+        self._light_paths = settings.photons
         #: Passes whose light fields are in the grids.
         self._deposited = 0
         #: Seconds by part, over all passes; and accepted pairs of eye ray and beam.
@@ -109,11 +110,25 @@ class Session:
         except (covbeam.Cancelled, covbeam_rays.Cancelled):
             raise Cancelled from None
 
-    def picture(self, poll=None, coarse=False):
-        """The Picture of the passes done, at least one. Large ones take seconds; `coarse` ones are up to 32 times as quick, and blurred."""
+    def restart(self, photons):
+        """Forgets all passes; those to come have so many light paths, at most those of the settings."""
+        self._light_paths = min(photons, self._settings.photons)
+        for grid in self._grids.values():
+            grid.clear()
+        self._deposited = 0
+        self._film.close()
+        self._film = Film(self._scene, self._view, self._typical)
+
+    @property
+    def photons(self):
+        """Light paths of a pass."""
+        return self._light_paths
+
+    def picture(self, poll=None):
+        """The Picture of the passes done, at least one."""
         start = perf_counter()
         try:
-            return self._film.picture(self._gather, self._view, self._filters, poll, coarse)
+            return self._film.picture(self._gather, poll)
         except (covbeam.Cancelled, covbeam_rays.Cancelled):
             raise Cancelled from None
         finally:
@@ -121,17 +136,17 @@ class Session:
 
     def close(self):
         """Gives all memory back. Closing twice is harmless."""
-        for object in (*self._maps.values(), *self._grids.values(), self._gather):
+        for object in (*self._maps.values(), *self._grids.values(), self._gather, self._film):
             object.close()
 
     def _render_pass(self, number, poll):
         clock = _Clock(self.times)
-        settings = self._settings
-        fields = min(max(round(_FIELD_SHARE * settings.photons), 1), settings.photons)
+        settings, photons = self._settings, self._light_paths
+        fields = min(max(round(_FIELD_SHARE * photons), 1), photons)
         kernel = self._schedule.kernel(number)
 
         records = [self._trace(_FIELD, number, fields, True, poll)]
-        records += self._trace_plain(number, settings.photons - fields, poll)
+        records += self._trace_plain(number, photons - fields, poll)
         clock.lap("photons")
         self._deposit(number, records[0], poll)
         clock.lap("grid")
@@ -142,8 +157,8 @@ class Session:
                     beam_map.add(beams)
             beam_map.commit(kernel.ceiling, poll=poll)
         clock.lap("beams")
-        plan = Plan(self._view, self._scene, self._grids, kernel.error, poll)
-        first, beyond = plan.wanted(self._view, number, settings.seed)
+        density = self._film.plan(number, kernel.error, photons, self._grids, poll)
+        first, beyond = wanted(density, self._view, number, settings.seed)
         beyond &= settings.beyond
         clock.lap("plan")
         pieces = self._look(number, first, beyond, poll)
@@ -151,20 +166,19 @@ class Session:
         seen, sums = self._gather_all(pieces, kernel, poll)
         clock.lap("gather")
         ask(poll)
-        self._film.add(first, beyond, plan.density, seen, sums)
-        self._filters = plan.filters
+        self._film.add(first, beyond, seen, sums)
         voxels = sum(int(np.prod(grid.layout.cells)) for grid in self._grids.values())
         self.memory = sum(m.memory for m in self._maps.values()) + _VOXEL * voxels + self._film.memory
 
     def _trace(self, sequence, number, count, with_fields, poll):
         first = (number - 1) * count
-        return self._photons.trace(sequence, first, count, self._settings.photons, with_fields, poll)
+        return self._photons.trace(sequence, first, count, self._light_paths, with_fields, poll)
 
     def _trace_plain(self, number, count, poll):
         for first in range(0, count, _WAVE):
             some = min(_WAVE, count - first)
             start = (number - 1) * count + first
-            yield self._photons.trace(_PLAIN, start, some, self._settings.photons, False, poll)
+            yield self._photons.trace(_PLAIN, start, some, self._light_paths, False, poll)
 
     def _deposit(self, number, record, poll):
         # A pass that was cancelled after its deposits is traced again: they are the same.

@@ -1,4 +1,4 @@
-//! Gathers and reconstructions on many threads, with a stand-in for covbeam: every task once, failures passed on,
+//! Gathers and pictures on many threads, with a stand-in for covbeam: every task once, failures passed on,
 //! stopped at once. That covbeam's own results come out is tested with the Python module.
 
 #![allow(unsafe_code, reason = "the C interface is what is tested")]
@@ -49,19 +49,16 @@ mod stand_in {
         0
     }
 
-    pub(super) unsafe extern "C" fn pixels(
-        _reconstruction: *const c_void,
+    pub(super) unsafe extern "C" fn picture(
+        film: *const c_void,
+        first_row: u32,
         count: usize,
-        pixels: *const c_void,
-        _pixel_stride: usize,
-        _filters: *const c_void,
-        _filter_stride: usize,
-        radiances: *mut c_void,
-        _radiance_stride: usize,
+        pixels: *mut c_void,
+        pixel_stride: usize,
     ) -> i32 {
         for i in 0..count {
-            let x = unsafe { pixels.cast::<[u32; 2]>().add(i).read() }[0];
-            unsafe { radiances.cast::<[f32; 3]>().add(i).write([x as f32; 3]) };
+            let value = first_row + film.addr() as u32;
+            unsafe { pixels.byte_add(i * pixel_stride).cast::<u32>().write(value) };
         }
         0
     }
@@ -83,7 +80,7 @@ mod stand_in {
 fn gatherer() -> *mut c_void {
     let functions = covbeam_rays_functions {
         beam_map_gather: Some(stand_in::gather),
-        reconstruction_pixel_many: Some(stand_in::pixels),
+        film_picture: Some(stand_in::picture),
         scratch_new: Some(stand_in::scratch_new),
         scratch_free: Some(stand_in::scratch_free),
         last_error: Some(stand_in::last_error),
@@ -165,20 +162,19 @@ fn a_gather_does_all_tasks_passes_failures_on_and_stops_at_once() {
 }
 
 #[test]
-fn a_reconstruction_does_all_pixels() {
+fn a_picture_has_all_rows() {
     let gather = gatherer();
-    let pixels: Vec<[u32; 2]> = (0..1001).map(|x| [x, 0]).collect();
-    let (filters, mut out) = (vec![[0.0f32; 3]; 1001], vec![[-1.0f32; 3]; 1001]);
-    unsafe {
-        let start = |size, out| {
-            let (pixels, filters) = (pixels.as_ptr(), filters.as_ptr());
-            covbeam_rays_reconstruct_start(gather, null(), 1001, size, pixels, filters, out)
-        };
-        refused(start(0, out.as_mut_ptr()), 1, &["task_size"]);
-        refused(start(64, null_mut()), 1, &["radiances", "NULL"]);
-        assert_eq!(start(64, out.as_mut_ptr()), 0);
+    for (width, height) in [(3_u32, 21_u32), (1, 1), (5, 64)] {
+        let mut out = vec![u32::MAX; (2 * width * height) as usize];
+        let film = std::ptr::without_provenance(1000);
+        let pixels = out.as_mut_ptr().cast();
+        unsafe {
+            assert_eq!(covbeam_rays_picture_start(gather, film, width, height, pixels, 8), 0);
+        }
         assert_eq!(wait(gather), (0, 0));
-        assert_eq!(covbeam_rays_gather_free(gather), 0);
+        for (i, pixel) in out.chunks(2).enumerate() {
+            assert_eq!(pixel, [1000 + i as u32 / width / 8 * 8, u32::MAX], "{i} of {width} x {height}");
+        }
     }
-    assert!(out.iter().enumerate().all(|(x, out)| *out == [x as f32; 3]));
+    assert_eq!(unsafe { covbeam_rays_gather_free(gather) }, 0);
 }

@@ -134,13 +134,14 @@ class Film(Object):
     """
 
     def __init__(self, width, height, typical_radiance, regions=None):
-        self._size = _word("width", width), _word("height", height)
+        #: Pixels across and down.
+        self.width, self.height = _word("width", width), _word("height", height)
         count, address, stride = width * height, None, 0
         if regions is not None:
             labels = given("regions", regions, WORD)
             address, stride = labels.address, labels.stride
             count = 1 if labels.count is None else labels.count
-        arguments = *self._size, typical_radiance, count, address, stride
+        arguments = self.width, self.height, typical_radiance, count, address, stride
         self._owner = Owner(lib.covbeam_film_new, lib.covbeam_film_free, *arguments)
 
     @property
@@ -181,7 +182,7 @@ class Film(Object):
 
     def densities(self, *, out=None):
         """Eye rays that pixels get in the pass that is planned, in (0, 1]: float32 (width x height,)."""
-        out = np.zeros(self._size[0] * self._size[1], np.float32) if out is None else out
+        out = np.zeros(self.width * self.height, np.float32) if out is None else out
         with using(self) as [film]:
             return elementwise(lib.covbeam_film_density, film, COUNT, made("out", out, FLOAT))
 
@@ -208,9 +209,8 @@ class Film(Object):
         - first_row: a multiple of 8.
         - rows: their number, a multiple of 8 or up to the last; None for all from first_row on.
         """
-        width, height = self._size
         if out is None:
-            count = width * (height - first_row if rows is None else rows)
+            count = self.width * (self.height - first_row if rows is None else rows)
             out = np.zeros(max(count, 0), FILM_PIXEL)
         with using(self) as [film]:
             return elementwise(

@@ -1,6 +1,6 @@
 //! Calls of covbeam on many threads.
 
-use super::memory::{array, array_mut, fits, free, new_handle, object, set};
+use super::memory::{array, fits, free, new_handle, object, set};
 use super::run;
 use crate::failure::{Failure, Result, invalid};
 use crate::job::Job;
@@ -30,16 +30,16 @@ type BeamMapGather = unsafe extern "C" fn(
     user: *mut c_void,
 ) -> i32;
 
-type ReconstructionPixelMany = unsafe extern "C" fn(
-    reconstruction: *const c_void,
+type FilmPicture = unsafe extern "C" fn(
+    film: *const c_void,
+    first_row: u32,
     count: usize,
-    pixels: *const c_void,
+    pixels: *mut c_void,
     pixel_stride: usize,
-    filters: *const c_void,
-    filter_stride: usize,
-    radiances: *mut c_void,
-    radiance_stride: usize,
 ) -> i32;
+
+/// Rows of a picture that a thread takes at a time; covbeam wants a multiple of 8.
+const ROWS: u32 = 8;
 
 /// The functions of covbeam that are called: addresses of those of the same names in covbeam.h, so that this library is
 /// linked to none.
@@ -48,8 +48,8 @@ type ReconstructionPixelMany = unsafe extern "C" fn(
 pub struct covbeam_rays_functions {
     /// covbeam_beam_map_gather.
     pub beam_map_gather: Option<BeamMapGather>,
-    /// covbeam_reconstruction_pixel_many.
-    pub reconstruction_pixel_many: Option<ReconstructionPixelMany>,
+    /// covbeam_film_picture.
+    pub film_picture: Option<FilmPicture>,
     /// covbeam_scratch_new.
     pub scratch_new: Option<unsafe extern "C" fn(out: *mut *mut c_void) -> i32>,
     /// covbeam_scratch_free.
@@ -71,7 +71,7 @@ struct Gather {
 struct Shared(*mut c_void);
 
 // SAFETY: the caller promises that covbeam's objects and the arrays stay until the work has ended; covbeam.h allows
-// threads to share maps, kernels, grids and reconstructions; a scratch is one worker's, and tasks write apart.
+// threads to share maps, kernels, grids and films; a scratch is one worker's, and tasks write apart.
 unsafe impl Send for Shared {}
 // SAFETY: as above.
 unsafe impl Sync for Shared {}
@@ -177,7 +177,7 @@ pub unsafe extern "C" fn covbeam_rays_gather_new(
     run(|| unsafe {
         let functions = array(functions, 1, "functions")?[0];
         let given = functions.beam_map_gather.is_some()
-            && functions.reconstruction_pixel_many.is_some()
+            && functions.film_picture.is_some()
             && functions.scratch_new.is_some()
             && functions.scratch_free.is_some()
             && functions.last_error.is_some();
@@ -251,44 +251,29 @@ pub unsafe extern "C" fn covbeam_rays_gather_start(
     })
 }
 
-/// Starts covbeam_reconstruction_pixel_many for packed arrays, `task_size` pixels a task. All must stay until the
+/// Starts covbeam_film_picture for all rows of a picture. The film and the pixels, `pixel_stride` bytes apart, must stay until the
 /// work has ended.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_rays_reconstruct_start(
+pub unsafe extern "C" fn covbeam_rays_picture_start(
     gather: *const c_void,
-    reconstruction: *const c_void,
-    count: usize,
-    task_size: usize,
-    pixels: *const [u32; 2],
-    filters: *const [f32; 3],
-    radiances: *mut [f32; 3],
+    film: *const c_void,
+    width: u32,
+    height: u32,
+    pixels: *mut c_void,
+    pixel_stride: usize,
 ) -> i32 {
     // SAFETY: the contract of this module.
     run(|| unsafe {
         let gather = object::<Gather>(gather, GATHER, "gather")?;
-        if task_size == 0 {
-            return Err(invalid!("task_size: 0"));
-        }
-        let call = gather.functions.reconstruction_pixel_many.expect("checked by covbeam_rays_gather_new");
-        let (pixels, filters) = (array(pixels, count, "pixels")?, array(filters, count, "filters")?);
-        let radiances = Shared::new(array_mut(radiances, count, "radiances")?.as_ptr().cast());
-        let reconstruction = Shared::new(reconstruction);
-        gather.start(count.div_ceil(task_size), move |_, task, _| {
-            let (reconstruction, radiances) = (&reconstruction, &radiances);
-            let from = task * task_size;
-            let to = count.min(from + task_size);
-            let (pixel_stride, triple) = (size_of::<[u32; 2]>(), size_of::<[f32; 3]>());
+        let call = gather.functions.film_picture.expect("checked by covbeam_rays_gather_new");
+        let [film, pixels] = [film, pixels.cast_const()].map(Shared::new);
+        gather.start(height.div_ceil(ROWS) as usize, move |_, task, _| {
+            let (film, pixels) = (&film, &pixels);
+            let first = task as u32 * ROWS;
+            let (before, count) =
+                (first as usize * width as usize, ROWS.min(height - first) as usize * width as usize);
             // SAFETY: covbeam's contract, which the caller has promised to keep.
-            call(
-                reconstruction.0,
-                to - from,
-                pixels[from..to].as_ptr().cast(),
-                pixel_stride,
-                filters[from..to].as_ptr().cast(),
-                triple,
-                radiances.at(from, triple),
-                triple,
-            )
+            call(film.0, first, count, pixels.at(before, pixel_stride), pixel_stride)
         })
     })
 }

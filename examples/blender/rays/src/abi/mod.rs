@@ -25,7 +25,7 @@ use std::ffi::CString;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Rises when anything here changes.
-const ABI: u32 = 1;
+const ABI: u32 = 2;
 
 thread_local! {
     static LAST: RefCell<Option<CString>> = const { RefCell::new(None) };

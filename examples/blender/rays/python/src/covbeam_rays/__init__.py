@@ -1,7 +1,7 @@
 """covbeam_rays: what would be a loop in Python for each ray, on native threads.
 
 - Geometry: meshes and instances; nearest hits with curvature, and the silhouettes beside rays.
-- Gather: covbeam's BeamMap.gather and Reconstruction.pixels on many threads.
+- Gather: covbeam's BeamMap.gather and Film.picture on many threads.
 - threads: how many.
 
 Results are the same, to the bit, for any number of threads. Arguments that are wrong raise ValueError or TypeError with

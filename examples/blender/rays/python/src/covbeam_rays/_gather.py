@@ -4,7 +4,7 @@ import ctypes
 import threading
 
 import numpy as np
-from covbeam import EYE_RAY, GATHERED, IMAGE_FILTER, Error, Kernel, Status
+from covbeam import EYE_RAY, FILM_PIXEL, GATHERED, Error, Kernel, Status
 from covbeam._arrays import struct
 from covbeam._handles import using
 from covbeam._library import lib as covbeam_lib
@@ -12,10 +12,7 @@ from covbeam._library import lib as covbeam_lib
 from ._arrays import packed, result
 from ._library import INTERVAL, Handle, check, lib, stopped
 
-_FUNCTIONS = ("beam_map_gather", "reconstruction_pixel_many", "scratch_new", "scratch_free", "last_error")
-
-#: Pixels that a thread takes at a time: 2 to 50 ms.
-_PIXELS = 4096
+_FUNCTIONS = ("beam_map_gather", "film_picture", "scratch_new", "scratch_free", "last_error")
 
 
 class Gather:
@@ -64,28 +61,16 @@ class Gather:
             )
         return out
 
-    def reconstruct(self, reconstruction, pixels, filters, *, out=None, poll=None):
-        """covbeam's Reconstruction.pixels: float32 (n, 3). Stopped or failed, part of it is written.
+    def picture(self, film, *, out=None, poll=None):
+        """covbeam's Film.picture: FILM_PIXEL (width x height,). Stopped or failed, part of it is written.
 
-        - reconstruction: as there.
-        - pixels: uint32 (n, 2).
-        - filters: IMAGE_FILTER (n,).
+        - film: a Film that has been verified.
         - poll: as in gather.
         """
-        pixels = packed("pixels", pixels, np.dtype(np.uint32), (None, 2))
-        filters = packed("filters", filters, IMAGE_FILTER, (len(pixels),))
-        out = result("out", out, np.dtype(np.float32), (len(pixels), 3))
-        with using(reconstruction) as [picture]:
-            self._run(
-                poll,
-                lib.covbeam_rays_reconstruct_start,
-                picture,
-                len(pixels),
-                _PIXELS,
-                pixels.ctypes.data,
-                filters.ctypes.data,
-                out.ctypes.data,
-            )
+        with using(film) as [handle]:
+            out = result("out", out, FILM_PIXEL, (film.width * film.height,))
+            arguments = film.width, film.height, out.ctypes.data, out.itemsize
+            self._run(poll, lib.covbeam_rays_picture_start, handle, *arguments)
         return out
 
     def _run(self, poll, start, *arguments):

@@ -9,7 +9,7 @@ from pathlib import Path
 from covbeam import Cancelled, Error, Status
 
 #: Of the library: ABI in abi/mod.rs.
-ABI_VERSION = 1
+ABI_VERSION = 2
 
 FILE_NAME = {"darwin": "libcovbeam_rays.dylib", "win32": "covbeam_rays.dll"}.get(sys.platform, "libcovbeam_rays.so")
 
@@ -34,7 +34,7 @@ PROTOTYPES = {
     "covbeam_rays_gather_new": [_p, _p],
     "covbeam_rays_gather_free": [_p],
     "covbeam_rays_gather_start": [_p, _p, _p, _p, _z, _p, _z, _z, _p, _p, _z],
-    "covbeam_rays_reconstruct_start": [_p, _p, _z, _z, _p, _p, _p],
+    "covbeam_rays_picture_start": [_p, _p, _u, _u, _p, _z],
     "covbeam_rays_gather_wait": [_p, _u, _p, _p],
     "covbeam_rays_gather_stop": [_p],
 }
