@@ -35,6 +35,7 @@ pub mod scene;
 pub mod scene_file;
 pub mod spectrum;
 pub mod surface;
+mod survey;
 pub mod triangles;
 mod view;
 pub mod volume;

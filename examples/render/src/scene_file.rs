@@ -10,12 +10,13 @@ use covbeam::{GridLayout, Kernel};
 use glam::{Quat, Vec3};
 
 use crate::camera::Camera;
-use crate::defaults::{self, Survey};
+use crate::defaults;
 pub use crate::fields::SceneError;
 use crate::fields::{Field, Source, Table};
 use crate::medium_file::{check_exponential, read_media, read_medium_name};
 use crate::mesh::{MAX_COORDINATE, Mesh, Placement};
 use crate::scene::{Light, Material, MediumDensity, Object, Scene, SceneMedium, Settings, Shape};
+use crate::survey::Survey;
 
 /// Most pixels along one side of the picture.
 pub const MAX_IMAGE_SIDE: u32 = 16384;
