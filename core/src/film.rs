@@ -3,11 +3,14 @@
 //! The grid knows how fast the light varies across the picture ([`ImageSpectrum`]); where it varies slowly, a few rays under a
 //! wide filter ([`ImageFilter`]) tell as much as one a pixel. A pass of a host:
 //!
-//! 1. [`ImageSpectrum::along`] the eye rays of some pixels, [`ImageSpectrum::filter`] and [`ImageFilter::density`];
-//! 2. an eye ray through each pixel whose [`pixel_threshold`] is below its density; the host adds up the radiance, the number of rays and
-//!    the densities of all passes, pixel by pixel;
-//! 3. whenever a picture is wanted, [`Reconstruction`] of the radiance and the number of rays, both over the sum of the densities
-//!    ([`FilmSample`]): filters that do not reach across silhouettes ([`film_regions`]).
+//! 1. [`ImageSpectrum::along`] the eye rays of the nodes of a [`FilmLattice`], and [`FilmFilters::new`]: filters as wide as the spectra
+//!    allow, none of which reaches where a narrower one is asked for;
+//! 2. an eye ray through each pixel whose [`pixel_threshold`] is below its density: that of its filter, [`ImageFilter::density`], or
+//!    [`FilmLattice::least_density`]. The host adds up what the rays saw ([`FilmSums`]) and the densities of all passes, pixel by pixel;
+//! 3. whenever a picture is wanted: a [`Reconstruction`] of the sums over the densities, inside regions between silhouettes
+//!    ([`film_regions`]); the samples' say on the filters ([`FilmFilters::evidence`], [`verify_filters`]): a spectrum is local, a filter
+//!    is not, so each is narrowed until what it gives agrees with what narrower ones give; then the picture, tile by tile
+//!    ([`Reconstruction::tile`]), and its error ([`standard_errors`]).
 //!
 //! Surfaces have spectra that the grid does not know: a host samples them on their own and adds them to the picture.
 

@@ -194,9 +194,10 @@ fn wrong_flags_are_refused_with_what_was_expected() {
     let folder = folder();
     let render = |more: &[&str]| said(folder.path(), &[&["render", "ball.toml"], more].concat(), 2);
     assert_contains(
-        &render(&["--passes", "2", "--time", "1"]),
-        &["--passes", "--time", "cannot be used with"],
+        &render(&["--maps", "--every-pixel"]),
+        &["--maps", "--every-pixel", "cannot be used with"],
     );
+    assert_contains(&render(&["--until", "2"]), &["--until", "0.02 for 2 %"]);
     assert_contains(&render(&["--passes", "0"]), &["--passes", "0 is not in"]);
     assert_contains(&render(&["--photons", "0"]), &["--photons", "0 is not in"]);
     for time in ["0", "-1", "nan", "inf", "soon"] {
@@ -251,4 +252,48 @@ fn pictures_that_cannot_be_compared_are_refused() {
     assert_contains(&compare(&["a.exr", "a.exr", "--region", "1,1,1,2"], 2), &["empty"]);
     assert_contains(&compare(&["a.exr", "a.exr", "--region", "-1,0,1,2"], 2), &["x0,y0,x1,y1"]);
     assert_contains(&compare(&["a.exr"], 2), &["R.exr"]);
+}
+
+#[test]
+fn an_error_that_is_asked_for_ends_the_render_or_is_said_not_to_be_reached() {
+    let folder = folder();
+    let text = said(folder.path(), &["render", "ball.toml", "--until", "0.9"], 0);
+    assert_contains(&text, &["4 passes", "median relative error"]);
+    let picture = read_picture(&folder.path().join("ball-adaptive.exr")).unwrap();
+    assert!(picture.error.unwrap().iter().any(|error| *error > 0.0));
+    let text = said(folder.path(), &["render", "ball.toml", "--until", "0.000001", "--passes", "6"], 0);
+    assert_contains(&text, &["6 passes", "is not reached", "after 4 passes"]);
+}
+
+#[test]
+fn a_render_without_light_says_so_when_an_error_is_asked_for() {
+    let folder = folder();
+    let scene = fs::read_to_string(folder.path().join("ball.toml")).unwrap();
+    // The camera is outside the room and sees its black wall.
+    let dark = scene
+        .replace("position = [0.0, 0.5, -5.0]", "position = [0.0, 0.5, -50.0]")
+        .replace("outside_medium = \"fog\"", "");
+    assert_ne!(dark, scene);
+    fs::write(folder.path().join("dark.toml"), dark).unwrap();
+    let text = said(folder.path(), &["render", "dark.toml", "--until", "0.02"], 0);
+    assert_contains(&text, &["64 passes", "no light reaches the picture"]);
+}
+
+#[test]
+fn a_picture_that_memory_cannot_hold_is_refused_before_the_work() {
+    if !cfg!(target_os = "linux") {
+        return;
+    }
+    let folder = folder();
+    let scene = fs::read_to_string(folder.path().join("ball.toml")).unwrap();
+    let huge = scene.replace("width = 24", "width = 16384").replace("height = 16", "height = 16384");
+    fs::write(folder.path().join("huge.toml"), huge).unwrap();
+    // 16384² pixels need some 70 GB; a machine that has them lends this process 8.
+    let program = env!("CARGO_BIN_EXE_covbeam");
+    let script = format!("ulimit -v 8000000; exec '{program}' render huge.toml --passes 1");
+    let output = Command::new("sh").args(["-c", &script]).current_dir(folder.path()).output().unwrap();
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert_contains(&text, &["16384 x 16384", "GB of memory", "available", "camera.width"]);
+    assert!(!folder.path().join("huge-adaptive.exr").exists());
 }
