@@ -221,6 +221,7 @@ fn the_film_does_not_allocate() {
         let found = FilmFilters::new(lattice, &regions, &spectra, 0.1, &mut filters).unwrap();
         black_box((found.lattice(), found.filter(3, 4)));
         let unit = FilmUnit::new(1.0);
+        black_box(unit.whole(1.0));
         for sample in &mut samples {
             let mut sums = FilmSums::default();
             sums.add(&unit, Vec3::ONE, true);

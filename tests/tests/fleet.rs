@@ -69,8 +69,8 @@ fn a_planted_halo_is_seen() {
 #[test]
 fn the_spot_has_no_halo() {
     let scene = spot(72);
-    let tested = pictures(&scene, Estimator::Default, 1..5, 15).expect("finite");
-    let reference = pictures(&scene, Estimator::Reference, 101..109, 24).expect("finite");
+    let tested = pictures(&scene, Estimator::Default, 1..5, 20).expect("finite");
+    let reference = pictures(&scene, Estimator::Reference, 101..109, 64).expect("finite");
     let found = ratios(&rings(&mean(&reference)), &tested, &reference);
     for (ring, ratio) in found.into_iter().enumerate() {
         let ratio = ratio.expect("light in each ring");
