@@ -1,6 +1,6 @@
 //! Calls of covbeam on many threads.
 
-use super::memory::{array, array_mut, fits, free, new_handle, object, set};
+use super::memory::{array, fits, free, new_handle, object, set};
 use super::run;
 use crate::failure::{Failure, Result, invalid};
 use crate::job::Job;
