@@ -32,8 +32,8 @@ same "the list of installed files" "$(cd "$prefix" && find . ! -type d | LC_ALL=
 ./lib/cmake/covbeam/covbeam-config.cmake
 ./lib/libcovbeam.a
 ./lib/libcovbeam.so
-./lib/libcovbeam.so.1
 ./lib/$full
+./lib/libcovbeam.so.1
 ./lib/pkgconfig/covbeam.pc"
 shared="$prefix/lib/$full"
 for link in libcovbeam.so libcovbeam.so.1; do

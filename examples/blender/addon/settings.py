@@ -24,8 +24,8 @@ class CovbeamSettings(bpy.types.PropertyGroup):
     time_limit: FloatProperty(
         name="Time Limit",
         description=(
-            "Rendering of a frame ends after this time even if passes are left. 0: no limit. With a limit, the number "
-            "of passes depends on how fast the computer is, and with it the image"
+            "Rendering of a frame ends after this time even if passes are left. 0: no limit. With a limit, number and photons "
+            "of the passes depend on how fast the computer is, and with them the image"
         ),
         default=0.0,
         min=0.0,
