@@ -594,8 +594,8 @@ typedef struct covbeam_schedule {
 } covbeam_schedule;
 
 /**
- * How wide the pairs of one pass are gathered: within max(progressive / 4, min(ceiling, what the spectrum
- * allows)) where the grid knows the light's spectrum, within progressive elsewhere.
+ * How wide the pairs of one pass are gathered: within max(progressive, min(ceiling, what the spectrum
+ * allows)).
  */
 typedef struct covbeam_kernel {
     /**
@@ -607,8 +607,7 @@ typedef struct covbeam_kernel {
      */
     uint32_t shape;
     /**
-     * The radius where the grid knows nothing [m] > 0. Where it knows that light is sharp, radii go down to a
-     * quarter of this.
+     * The radius where the grid knows nothing, and the smallest one [m] > 0.
      */
     float progressive;
     /**
@@ -2296,7 +2295,7 @@ covbeam_status covbeam_kernel_radius_from_error(uint32_t shape, float error, flo
  * @param grid where the spectrum is looked up, resolved; NULL gives the progressive radius.
  * @param position the closest point on the eye ray [m].
  * @param axis of the kernel, unit, across ray and beam: that of the covbeam_crossing.
- * @param radius [m] in [progressive / 4, ceiling].
+ * @param radius [m] in [progressive, ceiling].
  * @param sigma deviation of the spectrum along the axis [cycles/m]; 0 where the grid knows nothing.
  * @note Thesis 5.3.4.
  */

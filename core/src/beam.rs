@@ -218,7 +218,7 @@ pub(crate) fn product(
 /// Gathers one beam whose crossing's `beam_distance` lies in `[from, to)`, and adds it to `gathered`. Returns whether it was accepted.
 ///
 /// Beam x ray estimator with a 1D kernel across the common perpendicular (thesis 5.3.4, Jarosz et al. 2011):
-/// `L += σ_s p(θ) T_eye T_beam Φ K_r(d) / sin θ` if `d < r`, r of [`KernelRadius::at`], with r_σ looked up at the closest
+/// `L += σ_s p(θ) T_eye T_beam Φ K_r(d) / sin θ` if `d < r`, `r = max(r_i, r_σ)`, with r_σ looked up at the closest
 /// point on the *eye ray*.
 ///
 /// - `ray`, `beam`: see there; NaN anywhere makes the pair be skipped.

@@ -135,19 +135,12 @@ pub fn error_bound(initial: f32, pass: u32) -> f32 {
     (f64::from(initial) * pow(f64::from(pass.max(1)), -0.4)) as f32
 }
 
-/// The narrowest kernel that spectra can ask for, in progressive radii r_i.
-///
-/// Where light is sharper than r_i resolves, a kernel of r_i blurs it by a bias that grows with the square of the radius, and one of r_i/4 by a sixteenth
-/// of that, for four times the variance at most. So a first radius r_1 that is too large for some place is mended there. It bounds the
-/// variance where a spectrum is wrong.
-pub const NARROWEST_KERNEL: f32 = 0.25;
-
-/// How wide each pair of beam and eye ray is gathered in this pass: d < max(r_i/4, min(max(ceiling, r_i), r_σ)) where the grid has data, d < r_i elsewhere.
+/// How wide each pair of beam and eye ray is gathered in this pass: d < max(r_i, min(ceiling, r_σ)).
 #[derive(Clone, Copy, Debug)]
 pub struct KernelRadius<'a> {
     /// Shape.
     pub kernel: Kernel,
-    /// r_i \[m\] > 0: the radius where the grid has no opinion. Where it has, radii go down to [`NARROWEST_KERNEL`] of it.
+    /// r_i \[m\] > 0: the radius where the grid has no opinion, and the smallest one.
     pub progressive: f32,
     /// Largest radius \[m\]; what the hierarchy over the beams must allow for.
     pub ceiling: f32,
@@ -167,9 +160,9 @@ impl KernelRadius<'_> {
     /// The bias is bounded relative to the dimmest light around: σ² is the looked-up variance times the fluence there over the harmonic mean of
     /// the voxels' around. Beside a bright shaft, in the dark, a kernel that is right for the shaft would leak it.
     ///
-    /// Guarantee: never below [`NARROWEST_KERNEL`] of `progressive`; never above `ceiling`, unless `progressive` is.
+    /// Guarantee: never below `progressive`; never above `ceiling`, unless `progressive` is.
     ///
-    /// Source: thesis 5.3.4, d < max(r_i, r_σ). Differs from it in the ceiling, beside shadows, and where r_σ < r_i.
+    /// Source: thesis 5.3.4, d < max(r_i, r_σ). Differs from it in the ceiling, and beside shadows.
     #[inline(always)] // A call here costs the gather a quarter of its time.
     pub fn at(&self, position: Vec3, axis: Vec3) -> (f32, f32) {
         let Some(found) = self.grid.and_then(|grid| grid.around(position)) else {
@@ -177,8 +170,7 @@ impl KernelRadius<'_> {
         };
         let variance = found.spectrum.variance_along(axis) * (found.flux / found.dimmest);
         let wanted = self.kernel.radius_from_error(self.error, variance);
-        let widest = self.ceiling.max(self.progressive);
-        (wanted.min(widest).max(NARROWEST_KERNEL * self.progressive), sqrt(variance))
+        (wanted.min(self.ceiling).max(self.progressive), sqrt(variance))
     }
 }
 

@@ -56,7 +56,7 @@ pub use film::{
 };
 pub use fluence::FluenceSpectrum;
 pub use grid::{Attenuation, CovarianceGrid, FluenceCell, FluenceGrid, GridCell, GridError, GridLayout};
-pub use kernel::{Kernel, KernelRadius, NARROWEST_KERNEL, error_bound, progressive_radius};
+pub use kernel::{Kernel, KernelRadius, error_bound, progressive_radius};
 pub use light_field::LightField;
 pub use march::{MARCH_KNOTS, March, MarchCell, MarchError, MarchKnot, MarchSample};
 pub(crate) use medium::OPAQUE_DEPTH;

@@ -19,8 +19,8 @@ pub enum covbeam_kernel_shape {
     COVBEAM_KERNEL_BIWEIGHT = 2,
 }
 
-/// How wide the pairs of one pass are gathered: within max(progressive / 4, min(ceiling, what the spectrum
-/// allows)) where the grid knows the light's spectrum, within progressive elsewhere.
+/// How wide the pairs of one pass are gathered: within max(progressive, min(ceiling, what the spectrum
+/// allows)).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct covbeam_kernel {
@@ -28,8 +28,7 @@ pub struct covbeam_kernel {
     pub struct_size: u32,
     /// A value of covbeam_kernel_shape.
     pub shape: u32,
-    /// The radius where the grid knows nothing [m] > 0. Where it knows that light is sharp, radii go down to a
-    /// quarter of this.
+    /// The radius where the grid knows nothing, and the smallest one [m] > 0.
     pub progressive: f32,
     /// The largest radius [m], finite and >= progressive.
     pub ceiling: f32,
@@ -247,7 +246,7 @@ pub unsafe extern "C" fn covbeam_kernel_radius_from_error(
 /// @param grid where the spectrum is looked up, resolved; NULL gives the progressive radius.
 /// @param position the closest point on the eye ray [m].
 /// @param axis of the kernel, unit, across ray and beam: that of the covbeam_crossing.
-/// @param radius [m] in [progressive / 4, ceiling].
+/// @param radius [m] in [progressive, ceiling].
 /// @param sigma deviation of the spectrum along the axis [cycles/m]; 0 where the grid knows nothing.
 /// @note Thesis 5.3.4.
 #[unsafe(no_mangle)]

@@ -2,7 +2,7 @@
 
 use super::lanes::{LANES, bits};
 use super::wide::{Floats, Wide, load};
-use crate::{FluenceGrid, KernelRadius, NARROWEST_KERNEL};
+use crate::{FluenceGrid, KernelRadius};
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x8};
 use glam::Vec4;
 
@@ -92,10 +92,9 @@ pub(super) fn reach<S: Simd>(
     let dimmest = dimmest.simd_lt(flux).select(dimmest, flux);
     let variance = along * (flux / dimmest);
     let wanted = (f32x8::splat(simd, radius.kernel.error_over_moment(radius.error)) / variance).sqrt();
-    let widest = f32x8::splat(simd, radius.ceiling.max(radius.progressive));
-    let wanted = wanted.simd_lt(widest).select(wanted, widest);
-    let narrowest = f32x8::splat(simd, NARROWEST_KERNEL * radius.progressive);
-    let wanted = wanted.simd_gt(narrowest).select(wanted, narrowest);
+    let ceiling = f32x8::splat(simd, radius.ceiling);
+    let wanted = wanted.simd_lt(ceiling).select(wanted, ceiling);
+    let wanted = wanted.simd_gt(progressive).select(wanted, progressive);
     let lit = flux.simd_gt(zero);
     (lit.select(wanted, progressive), lit.select(variance.sqrt(), zero))
 }

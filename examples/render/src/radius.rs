@@ -16,8 +16,8 @@ use covbeam::{Beam, FluenceCell, FluenceSpectrum, GridLayout, Kernel};
 use glam::Vec3;
 use std::f64::consts::PI;
 
-/// What the adaptive method takes the radii of its kernels from. All stay between a quarter of the scene's radius, which falls with the
-/// passes, and its largest one; all narrow them beside the dark ([`covbeam::KernelRadius::at`]).
+/// What the adaptive method takes the radii of its kernels from. All stay between the scene's radius, which falls with the passes, and its
+/// largest one; all narrow them beside the dark ([`covbeam::KernelRadius::at`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RadiusRule {
     /// A bound on the relative bias, from spectra (thesis 5.3.4). Plain kernels where no light field has been.

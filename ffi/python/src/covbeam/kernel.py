@@ -18,11 +18,10 @@ class KernelShape(IntEnum):
 
 
 class Kernel:
-    """How wide the pairs of one pass are gathered: within max(progressive / 4, min(ceiling, what the spectrum allows)) where the
-    grid knows the light's spectrum, within progressive elsewhere.
+    """How wide the pairs of one pass are gathered: within max(progressive, min(ceiling, what the spectrum allows)).
 
     - shape: a KernelShape.
-    - progressive: radius where the grid knows nothing [m] > 0; where it knows that light is sharp, radii go down to a quarter of it.
+    - progressive: radius where the grid knows nothing, and the smallest one [m] > 0.
     - ceiling: the largest radius [m] >= progressive.
     - error: accepted relative bias of a pair > 0; without a grid it has no effect.
     """
