@@ -14,7 +14,7 @@ pub(super) fn write(script: &mut Script) {
     let hard = &mut Hard::new(6);
     script.comment("Image space");
     spectra(script, hard);
-    for _ in 0..12 {
+    for _ in 0..8 {
         filters(script, hard);
     }
     for (width, height) in [(1, 1), (3, 2), (9, 9)] {
