@@ -423,4 +423,5 @@ pub unsafe extern "C" fn covbeam_film_errors(
 }
 
 #[cfg(test)]
+#[path = "film_tests.rs"]
 mod tests;

@@ -14,10 +14,10 @@ pub(super) fn write(script: &mut Script) {
     let hard = &mut Hard::new(6);
     script.comment("Image space");
     spectra(script, hard);
-    for _ in 0..16 {
+    for _ in 0..8 {
         filters(script, hard);
     }
-    for (width, height) in [(1, 1), (7, 5), (19, 18)] {
+    for (width, height) in [(1, 1), (3, 2), (9, 9)] {
         picture(script, hard, width, height);
     }
 }
@@ -93,7 +93,7 @@ fn picture(script: &mut Script, hard: &mut Hard, width: u32, height: u32) {
     let mut film = Film::new(width, height, typical, regions);
     let nodes: Vec<[u32; 2]> = (0..film.lattice.node_count()).map(|node| film.lattice.pixel(node)).collect();
     script.call("film_nodes", &[], &[&nodes]);
-    for pass in [1, 4, 2] {
+    for pass in [2, 1] {
         film.plan(script, hard, pass);
         film.add(script, hard, pass, typical);
         film.picture(script, pass);
@@ -243,7 +243,7 @@ impl Film {
             parts.iter().for_each(|part| part.append(&mut line));
         }
         script.call("film_picture", &[], &[&Appended(line)]);
-        if pass % 2 == 0 {
+        if pass == 1 {
             let mut errors = vec![0.0; all.len()];
             standard_errors(width, height, &all, 0, &mut errors).expect(fits);
             script.call("film_errors", &[&width, &height, &all], &[&errors]);
