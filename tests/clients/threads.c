@@ -1,8 +1,8 @@
 /*
  * A host with threads of its own: threads [race]
  *
- * Shares of photons deposited by 1, 2 and 8 threads give the same bits. Eight threads look at one map, one grid and one density
- * at once, while some of them fail calls on purpose and others cancel: each gets the bits of a single thread, and its own
+ * Shares of photons deposited by 1, 2 and 8 threads give the same bits. Eight threads take rows of one film at once, and together
+ * get the bits of one. Eight threads look at one map, one grid and one density at once, while some of them fail calls on purpose and others cancel: each gets the bits of a single thread, and its own
  * message.
  * `race` breaks the header's rule: two threads add to one map at once. A race detector must see that.
  */
@@ -192,6 +192,41 @@ static void *look(void *number) {
     return NULL;
 }
 
+enum { WIDTH = 40, HEIGHT = 8 * THREADS, PIXELS = WIDTH * HEIGHT };
+
+static covbeam_film *film;
+static covbeam_film_pixel whole[PIXELS], together[PIXELS];
+
+static covbeam_film *make_film(void) {
+    covbeam_film *made;
+    size_t nodes;
+    static covbeam_film_ray seen[PIXELS];
+    uint64_t state = 3;
+    const covbeam_image_spectrum smooth = { 0.0001f, 0, 0.0001f, 1 };
+    ok(covbeam_film_new(WIDTH, HEIGHT, 1, PIXELS, NULL, 0, &made));
+    ok(covbeam_film_get_node_count(made, &nodes));
+    for (uint32_t pass = 1; pass < 3; pass++) {
+        for (uint32_t i = 0; i < PIXELS; i++) {
+            const covbeam_film_ray ray = { { i % WIDTH, i / WIDTH }, 1, i % 3 == 0, { random_number(&state), 0, 0 }, { 0, 1, 0 } };
+            seen[i] = ray;
+        }
+        ok(covbeam_film_plan(made, pass, 0.01f, 9, nodes, &smooth, 0, NULL, NULL));
+        ok(covbeam_film_add(made, PIXELS, seen, sizeof *seen));
+    }
+    ok(covbeam_film_verify(made, NULL, NULL));
+    return made;
+}
+
+/* All of the picture, and then the rows of this thread's own. */
+static void *take_rows(void *number) {
+    const uint32_t first = 8 * (uint32_t)*(const int *)number;
+    covbeam_film_pixel own[PIXELS];
+    ok(covbeam_film_picture(film, 0, PIXELS, own, sizeof *own));
+    check(memcmp(own, whole, sizeof own) == 0, "another thread sees another picture");
+    ok(covbeam_film_picture(film, first, 8 * WIDTH, together + first * WIDTH, sizeof *together));
+    return NULL;
+}
+
 static void *add_beams(void *unused) {
     uint64_t state = 9;
     covbeam_beam beam;
@@ -221,6 +256,16 @@ int main(int argc, char **argv) {
         printf("threads: raced\n");
         return 0;
     }
+    film = make_film();
+    ok(covbeam_film_picture(film, 0, PIXELS, whole, sizeof *whole));
+    for (int i = 0; i < THREADS; i++) {
+        numbers[i] = i;
+        check(pthread_create(&threads[i], NULL, take_rows, &numbers[i]) == 0, "no thread");
+    }
+    for (int i = 0; i < THREADS; i++) pthread_join(threads[i], NULL);
+    check(memcmp(whole, together, sizeof whole) == 0, "rows of several threads are another picture");
+    check(whole[0].radiance[1] > 0.9f && whole[PIXELS - 1].radiance[0] > 0, "a dark picture");
+    covbeam_film_free(film);
     grid = collect(1);
     for (int count = 2; count <= THREADS; count += 6) {
         covbeam_grid *other = collect(count);
