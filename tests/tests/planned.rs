@@ -126,11 +126,11 @@ fn no_light_crosses_a_silhouette() {
 
 #[test]
 fn few_eye_rays_are_traced_where_the_light_is_smooth_and_many_in_the_caustic() {
-    let picture = picture(&scene(GLASS, 128, 128), true, 5000, 1, 1..=2);
+    let picture = picture(&scene(GLASS, 256, 256), true, 5000, 1, 1..=2);
     let maps = picture.maps.expect("planned");
     let mean = |region: usize| {
-        let region = &of_ball(128)[region];
-        let inside = (0..128 * 128_u32).filter(|pixel| region.contains(pixel % 128, pixel / 128));
+        let region = &of_ball(256)[region];
+        let inside = (0..256 * 256_u32).filter(|pixel| region.contains(pixel % 256, pixel / 256));
         inside.map(|pixel| f64::from(maps.density[pixel as usize])).sum::<f64>() / region.count() as f64
     };
     let (smooth, caustic) = (mean(2), mean(3));

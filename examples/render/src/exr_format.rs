@@ -38,15 +38,11 @@ pub(crate) fn encode(picture: &Picture, info: &RenderInfo) -> Result<Vec<u8>, St
     }
 
     if let Some(Maps { volume, filters, density }) = &picture.maps {
-        let numbers = volume.iter().zip(filters).zip(density);
-        let numbers = numbers.map(|((v, f), density)| [v.x, v.y, v.z, f.xx, f.xy, f.yy, *density]);
-        let numbers: Vec<[f32; 7]> = numbers.collect();
-        channels.extend(
-            MAP_CHANNELS
-                .iter()
-                .enumerate()
-                .map(|(index, name)| channel(name, numbers.iter().map(|numbers| numbers[index]).collect())),
-        );
+        let of_light = (0..3).map(|axis| volume.iter().map(|v| v[axis]).collect());
+        let of_filters: [fn(&ImageFilter) -> f32; 3] = [|f| f.xx, |f| f.xy, |f| f.yy];
+        let of_filters = of_filters.map(|number| filters.iter().map(number).collect());
+        let samples = of_light.chain(of_filters).chain([density.clone()]);
+        channels.extend(MAP_CHANNELS.iter().zip(samples).map(|(name, samples)| channel(name, samples)));
     }
 
     let software = concat!("covbeam ", env!("CARGO_PKG_VERSION"));
