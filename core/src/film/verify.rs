@@ -102,15 +102,15 @@ fn choose(
                 continue;
             }
             let weight = ((WINDOW + 1 - row.abs()) * (WINDOW + 1 - column.abs())) as f32;
-            let scale = weight / (found.brightness * found.brightness);
+            // Relative, so that no picture is too dim or too bright to be squared.
+            let first = found.first.map(|light| light / found.brightness);
+            let second = found.second.map(|light| light / found.brightness);
             count += weight;
-            for wide in 0..SCALES {
-                let difference = found.first[wide] - found.second[wide];
-                variance[wide] += 0.25 * scale * difference * difference;
-                for narrow in wide + 1..SCALES {
-                    bias[wide][narrow] += scale
-                        * (found.first[wide] - found.first[narrow])
-                        * (found.second[wide] - found.second[narrow]);
+            for (wide, (variance, bias)) in variance.iter_mut().zip(&mut bias).enumerate() {
+                let difference = first[wide] - second[wide];
+                *variance += 0.25 * weight * difference * difference;
+                for (narrow, bias) in bias.iter_mut().enumerate().skip(wide + 1) {
+                    *bias += weight * (first[wide] - first[narrow]) * (second[wide] - second[narrow]);
                 }
             }
         }
