@@ -358,7 +358,7 @@ pub unsafe extern "C" fn covbeam_film_picture(
         // SAFETY: by the caller's promise.
         let film = unsafe { shared(film, "film") }?;
         let FilmLattice { width, height, .. } = *film.lattice();
-        if first_row >= height || first_row % FILM_TILE != 0 {
+        if first_row >= height || !first_row.is_multiple_of(FILM_TILE) {
             let row = Element::single(first_row, "first_row");
             return Err(row.is(format_args!("{first_row} is no multiple of {FILM_TILE} below {height}")));
         }
