@@ -22,7 +22,8 @@ const SIZE: u32 = 24;
 /// A folder with `ball.toml`: the glass ball with few photons.
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let scene = include_str!("../../scenes/glass-ball.toml").replace("photons = 5000", "photons = 500");
+    let scene = include_str!("../../scenes/glass-ball.toml").replace("# photons = 5000", "photons = 500");
+    assert!(scene.contains("\nphotons = 500 "));
     fs::write(folder.path().join("ball.toml"), scene).unwrap();
     folder
 }
