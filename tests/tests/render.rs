@@ -27,7 +27,7 @@ fn picture(
     passes: impl IntoIterator<Item = u32>,
 ) -> Vec<Vec3> {
     let mut renderer = Renderer::new(scene, method, photons, seed);
-    let mut film = Film::new(scene.camera.width, scene.camera.height);
+    let mut film = Film::of_scene(scene);
     for index in passes {
         let (image, _) = renderer.pass(index, &|| false).expect("not cancelled");
         film.add(&image).expect("finite");

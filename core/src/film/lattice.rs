@@ -7,9 +7,6 @@ use libm::{roundf, sqrtf};
 /// Nodes along the side of a square picture.
 const NODES: f32 = 43.0;
 
-/// Least number of pixels from one node to the next: in small pictures light varies little from pixel to pixel.
-const LEAST_SPACING: u32 = 4;
-
 /// Largest standard deviation of a filter, as a share of the side of a square as large as the picture.
 const WIDEST_SHARE: f32 = 1.0 / 16.0;
 
@@ -55,7 +52,7 @@ impl FilmLattice {
     /// ```
     pub fn new(width: u32, height: u32) -> Result<Self, FilmSizeError> {
         pixel_count(width, height)?;
-        let spacing = (roundf(side(width, height) / NODES) as u32).max(LEAST_SPACING);
+        let spacing = (roundf(side(width, height) / NODES) as u32).max(2);
         Ok(Self { width, height, spacing, across: width.div_ceil(spacing), down: height.div_ceil(spacing) })
     }
 
