@@ -128,8 +128,6 @@ impl<'a> FilmFilters<'a> {
     ///
     /// Errors: a slice of another length; nothing changes.
     ///
-    /// Cost: 1 µs a node (bench `film/filters`).
-    ///
     /// Source: thesis 5.3.2; the bound is the gradation of meshes (F. Alauzet, *Size gradation control of anisotropic meshes*, 2010).
     pub fn new(
         lattice: FilmLattice,
@@ -192,7 +190,7 @@ impl<'a> FilmFilters<'a> {
 
     /// The filter of pixel (x, y): none at a border of regions, where the grid has no data, and outside the picture.
     ///
-    /// Inverse covariances are interpolated between the nodes around that lie in the pixel's region, weighted by light. Cost: 25 ns.
+    /// Inverse covariances are interpolated between the nodes around that lie in the pixel's region, weighted by light.
     pub fn filter(&self, x: u32, y: u32) -> ImageFilter {
         self.at(x, y).map_or(ImageFilter::NONE, |(filter, _)| filter)
     }
