@@ -14,12 +14,7 @@ struct Function {
 fn functions() -> Vec<Function> {
     let mut functions = Vec::new();
     for entry in fs::read_dir(repository().join("ffi/src")).unwrap() {
-        let path = entry.unwrap().path();
-        // Folders hold tests.
-        if path.is_dir() {
-            continue;
-        }
-        let source = fs::read_to_string(path).unwrap();
+        let source = fs::read_to_string(entry.unwrap().path()).unwrap();
         let mut doc = String::new();
         let mut lines = source.lines();
         while let Some(line) = lines.next() {
