@@ -14,8 +14,8 @@ use crate::scene::Scene;
 use crate::surface::SurfaceMap;
 use crate::view::{View, pixel_offset};
 use covbeam::{
-    Beam, BeamMap, CovarianceGrid, FluenceCell, FluenceGrid, GridCell, KernelRadius, error_bound,
-    progressive_radius,
+    Beam, BeamMap, CovarianceGrid, FluenceCell, FluenceGrid, GridCell, ImageSpectrum, KernelRadius,
+    error_bound, progressive_radius,
 };
 use glam::Vec3;
 use rayon::prelude::*;
@@ -23,8 +23,15 @@ use std::ops::AddAssign;
 use std::sync::Arc;
 use std::time::Instant;
 
+/// Every one of the first passes traces light fields, and after them one pass in so many: the grid's own noise falls with the number of
+/// light fields, and later ones change it little. Where surfaces scatter much light they cost as much as all the rest of a pass.
+const FIRST_FIELD_PASSES: u32 = 8;
+const FIELD_PASS_EVERY: u32 = 4;
+
 /// Light paths that one task traces.
 const CHUNK: u32 = 64;
+
+const FITS: &str = "as many cells as the grid has";
 
 /// Sequences of light paths: without a light field, with one, for connections.
 const PLAIN_SEQUENCE: u32 = 0;
@@ -106,8 +113,11 @@ pub struct Renderer<'a> {
     /// None: [`RadiusRule::Bias`].
     radii: Option<Radii>,
     grid: Vec<GridCell>,
+    /// The last pass whose light fields are in the grid, and all before it.
     deposited: u32,
     resolved: Vec<FluenceCell>,
+    /// Of the picture, from `resolved`; None: not asked for yet.
+    spectra: Option<Vec<ImageSpectrum>>,
     energy: Energy,
 }
 
@@ -141,6 +151,7 @@ impl<'a> Renderer<'a> {
             grid: vec![GridCell::default(); cells],
             deposited: 0,
             resolved: vec![FluenceCell::default(); cells],
+            spectra: None,
             energy: Energy::default(),
         }
     }
@@ -177,8 +188,8 @@ impl<'a> Renderer<'a> {
 
     /// Pass `index`, counted from 1. `cancelled` is polled a few hundred times a pass; None = it said yes.
     ///
-    /// The adaptive method's pass i uses the light fields of passes 1 to i. Asked for out of order, it traces those
-    /// of the earlier passes that it has not seen.
+    /// The adaptive method's pass i uses the light fields of passes 1 to i, those that have any: the first eight, and every fourth after them.
+    /// Asked for out of order, it traces those of the earlier passes that it has not seen.
     pub fn pass(
         &mut self,
         index: u32,
@@ -230,28 +241,36 @@ impl<'a> Renderer<'a> {
     }
 
     /// Adds a pass' light fields to the grid.
-    fn deposit(&mut self, record: &PhotonRecord) {
+    fn deposit(&mut self, pass: u32, record: &PhotonRecord) {
         let mut grid =
             CovarianceGrid::new(self.scene.grid, &mut self.grid).expect("the scene's grid was validated");
         self.tracer.deposit_into(&mut grid, &record.deposits);
-        self.deposited += 1;
+        self.deposited = pass;
     }
 
-    /// Brings the grid to the state after pass `index`, whose own light fields are in `record`.
+    /// Brings the grid to the state after pass `index`, whose own light fields, if it has any, are in `record`.
     fn update_grid(
         &mut self,
         index: u32,
         record: &PhotonRecord,
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Option<()> {
-        if self.deposited >= index {
+        let latest = latest_field_pass(index);
+        if self.deposited == latest && latest < index {
+            return Some(());
+        }
+        if self.deposited >= latest {
             self.grid.fill(GridCell::default());
             self.deposited = 0;
         }
-        while self.deposited + 1 < index {
-            self.add_light_fields(cancelled)?;
+        while self.deposited < latest {
+            let next = next_field_pass(self.deposited);
+            if next == index {
+                self.deposit(index, record);
+            } else {
+                self.add_light_fields(cancelled)?;
+            }
         }
-        self.deposit(record);
         self.resolve();
         Some(())
     }
@@ -294,25 +313,26 @@ impl<'a> Renderer<'a> {
         Some(())
     }
 
-    /// Traces and deposits the light fields of the next pass alone.
+    /// Traces and deposits the light fields of the next pass that has any.
     fn add_light_fields(&mut self, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<()> {
-        let (next, count) = (self.deposited + 1, self.field_photons());
+        let (next, count) = (next_field_pass(self.deposited), self.field_photons());
         let record = if self.method == Method::March { Record::Direct } else { Record::Field };
         let (record, _) = self.trace(FIELD_SEQUENCE, next, count, record, cancelled)?;
-        self.deposit(&record);
+        self.deposit(next, &record);
         Some(())
     }
 
     fn resolve(&mut self) {
         let grid =
             CovarianceGrid::new(self.scene.grid, &mut self.grid).expect("the scene's grid was validated");
-        grid.resolve(&mut self.resolved).expect("as many cells as the grid has");
+        grid.resolve(&mut self.resolved).expect(FITS);
+        self.spectra = None;
     }
 
     /// The spectra that the adaptive method looks up in pass `passes`, without rendering. `report` is called with the number
-    /// of light paths of each pass done; it answers false to give up, and then None is returned.
+    /// of light paths of each pass with light fields done; it answers false to give up, and then None is returned.
     pub fn spectra(mut self, passes: u32, report: &dyn Fn(u32) -> bool) -> Option<Vec<FluenceCell>> {
-        while self.deposited < passes {
+        while self.deposited < latest_field_pass(passes) {
             self.add_light_fields(&|| false)?;
             if !report(self.field_photons()) {
                 return None;
@@ -331,7 +351,8 @@ impl<'a> Renderer<'a> {
         let has_spectra = adaptive && (!counts_only || self.surfaces.is_some());
 
         let field_photons = self.field_photons();
-        let field_record = if has_spectra { Record::BeamsAndField } else { Record::Beams };
+        let has_fields = has_spectra && latest_field_pass(index) == index;
+        let field_record = if has_fields { Record::BeamsAndField } else { Record::Beams };
         let (fields, seconds) = self.trace(FIELD_SEQUENCE, index, field_photons, field_record, cancelled)?;
         times.light_fields = fields.field_time.as_secs_f64();
         times.trace = seconds - times.light_fields;
@@ -350,21 +371,21 @@ impl<'a> Renderer<'a> {
         }
         times.grid = start.elapsed().as_secs_f64();
         self.energy = record.energy;
+        let error = error_bound(settings.error, index);
+        let start = Instant::now();
+        let plan = if has_spectra { self.plan(index, error, self.photons) } else { None };
+        times.plan = start.elapsed().as_secs_f64();
+
         let layout = self.scene.grid;
-        let lookup = |cells| FluenceGrid::new(layout, cells).expect("as many cells as the grid has");
+        let lookup = |cells| FluenceGrid::new(layout, cells).expect(FITS);
         let progressive = progressive_radius(settings.radius, settings.alpha, index);
         let radius = KernelRadius {
             kernel: settings.kernel,
             progressive,
             ceiling: if adaptive { settings.max_radius.max(progressive) } else { progressive },
-            error: error_bound(settings.error, index),
+            error,
             grid: adaptive.then(|| lookup(self.radii.as_ref().map_or(&self.resolved, |radii| &radii.cells))),
         };
-        let start = Instant::now();
-        let plan = has_spectra.then(|| lookup(&self.resolved));
-        let plan = plan.and_then(|grid| self.plan(index, radius.error, self.photons, &grid));
-        times.plan = start.elapsed().as_secs_f64();
-
         let start = Instant::now();
         let mut by_medium = vec![Vec::new(); self.scene.media.len()];
         for (medium, beam) in record.beams.drain(..) {
@@ -409,10 +430,14 @@ impl<'a> Renderer<'a> {
     }
 
     /// Where the pass needs eye rays; None: everywhere.
-    fn plan(&self, index: u32, error: f32, beams: u32, grid: &FluenceGrid) -> Option<Plan> {
+    fn plan(&mut self, index: u32, error: f32, beams: u32) -> Option<Plan> {
         let surfaces = Arc::clone(self.surfaces.as_ref()?);
         let fog = &self.fogs[self.camera.medium(self.scene)? as usize];
-        Some(Plan::new(surfaces, index, error, beams, grid, fog))
+        let spectra = self.spectra.get_or_insert_with(|| {
+            let grid = FluenceGrid::new(self.scene.grid, &self.resolved).expect(FITS);
+            surfaces.spectra(&grid, fog)
+        });
+        Some(Plan::new(Arc::clone(&surfaces), index, error, beams, spectra))
     }
 
     fn march(&mut self, index: u32, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<(PassImage, PassTimes)> {
@@ -420,8 +445,11 @@ impl<'a> Renderer<'a> {
         let adaptive = self.marching.placement == Placement::Adaptive;
         if adaptive {
             let count = self.field_photons();
-            let (fields, seconds) = self.trace(FIELD_SEQUENCE, index, count, Record::Direct, cancelled)?;
-            times.light_fields = seconds;
+            let mut fields = PhotonRecord::default();
+            if latest_field_pass(index) == index {
+                (fields, times.light_fields) =
+                    self.trace(FIELD_SEQUENCE, index, count, Record::Direct, cancelled)?;
+            }
             let start = Instant::now();
             self.update_grid(index, &fields, cancelled)?;
             times.grid = start.elapsed().as_secs_f64();
@@ -429,12 +457,12 @@ impl<'a> Renderer<'a> {
         let scene = self.scene;
         let key = [self.seed, index];
         let start = Instant::now();
+        let error = error_bound(scene.settings.error, index);
+        let plan = if adaptive { self.plan(index, error, 0) } else { None };
         let guide = adaptive.then(|| {
-            let grid = FluenceGrid::new(scene.grid, &self.resolved).expect("as many cells as the grid has");
+            let grid = FluenceGrid::new(scene.grid, &self.resolved).expect(FITS);
             Guide::new(scene, grid, self.marching.samples, key)
         });
-        let error = error_bound(scene.settings.error, index);
-        let plan = guide.as_ref().and_then(|guide| self.plan(index, error, 0, &guide.grid));
         times.plan = start.elapsed().as_secs_f64();
         let marcher = Marcher {
             scene,
@@ -470,9 +498,44 @@ impl<'a> Renderer<'a> {
     }
 }
 
+/// How many of passes 1 to `passes` trace light fields.
+pub fn field_passes(passes: u32) -> u32 {
+    let first = passes.min(FIRST_FIELD_PASSES);
+    first + latest_field_pass(passes).saturating_sub(first) / FIELD_PASS_EVERY
+}
+
+/// The last pass up to `index` whose paths carry light fields; 0 = none.
+fn latest_field_pass(index: u32) -> u32 {
+    if index <= FIRST_FIELD_PASSES { index } else { index - index % FIELD_PASS_EVERY }
+}
+
+/// The first pass after `pass` whose paths carry light fields.
+fn next_field_pass(pass: u32) -> u32 {
+    if pass < FIRST_FIELD_PASSES { pass + 1 } else { pass - pass % FIELD_PASS_EVERY + FIELD_PASS_EVERY }
+}
+
 /// What `run` returns, and the seconds that it took.
 fn timed<T>(run: impl FnOnce() -> T) -> (T, f64) {
     let start = Instant::now();
     let result = run();
     (result, start.elapsed().as_secs_f64())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn passes_with_light_fields_follow_one_another() {
+        let mut found = vec![];
+        while found.last() < Some(&20) {
+            found.push(next_field_pass(*found.last().unwrap_or(&0)));
+        }
+        assert_eq!(found, [1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20]);
+        for passes in 0..=20 {
+            let seen: Vec<u32> = found.iter().copied().filter(|pass| *pass <= passes).collect();
+            assert_eq!(latest_field_pass(passes), seen.last().copied().unwrap_or(0));
+            assert_eq!(field_passes(passes), seen.len() as u32);
+        }
+    }
 }

@@ -85,6 +85,22 @@ impl FirstSurfaces {
         &self.lattice
     }
 
+    /// The spectrum of the first piece of fog at the nodes of the lattice, read off the grid.
+    ///
+    /// - `fog`: what the camera is in.
+    pub fn spectra(&self, grid: &FluenceGrid, fog: &Fog) -> Vec<ImageSpectrum> {
+        (0..self.lattice.node_count())
+            .into_par_iter()
+            .map_init(Vec::new, |knots, node| {
+                let [x, y] = self.lattice.pixel(node);
+                let ray = self.ray(x, y);
+                let steps = self.camera.pixel_steps(ray.direction);
+                let column = fog.column(ray.origin, ray.direction, ray.length, knots);
+                ImageSpectrum::along(&ray, &steps, grid, fog.medium, &fog.density, &column)
+            })
+            .collect()
+    }
+
     fn ray(&self, x: u32, y: u32) -> EyeRay {
         let camera = &self.camera;
         let direction = middle(camera, x, y);
@@ -109,32 +125,21 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Reads the spectrum off the grid.
+    /// Of pass `pass`.
     ///
-    /// - `pass`: which pass' grid it is; `error`: relative bias that a filter may cause in it.
-    /// - `paths`: light paths of the pass; `fog`: what the camera is in.
+    /// - `spectra`: of [`FirstSurfaces::spectra`], from that pass' grid; `error`: relative bias that a filter may cause in the pass.
+    /// - `paths`: light paths of the pass.
     pub fn new(
         surfaces: Arc<FirstSurfaces>,
         pass: u32,
         error: f32,
         paths: u32,
-        grid: &FluenceGrid,
-        fog: &Fog,
+        spectra: &[ImageSpectrum],
     ) -> Self {
         let camera = &surfaces.camera;
         let lattice = surfaces.lattice;
-        let spectra: Vec<ImageSpectrum> = (0..lattice.node_count())
-            .into_par_iter()
-            .map_init(Vec::new, |knots, node| {
-                let [x, y] = lattice.pixel(node);
-                let ray = surfaces.ray(x, y);
-                let steps = camera.pixel_steps(ray.direction);
-                let column = fog.column(ray.origin, ray.direction, ray.length, knots);
-                ImageSpectrum::along(&ray, &steps, grid, fog.medium, &fog.density, &column)
-            })
-            .collect();
         let mut nodes = vec![FilmFilterNode::default(); lattice.node_count()];
-        let filters = FilmFilters::new(lattice, &surfaces.regions, &spectra, error, &mut nodes).expect(FITS);
+        let filters = FilmFilters::new(lattice, &surfaces.regions, spectra, error, &mut nodes).expect(FITS);
         let least = lattice.least_density(paths);
         let density = (0..camera.width * camera.height)
             .into_par_iter()

@@ -183,7 +183,7 @@ pub struct Settings {
     pub alpha: f32,
     /// ε_1: accepted relative bias of the adaptive radius in the first pass.
     pub error: f32,
-    /// Largest adaptive radius [scene unit], >= radius.
+    /// Largest radius that a spectrum may ask for [scene unit]; passes whose own radius is larger keep that.
     pub max_radius: f32,
     /// Share of the photons that carry a light field, in (0, 1].
     pub light_field_share: f32,

@@ -327,14 +327,14 @@ fn read_cells(field: &Field<'_>) -> Result<[u32; 3], SceneError> {
 }
 
 /// What a file says of the render. What does not depend on the scene has its default.
-struct GivenSettings<'a> {
+struct GivenSettings {
     settings: Settings,
     photons: Option<u32>,
     radius: Option<f32>,
-    max_radius: Option<(Field<'a>, f32)>,
+    max_radius: Option<f32>,
 }
 
-fn read_settings<'a>(root: &Table<'a>) -> Result<GivenSettings<'a>, SceneError> {
+fn read_settings(root: &Table) -> Result<GivenSettings, SceneError> {
     let mut given =
         GivenSettings { settings: defaults::settings(), photons: None, radius: None, max_radius: None };
     let settings = &mut given.settings;
@@ -370,8 +370,7 @@ fn read_settings<'a>(root: &Table<'a>) -> Result<GivenSettings<'a>, SceneError> 
         settings.error = field.number("a number in 0.000001..=1", |e| (1e-6..=1.0).contains(&e))?;
     }
     if let Some(field) = table.optional("max_radius") {
-        let radius = field.size()?;
-        given.max_radius = Some((field, radius));
+        given.max_radius = Some(field.size()?);
     }
     if let Some(field) = table.optional("light_field_share") {
         settings.light_field_share = field.number("a number in 0.0001..=1", |s| (1e-4..=1.0).contains(&s))?;
@@ -397,16 +396,7 @@ fn complete(scene: &mut Scene, (grid, given): (GivenGrid, GivenSettings)) -> Res
     let cells = grid.cells.unwrap_or_else(|| defaults::cells(min, max));
     scene.grid = GridLayout { min, max, cells };
     let radius = given.radius.unwrap_or_else(|| defaults::radius(&survey()));
-    let max_radius = match given.max_radius {
-        None => defaults::max_radius(&scene.grid, radius),
-        Some((_, most)) if most >= radius => most,
-        Some((field, _)) => {
-            let (which, remedy) =
-                if given.radius.is_some() { ("", "") } else { ("the default ", ", or radius given too") };
-            return Err(field
-                .refuse(format!("a length of at least {which}radius = {radius} and at most 1e9{remedy}")));
-        }
-    };
+    let max_radius = given.max_radius.unwrap_or_else(|| defaults::max_radius(&scene.grid));
     let photons = given.photons.unwrap_or_else(|| defaults::photons(scene, &survey(), radius));
     scene.settings = Settings { photons, radius, max_radius, ..given.settings };
     Ok(())

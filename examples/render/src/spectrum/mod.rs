@@ -31,6 +31,7 @@ pub use predict::{Prediction, predict, predict_without};
 pub use slices::draw_slice;
 pub use table::{Shares, summary, write_table};
 
+use crate::pass::field_passes;
 use crate::scene::Scene;
 use covbeam::{FluenceCell, FluenceGrid, FluenceSpectrum, GridLayout};
 use glam::{DVec3, Vec3};
@@ -133,7 +134,8 @@ pub fn analyse(scene: &Scene, options: &Options, report: &(dyn Fn(f64) -> bool +
     const FIELD_COST: f64 = 12.0;
     let layout = GridLayout { cells: options.cells, ..scene.grid };
     let prediction = &options.prediction;
-    let field_work = FIELD_COST * f64::from(prediction.passes) * f64::from(prediction.field_paths);
+    let field_work =
+        FIELD_COST * f64::from(field_passes(prediction.passes)) * f64::from(prediction.field_paths);
     let all_work = field_work + f64::from(options.paths);
     let done = std::sync::Mutex::new(0.0);
     let work = |amount: f64| {

@@ -1,6 +1,7 @@
 //! The truth test in numbers: a table of all voxels and a summary.
 
 use super::{Analysis, Axis, BATCHES, ENERGY, FACTOR, Origin, Verdict, Voxel};
+use crate::pass::field_passes;
 use std::fmt::Write as _;
 use std::io;
 
@@ -68,8 +69,8 @@ fn definitions(analysis: &Analysis) -> String {
     format!(
         "\
 Standard deviation sigma of the fluence's spectrum along the world axes, in cycles per scene unit.
-predicted: from the covariance grid of {nx} x {ny} x {nz} voxels of {:.4} x {:.4} x {:.4} after {} passes of {} light
-  paths with a light field (seed {}): the mean of sigma^2 over a voxel and its neighbours, weighted by f-, 2 f0, f+,
+predicted: from the covariance grid of {nx} x {ny} x {nz} voxels of {:.4} x {:.4} x {:.4} after {} passes, {} of
+  them of {} light paths with a light field (seed {}): the mean of sigma^2 over a voxel and its neighbours, weighted by f-, 2 f0, f+,
   through which the measurement sees the light as well. A row gives the voxel alone.
 measured: from differences of the fluence that {} other light paths measured, in {BATCHES} independent batches:
   f-, f0, f+ of a voxel and its neighbours, size h: c = (f- - 2 f0 + f+)/h^2, g = (f+ - f-)/(2 h),
@@ -85,6 +86,7 @@ surface, border: left out, because a surface cuts the three voxels or more than 
         size.y,
         size.z,
         prediction.passes,
+        field_passes(prediction.passes),
         prediction.field_paths,
         prediction.seed,
         analysis.options.paths,
