@@ -3,13 +3,18 @@
 use crate::film::{Layers, Maps, Picture};
 use crate::output::RenderInfo;
 use covbeam::ImageFilter;
+use exr::block::lines::LineRefMut;
 use exr::image::Blocks;
+use exr::image::write::samples::{SamplesWriter, WritableSamples};
+use exr::math::RoundingMode;
+use exr::meta::attribute::{LevelMode, SampleType};
+use exr::meta::header::Header;
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Compression, Encoding, FlatSamples, Image, Layer,
     LayerAttributes, LineOrder, ReadChannels, ReadLayers, Text, Vec2, WritableImage, read,
 };
 use glam::Vec3;
-use std::io::Cursor;
+use std::io::{self, BufRead, BufReader, Cursor, Read, Seek, SeekFrom, Write};
 
 /// Names of the channels of [`Layers`]: layer.channel, as Blender, Nuke and the OpenEXR tools understand it.
 const LAYER_CHANNELS: [&str; 3] = ["radius.Y", "sigma.Y", "samples.Y"];
@@ -21,30 +26,77 @@ const ERROR_CHANNEL: &str = "error.Y";
 const MAP_CHANNELS: [&str; 7] =
     ["volume.R", "volume.G", "volume.B", "filter.xx", "filter.xy", "filter.yy", "density.Y"];
 
-/// The picture as an EXR of one part, f32, ZIP; the same input gives the same bytes.
-pub(crate) fn encode(picture: &Picture, info: &RenderInfo) -> Result<Vec<u8>, String> {
-    let size = Vec2(picture.width as usize, picture.height as usize);
-    let channel = |name: &str, samples: Vec<f32>| AnyChannel::new(name, FlatSamples::F32(samples));
-    let color = |axis: usize| picture.radiance.iter().map(|v| v[axis]).collect();
-    let mut channels = vec![channel("R", color(0)), channel("G", color(1)), channel("B", color(2))];
-    if let Some(layers) = &picture.layers {
-        let samples = [&layers.radius, &layers.sigma, &layers.samples];
-        channels
-            .extend(LAYER_CHANNELS.iter().zip(samples).map(|(name, samples)| channel(name, samples.clone())));
+/// A channel of the picture, read off it line by line as the file is written: copies of all channels would be as large as the picture.
+struct Channel<'a> {
+    width: usize,
+    /// By number of the pixel.
+    number: Box<dyn Fn(usize) -> f32 + Sync + 'a>,
+}
+
+impl<'a, 'picture: 'a> WritableSamples<'a> for Channel<'picture> {
+    type Writer = &'a Self;
+
+    fn sample_type(&self) -> SampleType {
+        SampleType::F32
     }
 
+    fn infer_level_modes(&self) -> (LevelMode, RoundingMode) {
+        (LevelMode::Singular, RoundingMode::Down)
+    }
+
+    fn create_samples_writer(&'a self, _: &Header) -> Self::Writer {
+        self
+    }
+}
+
+impl SamplesWriter for &Channel<'_> {
+    fn extract_line(&self, line: LineRefMut) {
+        let first = line.location.position.y() * self.width + line.location.position.x();
+        line.write_samples(|x| (self.number)(first + x)).expect("as many bytes as the line asks for");
+    }
+}
+
+/// All channels of a picture.
+fn channels(picture: &Picture) -> Vec<AnyChannel<Channel<'_>>> {
+    fn channel<'a>(
+        picture: &Picture,
+        name: &str,
+        number: impl Fn(usize) -> f32 + Sync + 'a,
+    ) -> AnyChannel<Channel<'a>> {
+        AnyChannel::new(name, Channel { width: picture.width as usize, number: Box::new(number) })
+    }
+    let mut channels = Vec::new();
+    for (axis, name) in ["R", "G", "B"].into_iter().enumerate() {
+        channels.push(channel(picture, name, move |i| picture.radiance[i][axis]));
+    }
+    if let Some(Layers { radius, sigma, samples }) = &picture.layers {
+        for (name, values) in LAYER_CHANNELS.into_iter().zip([radius, sigma, samples]) {
+            channels.push(channel(picture, name, |i| values[i]));
+        }
+    }
     if let Some(error) = &picture.error {
-        channels.push(channel(ERROR_CHANNEL, error.clone()));
+        channels.push(channel(picture, ERROR_CHANNEL, |i| error[i]));
     }
-
     if let Some(Maps { volume, filters, density }) = &picture.maps {
-        let of_light = (0..3).map(|axis| volume.iter().map(|v| v[axis]).collect());
-        let of_filters: [fn(&ImageFilter) -> f32; 3] = [|f| f.xx, |f| f.xy, |f| f.yy];
-        let of_filters = of_filters.map(|number| filters.iter().map(number).collect());
-        let samples = of_light.chain(of_filters).chain([density.clone()]);
-        channels.extend(MAP_CHANNELS.iter().zip(samples).map(|(name, samples)| channel(name, samples)));
+        let [red, green, blue, xx, xy, yy, rays] = MAP_CHANNELS;
+        for (axis, name) in [red, green, blue].into_iter().enumerate() {
+            channels.push(channel(picture, name, move |i| volume[i][axis]));
+        }
+        channels.push(channel(picture, xx, |i| filters[i].xx));
+        channels.push(channel(picture, xy, |i| filters[i].xy));
+        channels.push(channel(picture, yy, |i| filters[i].yy));
+        channels.push(channel(picture, rays, |i| density[i]));
     }
+    channels
+}
 
+/// Writes the picture as an EXR of one part, f32, ZIP; the same input gives the same bytes.
+pub(crate) fn encode(
+    picture: &Picture,
+    info: &RenderInfo,
+    mut file: impl Read + Write + Seek,
+) -> Result<(), exr::error::Error> {
+    let size = Vec2(picture.width as usize, picture.height as usize);
     let software = concat!("covbeam ", env!("CARGO_PKG_VERSION"));
     let mut attributes = LayerAttributes { software_name: Some(text(software)), ..Default::default() };
     for (name, value) in [
@@ -61,17 +113,10 @@ pub(crate) fn encode(picture: &Picture, info: &RenderInfo) -> Result<Vec<u8>, St
         blocks: Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };
-    let layer = Layer::new(size, attributes, encoding, AnyChannels::sort(channels.into()));
+    let layer = Layer::new(size, attributes, encoding, AnyChannels::sort(channels(picture).into()));
 
-    let mut bytes = Cursor::new(Vec::new());
-    Image::from_layer(layer)
-        .write()
-        .non_parallel()
-        .to_buffered(&mut bytes)
-        .map_err(|error| error.to_string())?;
-    let mut bytes = bytes.into_inner();
-    sort_attributes(&mut bytes);
-    Ok(bytes)
+    Image::from_layer(layer).write().non_parallel().to_unbuffered(&mut file)?;
+    Ok(sort_attributes(&mut file)?)
 }
 
 /// EXR strings are bytes of UTF-8.
@@ -81,21 +126,27 @@ fn text(string: &str) -> Text {
 
 /// Puts the attributes of the header in alphabetical order. The encoder keeps them in a randomly seeded hash map, so
 /// without this two runs would differ in bytes. The header keeps its length, so every offset in the file stays right.
-fn sort_attributes(bytes: &mut [u8]) {
-    const HEADER: usize = 8; // magic number and version
-    let mut attributes = Vec::new();
-    let mut start = HEADER;
-    // name \0 type \0 size:i32 value[size], until an empty name.
-    while bytes[start] != 0 {
-        let after_zero = |from: usize| from + bytes[from..].iter().position(|b| *b == 0).unwrap_or(0) + 1;
-        let size_at = after_zero(after_zero(start));
-        let size = [bytes[size_at], bytes[size_at + 1], bytes[size_at + 2], bytes[size_at + 3]];
-        let end = size_at + 4 + u32::from_le_bytes(size) as usize;
-        attributes.push(bytes[start..end].to_vec());
-        start = end;
+fn sort_attributes(file: &mut (impl Read + Write + Seek)) -> io::Result<()> {
+    const HEADER: SeekFrom = SeekFrom::Start(8); // after the magic number and the version
+    file.seek(HEADER)?;
+    let mut reader = BufReader::new(&mut *file);
+    let mut attributes: Vec<Vec<u8>> = Vec::new();
+    loop {
+        // name \0 type \0 size:i32 value[size], until an empty name.
+        let mut attribute = Vec::new();
+        if reader.read_until(0, &mut attribute)? <= 1 {
+            break;
+        }
+        reader.read_until(0, &mut attribute)?;
+        let mut size = [0; 4];
+        reader.read_exact(&mut size)?;
+        attribute.extend(size);
+        reader.by_ref().take(u32::from_le_bytes(size).into()).read_to_end(&mut attribute)?;
+        attributes.push(attribute);
     }
     attributes.sort();
-    bytes[HEADER..start].copy_from_slice(&attributes.concat());
+    file.seek(HEADER)?;
+    file.write_all(&attributes.concat())
 }
 
 /// The picture in an EXR of any program; see [`crate::output::read_picture`].
@@ -169,25 +220,31 @@ mod tests {
         Picture { width: 35, height: 21, radiance, error: Some(many(7)), layers: Some(layers), maps: None }
     }
 
+    fn encoded(picture: &Picture) -> Vec<u8> {
+        let mut bytes = Cursor::new(Vec::new());
+        encode(picture, &info(), &mut bytes).unwrap();
+        bytes.into_inner()
+    }
+
     #[test]
     fn what_is_encoded_is_decoded_bit_for_bit() {
         let with = picture();
-        assert_eq!(decode(&encode(&with, &info()).unwrap()).unwrap(), with);
+        assert_eq!(decode(&encoded(&with)).unwrap(), with);
         let without = Picture { layers: None, error: None, ..with };
-        assert_eq!(decode(&encode(&without, &info()).unwrap()).unwrap(), without);
+        assert_eq!(decode(&encoded(&without)).unwrap(), without);
     }
 
     #[test]
     fn the_same_picture_gives_the_same_bytes() {
-        let first = encode(&picture(), &info()).unwrap();
+        let first = encoded(&picture());
         for _ in 0..8 {
-            assert!(encode(&picture(), &info()).unwrap() == first);
+            assert!(encoded(&picture()) == first);
         }
     }
 
     #[test]
     fn the_attributes_say_how_the_picture_was_made() {
-        let bytes = encode(&picture(), &info()).unwrap();
+        let bytes = encoded(&picture());
         let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(&bytes), true).unwrap();
         let own = &meta.headers[0].own_attributes;
         let software = own.software_name.as_ref().unwrap();
@@ -221,7 +278,7 @@ mod tests {
     #[test]
     fn what_is_no_picture_is_refused_with_what_was_expected() {
         assert!(decode(b"P6 1 1 255").unwrap_err().contains("expected an OpenEXR picture"));
-        let bytes = encode(&picture(), &info()).unwrap();
+        let bytes = encoded(&picture());
         for length in [0, 4, 9, 100, bytes.len() / 2, bytes.len() - 1] {
             assert!(decode(&bytes[..length]).is_err(), "{length} of {} bytes", bytes.len());
         }

@@ -4,8 +4,8 @@ use crate::compare::luminance;
 use crate::plan::{Plan, Wanted};
 use crate::scene::Scene;
 use covbeam::{
-    FILM_TILE, FILM_TILE_PIXELS, FilmEvidence, FilmFilters, FilmNode, FilmPixel, FilmSample, FilmSums,
-    FilmUnit, ImageFilter, Reconstruction, standard_errors, verify_filters,
+    FILM_TILE, FILM_TILE_PIXELS, FilmEvidence, FilmFilterNode, FilmFilters, FilmNode, FilmPixel, FilmSample,
+    FilmSums, FilmUnit, ImageFilter, Reconstruction, standard_errors, verify_filters,
 };
 use glam::Vec3;
 use rayon::prelude::*;
@@ -26,6 +26,30 @@ pub struct PassImage {
     pub gather: Vec<[f32; 4]>,
     /// The eye rays, where not every pixel has one.
     pub sparse: Option<SparseSamples>,
+}
+
+impl PassImage {
+    /// What the eye rays saw; without a plan, one through every pixel.
+    pub(crate) fn of_samples(
+        pass: u32,
+        [width, height]: [u32; 2],
+        plan: Option<Plan>,
+        samples: Vec<SparseSample>,
+    ) -> Self {
+        let mut image = Self { pass, width, height, ..Self::default() };
+        match plan {
+            Some(plan) => image.sparse = Some(SparseSamples { plan, samples }),
+            None => {
+                image.radiance.resize(samples.len(), Vec3::ZERO);
+                image.gather.resize(samples.len(), [0.0; 4]);
+                for SparseSample { pixel, volume, surfaces, gather, .. } in samples {
+                    image.radiance[pixel as usize] = volume + surfaces;
+                    image.gather[pixel as usize] = gather;
+                }
+            }
+        }
+        image
+    }
 }
 
 /// What few eye rays saw.
@@ -50,6 +74,28 @@ pub struct SparseSample {
     pub surfaces: Vec3,
     /// As [`PassImage::gather`].
     pub gather: [f32; 4],
+}
+
+impl SparseSample {
+    const NOTHING: Self = Self {
+        pixel: 0,
+        wanted: Wanted { volume: false, surfaces: false },
+        volume: Vec3::ZERO,
+        surfaces: Vec3::ZERO,
+        gather: [0.0; 4],
+    };
+
+    /// Room for all samples of a pass: one block, which goes back to the system as a whole. (Small ones, a thread's each, leave holes that
+    /// the picture does not fit into.)
+    pub(crate) fn room(counts: &[usize]) -> Vec<Self> {
+        vec![Self::NOTHING; counts.iter().sum()]
+    }
+
+    /// The parts of that room, as many samples each as `counts` says.
+    pub(crate) fn parts<'a>(mut room: &'a mut [Self], counts: &[usize]) -> Vec<&'a mut [Self]> {
+        let part = |count: &usize| room.split_off_mut(..*count).expect("room for all");
+        counts.iter().map(part).collect()
+    }
 }
 
 /// A finished picture, row by row from the upper left pixel.
@@ -265,13 +311,13 @@ impl Film {
     /// reconstructed with the filters of the latest pass, as far as the two halves of the passes agree with them.
     pub fn picture(&self) -> Picture {
         let passes = f64::from(self.passes.max(1));
-        let (mut pixels, maps) = match &self.plan {
-            Some(plan) => {
-                let (pixels, maps) = self.reconstruct(plan);
-                (pixels, Some(maps))
-            }
-            None => (vec![FilmPixel::default(); self.pixels()], None),
+        let (mut pixels, verified) = match &self.plan {
+            Some(plan) => self.reconstruct(plan),
+            None => (vec![FilmPixel::default(); self.pixels()], Vec::new()),
         };
+        let radiance =
+            |pixels: &[FilmPixel]| -> Vec<Vec3> { pixels.par_iter().map(|pixel| pixel.radiance).collect() };
+        let volume = self.plan.as_ref().map(|_| radiance(&pixels));
         self.add_own(&mut pixels);
         let halves = self.odd_passes > 0 && self.odd_passes < self.passes;
         let error = halves.then(|| {
@@ -282,18 +328,28 @@ impl Film {
             });
             error
         });
+        let radiance = radiance(&pixels);
+        // Before the layers and maps take their place.
+        drop(pixels);
         let share = |sum: i64, whole: i64| if whole == 0 { 0.0 } else { (sum as f64 / whole as f64) as f32 };
         let layers = (!self.gather.is_empty()).then(|| Layers {
-            radius: self.gather.iter().map(|s| share(s[1], s[0])).collect(),
-            sigma: self.gather.iter().map(|s| share(s[2], s[0])).collect(),
-            samples: self.gather.iter().map(|s| (s[3] as f64 / UNITS / passes) as f32).collect(),
+            radius: self.gather.par_iter().map(|s| share(s[1], s[0])).collect(),
+            sigma: self.gather.par_iter().map(|s| share(s[2], s[0])).collect(),
+            samples: self.gather.par_iter().map(|s| (s[3] as f64 / UNITS / passes) as f32).collect(),
         });
-        let radiance = pixels.iter().map(|pixel| pixel.radiance).collect();
-        Picture { width: self.width, height: self.height, radiance, error, layers, maps }
+        let (width, height) = (self.width, self.height);
+        let maps = self.plan.as_ref().zip(volume).map(|(plan, volume)| {
+            let surfaces = plan.surfaces();
+            let filters = FilmFilters::of(*surfaces.lattice(), surfaces.regions(), &verified).expect(FITS);
+            let all = (0..width * height).into_par_iter();
+            let filters = all.map(|pixel| filters.filter(pixel % width, pixel / width)).collect();
+            Maps { volume, filters, density: plan.density().to_vec() }
+        });
+        Picture { width, height, radiance, error, layers, maps }
     }
 
-    /// The fog before the first surface.
-    fn reconstruct(&self, plan: &Plan) -> (Vec<FilmPixel>, Maps) {
+    /// The fog before the first surface, and its filters at the nodes of the lattice.
+    fn reconstruct(&self, plan: &Plan) -> (Vec<FilmPixel>, Vec<FilmFilterNode>) {
         let (width, height) = (self.width, self.height);
         let sums = self.volume.par_iter().zip(&self.density);
         let samples: Vec<FilmSample> =
@@ -323,13 +379,7 @@ impl Film {
                 }
             }
         });
-        let all = (0..self.pixels() as u32).into_par_iter();
-        let maps = Maps {
-            volume: pixels.iter().map(|pixel| pixel.radiance).collect(),
-            filters: all.map(|pixel| filters.filter(pixel % width, pixel / width)).collect(),
-            density: plan.density().to_vec(),
-        };
-        (pixels, maps)
+        (pixels, verified)
     }
 
     /// Adds the light that pixels keep to themselves. Pixels without an eye ray for it take that of the nearest ones as long as they have
@@ -339,8 +389,9 @@ impl Film {
             return;
         }
         let mean = |sums: &FilmSums| sums.sample(&self.unit, f64::from(sums.rays()));
-        let around = self.plan.as_ref().map(|plan| {
-            let samples: Vec<FilmSample> = self.own.iter().map(mean).collect();
+        let is_sparse = self.own.par_iter().any(|sums| sums.rays() == 0);
+        let around = self.plan.as_ref().filter(|_| is_sparse).map(|plan| {
+            let samples: Vec<FilmSample> = self.own.par_iter().map(mean).collect();
             let nodes = vec![FilmNode::default(); Reconstruction::node_count(self.width, self.height)];
             (samples, nodes, plan.surfaces().regions())
         });
@@ -349,7 +400,7 @@ impl Film {
             pixel.difference += own.halves().map_or(0.0, |[odd, even]| odd - even);
         };
         match around {
-            None => pixels.iter_mut().zip(&self.own).for_each(|(pixel, sums)| add(pixel, mean(sums))),
+            None => pixels.par_iter_mut().zip(&self.own).for_each(|(pixel, sums)| add(pixel, mean(sums))),
             Some((samples, mut nodes, regions)) => {
                 let around =
                     Reconstruction::new(self.width, self.height, &samples, regions, &mut nodes).expect(FITS);

@@ -2,7 +2,7 @@
 
 use crate::compare::luminance;
 use crate::eye::{EyeSegment, EyeTracer};
-use crate::film::{PassImage, SparseSample, SparseSamples};
+use crate::film::{PassImage, SparseSample};
 use crate::first_hits::FirstHits;
 use crate::fog::Fog;
 use crate::optics::Interior;
@@ -111,21 +111,10 @@ struct Stretch {
     error: f32,
 }
 
-/// What an eye ray found.
-#[derive(Clone, Copy)]
-struct Found {
-    wanted: Wanted,
-    /// The fog before the first surface.
-    volume: Vec3,
-    /// What is beyond it.
-    surfaces: Vec3,
-    shadow_rays: u32,
-}
-
-/// A row of pixels.
-struct Row {
-    pixels: Vec<Found>,
+/// What a row of pixels cost.
+struct Cost {
     seconds: f64,
+    shadow_rays: u64,
 }
 
 /// Memory that a thread keeps from pixel to pixel.
@@ -159,35 +148,40 @@ impl Marcher<'_> {
         let start = Instant::now();
         let spread = self.spread(&tracer);
         let mut seconds = start.elapsed().as_secs_f64();
-        let rows: Option<Vec<Row>> = (0..height)
+        let counts: Vec<usize> = (0..height).into_par_iter().map(|y| self.wanted(y).count()).collect();
+        let mut samples = SparseSample::room(&counts);
+        let costs: Option<Vec<Cost>> = SparseSample::parts(&mut samples, &counts)
             .into_par_iter()
-            .map_init(Scratch::default, |scratch, y| {
+            .zip(0..height)
+            .map_init(Scratch::default, |scratch, (row, y)| {
                 if cancelled() {
                     return None;
                 }
                 let start = Instant::now();
-                let row = (0..width).map(|x| self.pixel(x, y, &tracer, &spread, scratch)).collect();
-                Some(Row { pixels: row, seconds: start.elapsed().as_secs_f64() })
+                let mut shadow_rays = 0;
+                for (seen, (x, wanted)) in row.iter_mut().zip(self.wanted(y)) {
+                    let count;
+                    (*seen, count) = self.pixel(x, y, wanted, &tracer, &spread, scratch);
+                    shadow_rays += u64::from(count);
+                }
+                Some(Cost { seconds: start.elapsed().as_secs_f64(), shadow_rays })
             })
             .collect();
-        let mut image = PassImage { pass: self.key[1], width, height, ..PassImage::default() };
-        let mut samples = Vec::new();
         let mut all_rays = self.guide.map_or(0, |guide| guide.first_hits.iter().map(FirstHits::rays).sum());
-        for (y, Row { pixels, seconds: time }) in (0..).zip(rows?) {
-            seconds += time;
-            for (x, Found { wanted, volume, surfaces, shadow_rays }) in (0..).zip(pixels) {
-                let gather = [0.0, 0.0, 0.0, shadow_rays as f32];
-                if self.plan.is_none() {
-                    image.radiance.push(volume + surfaces);
-                    image.gather.push(gather);
-                } else if !wanted.is_nothing() {
-                    samples.push(SparseSample { pixel: y * width + x, wanted, volume, surfaces, gather });
-                }
-                all_rays += u64::from(shadow_rays);
-            }
+        for cost in costs? {
+            seconds += cost.seconds;
+            all_rays += cost.shadow_rays;
         }
-        image.sparse = self.plan.clone().map(|plan| SparseSamples { plan, samples });
+        let image = PassImage::of_samples(self.key[1], [width, height], self.plan.clone(), samples);
         Some((image, seconds, all_rays))
+    }
+
+    /// The pixels of a row that get an eye ray, and what is wanted from it.
+    fn wanted(&self, y: u32) -> impl Iterator<Item = (u32, Wanted)> {
+        (0..self.scene.camera.width).filter_map(move |x| {
+            let wanted = self.plan.as_ref().map_or(Wanted::ALL, |plan| plan.wanted(x, y, self.key[0]));
+            (!wanted.is_nothing()).then_some((x, wanted))
+        })
     }
 
     /// The eye path through a pixel, and for the adaptive placement what it is expected to need.
@@ -304,16 +298,21 @@ impl Marcher<'_> {
         Spread { floor, mean: if sum > 0.0 { sum / count as f32 } else { 1.0 } }
     }
 
-    fn pixel(&self, x: u32, y: u32, tracer: &EyeTracer, spread: &Spread, scratch: &mut Scratch) -> Found {
+    /// What the eye ray of a pixel sees, and the number of shadow rays.
+    fn pixel(
+        &self,
+        x: u32,
+        y: u32,
+        wanted: Wanted,
+        tracer: &EyeTracer,
+        spread: &Spread,
+        scratch: &mut Scratch,
+    ) -> (SparseSample, u32) {
         let [seed, pass] = self.key;
-        let wanted = self.plan.as_ref().map_or(Wanted::ALL, |plan| plan.wanted(x, y, seed));
-        let mut found = Found { wanted, volume: Vec3::ZERO, surfaces: Vec3::ZERO, shadow_rays: 0 };
-        if wanted.is_nothing() {
-            return found;
-        }
+        let pixel = y * self.scene.camera.width + x;
         let seen = self.look(x, y, wanted, tracer, scratch);
-        found.surfaces = seen.radiance;
-        let mut random = Random::new([seed, pass, y * self.scene.camera.width + x, MARCH_KEY]);
+        let (mut volume, mut surfaces, mut shadow_rays) = (Vec3::ZERO, seen.radiance, 0);
+        let mut random = Random::new([seed, pass, pixel, MARCH_KEY]);
         for stretch in &seen.stretches {
             let mut samples = self.marching.samples as usize;
             if self.marching.placement == Placement::Adaptive {
@@ -323,13 +322,14 @@ impl Marcher<'_> {
             let (scattered, count) = self.march(stretch, samples, &mut random, scratch);
             let radiance = stretch.segment.throughput * scattered;
             if stretch.segment.is_first() {
-                found.volume += radiance;
+                volume += radiance;
             } else {
-                found.surfaces += radiance;
+                surfaces += radiance;
             }
-            found.shadow_rays += count;
+            shadow_rays += count;
         }
-        found
+        let gather = [0.0, 0.0, 0.0, shadow_rays as f32];
+        (SparseSample { pixel, wanted, volume, surfaces, gather }, shadow_rays)
     }
 
     /// Light scattered once along a stretch, and the number of shadow rays.

@@ -4,6 +4,7 @@ use crate::compare::luminance;
 use crate::exr_format;
 use crate::film::Picture;
 use crate::maps::Bitmap;
+use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
@@ -84,9 +85,16 @@ pub fn replace_file(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), OutputError> {
+    replace_with(path, |file| write(file).map_err(|source| write_error(path, source)))
+}
+
+fn replace_with(
+    path: &Path,
+    write: impl FnOnce(&mut File) -> Result<(), OutputError>,
+) -> Result<(), OutputError> {
     let mut file = create_beside(path)?;
-    let written = write(file.as_file_mut()).and_then(|()| file.as_file().sync_all());
-    written.map_err(|source| write_error(path, source))?;
+    write(file.as_file_mut())?;
+    file.as_file().sync_all().map_err(|source| write_error(path, source))?;
     file.persist(path).map_err(|refused| write_error(path, refused.error))?;
     Ok(())
 }
@@ -133,9 +141,12 @@ fn write_error(path: &Path, source: io::Error) -> OutputError {
 /// # Errors
 /// As [`replace_file`].
 pub fn write_exr(path: &Path, picture: &Picture, info: &RenderInfo) -> Result<(), OutputError> {
-    let bytes = exr_format::encode(picture, info)
-        .map_err(|message| OutputError::Encode { path: path.to_owned(), message })?;
-    replace_file(path, |file| file.write_all(&bytes))
+    replace_with(path, |file| {
+        exr_format::encode(picture, info, file).map_err(|error| match error {
+            exr::error::Error::Io(source) => write_error(path, source),
+            other => OutputError::Encode { path: path.to_owned(), message: other.to_string() },
+        })
+    })
 }
 
 /// Reads the picture of an EXR, of covbeam or of another renderer: channels R, G, B or, if there is no R, Y (grey);
@@ -203,10 +214,14 @@ pub fn preview_exposed_as(picture: &Picture, exposed: &Picture) -> Vec<u8> {
     const SHOWN_AT_90_PERCENT: f32 = 1.154_517_7;
 
     let mut lit: Vec<f32> = exposed.radiance.iter().map(|v| luminance(*v)).filter(|l| *l > 0.0).collect();
-    lit.sort_by(f32::total_cmp);
-    let percentile = |percent: usize| lit.get(lit.len() * percent / 100).copied().unwrap_or(1.0);
+    let mut percentile = |percent: usize| {
+        let index = lit.len() * percent / 100;
+        if lit.is_empty() { 1.0 } else { *lit.select_nth_unstable_by(index, f32::total_cmp).1 }
+    };
     let middle = MIDDLE_GREY / SHOWN_AT_90_PERCENT * percentile(99);
     let grey = percentile(50).max(middle);
+    // Before the bytes take their place.
+    drop(lit);
     let show = |value: f32| {
         let exposed = value / grey * MIDDLE_GREY;
         let shown =

@@ -44,9 +44,9 @@ impl Wanted {
 #[derive(Debug, PartialEq)]
 pub struct FirstSurfaces {
     camera: Camera,
-    /// Along the viewing axis; infinite where there is none.
+    /// Along the viewing axis, at the nodes of the lattice; infinite where there is none.
     depth: Vec<f32>,
-    /// Whether it is black, or there is none.
+    /// Of each pixel: whether it is black, or there is none.
     black: Vec<bool>,
     regions: Vec<u32>,
     lattice: FilmLattice,
@@ -72,6 +72,8 @@ impl FirstSurfaces {
             .expect("a scene's picture is not too large");
         let lattice =
             FilmLattice::new(camera.width, camera.height).expect("a scene's picture is not too large");
+        let at = |[x, y]: [u32; 2]| depth[(y * camera.width + x) as usize];
+        let depth = (0..lattice.node_count()).map(|node| at(lattice.pixel(node))).collect();
         Self { camera, depth, black, regions, lattice }
     }
 
@@ -104,7 +106,9 @@ impl FirstSurfaces {
     fn ray(&self, x: u32, y: u32) -> EyeRay {
         let camera = &self.camera;
         let direction = middle(camera, x, y);
-        let depth = self.depth[(y * camera.width + x) as usize];
+        // Of the node that stands at this pixel.
+        let lattice = &self.lattice;
+        let depth = self.depth[(y / lattice.spacing * lattice.across + x / lattice.spacing) as usize];
         EyeRay { origin: camera.position, direction, length: depth / direction.dot(camera.forward) }
     }
 }

@@ -139,6 +139,8 @@ pub fn render<E>(
             break;
         };
         film.add(&image).map_err(|source| RenderError::Pass { pass: index, source })?;
+        // Before a picture takes its place.
+        drop(image);
         progress.passes = index;
         progress.last = start.elapsed() - begun;
         progress.elapsed = start.elapsed();

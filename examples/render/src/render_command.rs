@@ -156,12 +156,15 @@ struct Files {
 
 impl Files {
     fn save(&self, film: &Film) -> Result<(), OutputError> {
-        let picture = film.picture();
+        let mut picture = film.picture();
         write_exr(&self.exr, &picture, &RenderInfo { passes: film.passes(), ..self.info.clone() })?;
         write_png(&self.png(), &picture)?;
-        if let (true, Some(maps)) = (self.maps, &picture.maps) {
-            write_bitmap(&self.beside("density"), &density_map(&picture, maps))?;
-            write_bitmap(&self.beside("filters"), &filter_map(&picture, maps))?;
+        if let (true, Some(mut maps)) = (self.maps, picture.maps.take()) {
+            write_bitmap(&self.beside("density"), &density_map(&picture, &maps))?;
+            // The last map has nine pixels for one of the picture: what it does not show makes room.
+            (picture.error, picture.layers) = (None, None);
+            (maps.volume, maps.density) = (Vec::new(), Vec::new());
+            write_bitmap(&self.beside("filters"), &filter_map(&picture, &maps))?;
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! The eye rays of one pass: through which pixels, and what they see.
 
 use crate::eye::{EyeSegment, EyeTracer};
-use crate::film::{PassImage, SparseSample, SparseSamples};
+use crate::film::{PassImage, SparseSample};
 use crate::fog::Fog;
 use crate::plan::{Plan, Wanted};
 use crate::random::Random;
@@ -42,71 +42,58 @@ impl View<'_> {
         let (across, down) = (width.div_ceil(TILE), height.div_ceil(TILE));
         // Tiles cost unlike amounts: each is a task, and threads take turns with the buffers.
         let idle = Mutex::new(Vec::new());
-        let tiles: Option<Vec<Tile>> = (0..across * down)
+        let corner = |tile: usize| [tile as u32 % across * TILE, tile as u32 / across * TILE];
+        let tiles = (0..(across * down) as usize).into_par_iter();
+        let counts: Vec<usize> = tiles.map(|tile| self.wanted(corner(tile)).count()).collect();
+        let mut samples = SparseSample::room(&counts);
+        let costs: Option<Vec<Cost>> = SparseSample::parts(&mut samples, &counts)
             .into_par_iter()
+            .enumerate()
             .with_max_len(1)
-            .map(|tile| {
+            .map(|(tile, seen)| {
                 if cancelled() {
                     return None;
                 }
                 let mut scratch: Scratch =
                     idle.lock().expect("no thread panics with it").pop().unwrap_or_default();
-                let tile = self.tile([tile % across * TILE, tile / across * TILE], &mut scratch);
+                let cost = self.tile(corner(tile), seen, &mut scratch);
                 idle.lock().expect("no thread panics with it").push(scratch);
-                Some(tile)
+                Some(cost)
             })
             .collect();
-        let mut cost = Cost { seconds: 0.0, pairs: 0 };
-        let mut image = PassImage { pass: self.pass, width, height, ..PassImage::default() };
-        let mut samples = Vec::new();
-        for tile in tiles? {
-            cost.seconds += tile.seconds;
-            cost.pairs += tile.pairs;
-            samples.extend(tile.seen);
+        let mut all = Cost { seconds: 0.0, pairs: 0 };
+        for cost in costs? {
+            all.seconds += cost.seconds;
+            all.pairs += cost.pairs;
         }
-        match self.plan {
-            Some(plan) => image.sparse = Some(SparseSamples { plan, samples }),
-            None => {
-                let pixels = (width * height) as usize;
-                image.radiance.resize(pixels, Vec3::ZERO);
-                image.gather.resize(pixels, [0.0; 4]);
-                for SparseSample { pixel, volume, surfaces, gather, .. } in samples {
-                    image.radiance[pixel as usize] = volume + surfaces;
-                    image.gather[pixel as usize] = gather;
-                }
-            }
-        }
-        Some((image, cost))
+        Some((PassImage::of_samples(self.pass, [width, height], self.plan, samples), all))
     }
 
-    fn tile(&self, [x0, y0]: [u32; 2], scratch: &mut Scratch) -> Tile {
+    /// The pixels of a tile that get an eye ray, and what is wanted from it.
+    fn wanted(&self, [x0, y0]: [u32; 2]) -> impl Iterator<Item = (u32, u32, Wanted)> {
+        let (width, height) = (self.scene.camera.width, self.scene.camera.height);
+        // Along a Z-shaped curve, so that rays that follow each other lie close together however few there are.
+        let pixels = (0..TILE * TILE)
+            .map(move |place| (x0 + every_second_bit(place), y0 + every_second_bit(place >> 1)));
+        pixels.filter(move |(x, y)| *x < width && *y < height).filter_map(|(x, y)| {
+            let wanted = self.plan.as_ref().map_or(Wanted::ALL, |plan| plan.wanted(x, y, self.seed));
+            (!wanted.is_nothing()).then_some((x, y, wanted))
+        })
+    }
+
+    /// What the eye rays of a tile see.
+    fn tile(&self, corner: [u32; 2], seen: &mut [SparseSample], scratch: &mut Scratch) -> Cost {
         let start = Instant::now();
         let camera = &self.scene.camera;
         let [jx, jy] = pixel_offset(self.seed, self.pass);
         let Scratch { segments, rays, gathered, gather } = scratch;
         segments.clear();
-        let mut all = Vec::new();
-        // Along a Z-shaped curve, so that rays that follow each other lie close together however few there are.
-        for place in 0..TILE * TILE {
-            let (x, y) = (x0 + every_second_bit(place), y0 + every_second_bit(place >> 1));
-            if x >= camera.width || y >= camera.height {
-                continue;
-            }
-            let wanted = self.plan.as_ref().map_or(Wanted::ALL, |plan| plan.wanted(x, y, self.seed));
-            if wanted.is_nothing() {
-                continue;
-            }
+        for ((number, seen), (x, y, wanted)) in (0..).zip(&mut *seen).zip(self.wanted(corner)) {
             let direction = camera.direction(x as f32 + jx, y as f32 + jy);
-            let mut random = Random::new([self.seed, self.pass, y * camera.width + x, 0xe7e]);
-            let number = all.len() as u32;
+            let pixel = y * camera.width + x;
+            let mut random = Random::new([self.seed, self.pass, pixel, 0xe7e]);
             let surfaces = self.tracer.trace_wanted(direction, number, wanted, &mut random, segments);
-            all.push(SparseSample {
-                pixel: y * camera.width + x,
-                wanted,
-                volume: Vec3::ZERO,
-                surfaces,
-                gather: [0.0; 4],
-            });
+            *seen = SparseSample { pixel, wanted, volume: Vec3::ZERO, surfaces, gather: [0.0; 4] };
         }
         // Paths that met the same surfaces run side by side.
         segments.sort_by_key(|segment| (segment.medium, segment.signature, segment.pixel));
@@ -124,7 +111,7 @@ impl View<'_> {
             let radius = if planned { &narrow } else { self.radius };
             self.maps[medium].gather(rays, fog.medium, &fog.density, radius, gathered, gather);
             for (segment, gathered) in group.iter().zip(gathered.iter()) {
-                let seen = &mut all[segment.pixel as usize];
+                let seen = &mut seen[segment.pixel as usize];
                 let radiance = segment.throughput * gathered.radiance;
                 if segment.is_first() {
                     seen.volume += radiance;
@@ -144,19 +131,13 @@ impl View<'_> {
                 pairs += u64::from(gathered.pairs);
             }
         }
-        Tile { seen: all, pairs, seconds: start.elapsed().as_secs_f64() }
+        Cost { seconds: start.elapsed().as_secs_f64(), pairs }
     }
 }
 
 /// Bits 0, 2, 4, … of a number below 2¹⁰, side by side.
 fn every_second_bit(number: u32) -> u32 {
     (0..5).fold(0, |sum, bit| sum | ((number >> bit) & (1 << bit)))
-}
-
-struct Tile {
-    seen: Vec<SparseSample>,
-    pairs: u64,
-    seconds: f64,
 }
 
 /// Buffers that a thread keeps from tile to tile.
