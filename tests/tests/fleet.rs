@@ -36,7 +36,7 @@ fn no_block_of_a_small_fleet_differs_from_plain_beams_or_light_tracing() {
         })
         .collect();
     let level = level(suspects.len());
-    let failing: Vec<_> = suspects.iter().filter(|(_, suspect)| suspect.judged.p < level).collect();
+    let failing: Vec<_> = suspects.iter().filter(|(_, suspect)| suspect.fails(level)).collect();
     assert!(failing.is_empty(), "{} failing blocks: {failing:#?}", failing.len());
 }
 
@@ -60,7 +60,7 @@ fn a_planted_halo_is_seen() {
             row.iter_mut().zip(spread).for_each(|(value, spread)| *value = 0.8 * *value + 0.2 * spread);
         }
     }
-    let found = covbeam_tests::fleet::blocks::compare(&halo, &reference);
+    let found = covbeam_tests::fleet::blocks::compare(&halo, &reference, &rings(&mean(&reference)));
     // The level of a hundred suspects.
     let seen = found.iter().filter(|verdict| verdict.p < level(100)).count();
     assert!(seen >= 4, "{seen} of {} blocks", found.len());

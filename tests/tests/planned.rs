@@ -69,7 +69,7 @@ fn planned_eye_rays_change_no_region_mean() {
     let means = |planned: bool, first: u32| -> Vec<Vec<f64>> {
         let mut means = vec![Vec::new(); 6];
         for seed in first..first + runs {
-            let picture = picture(&scene, planned, 2000, seed, 1..=8);
+            let picture = picture(&scene, planned, 2000, seed, 1..=16);
             for (means, region) in means.iter_mut().zip(of_ball(64)) {
                 let inside = (0..64 * 64_u32).filter(|pixel| region.contains(pixel % 64, pixel / 64));
                 let sum: f64 = inside.map(|pixel| f64::from(picture.radiance[pixel as usize].x)).sum();

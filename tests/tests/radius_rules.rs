@@ -211,7 +211,7 @@ fn a_pass_that_was_cancelled_leaves_no_trace_in_the_radii() {
             let cancelled = || left.fetch_sub(1, std::sync::atomic::Ordering::Relaxed) <= 0;
             let gave_up = renderer.pass(4, &cancelled).is_none();
             assert!(gave_up, "{polls} polls are enough for a pass");
-            let mut film = Film::new(32, 32);
+            let mut film = Film::of_scene(&scene);
             film.add(&renderer.pass(2, &|| false).expect("not cancelled").0).expect("finite");
             assert!(film.picture() == clean, "{rule:?} after {polls} polls");
         }

@@ -230,7 +230,7 @@ fn what_a_file_does_not_say_has_a_default() {
     assert_eq!((scene.grid.min, scene.grid.max), (Vec3::splat(-10.0), Vec3::splat(10.0)));
     let settings = scene.settings;
     assert_eq!((settings.passes, settings.photons, settings.seed), (64, 5000, 1));
-    assert_eq!((settings.alpha, settings.error, settings.light_field_share), (0.5, 0.01, 0.1));
+    assert_eq!((settings.alpha, settings.error, settings.light_field_share), (0.8, 0.01, 0.1));
     assert_eq!(settings.kernel, Kernel::Epanechnikov);
 }
 

@@ -17,6 +17,10 @@ const SPLITS: u32 = 4;
 /// Paths lighter than this play roulette.
 const LIGHT_PATH: f32 = 0.02;
 
+/// From so many surfaces on a path goes on with this chance: total reflection can hold one inside clear glass for ever.
+const LONG_PATH: u32 = 64;
+const GOING_ON: f32 = 0.9;
+
 /// Signature of paths that have met no surface.
 const FIRST: u64 = 0;
 
@@ -125,6 +129,12 @@ impl EyeTracer<'_> {
                 }
                 branch.throughput *= LIGHT_PATH / weight;
             }
+            if branch.depth > LONG_PATH {
+                if random.uniform() >= GOING_ON {
+                    continue;
+                }
+                branch.throughput /= GOING_ON;
+            }
             let hit = scene.intersect(branch.origin, branch.direction, f32::INFINITY);
             let length = hit.map_or(f32::INFINITY, |hit| hit.distance);
             if let Some(id) = branch.interior.medium(scene) {
@@ -210,5 +220,26 @@ impl Branch {
             depth: self.depth + 1,
             signature: mix(self.signature ^ (u64::from(hit.object) << 2) ^ kind),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    /// In a box of glass a ray along (1, 1, 1) meets every side at 54.7°, beyond the critical angle of 41.8°.
+    #[test]
+    fn a_path_that_is_reflected_for_ever_ends() {
+        let text = "[camera]\nposition = [0.1, 0.2, 0.3]\nlook_at = [1.1, 1.2, 1.3]\nvertical_fov = 1\nwidth = 1\nheight = 1\n\
+             [[object]]\nshape = \"box\"\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\nmaterial = { dielectric = { index = 1.5 } }\n\
+             [[light]]\nkind = \"point\"\nposition = [0, 5, 0]\nintensity = 1\n";
+        let scene = Scene::parse(text, "glass", Path::new("")).unwrap();
+        let surfaces = SurfaceMap::build(Vec::new(), 1.0, 1.0);
+        let interior = Interior::at(&scene, scene.camera.position);
+        let tracer = EyeTracer { scene: &scene, fogs: &[], interior, surfaces: &surfaces };
+        let direction = Vec3::ONE.normalize();
+        let seen = tracer.trace(direction, 0, &mut Random::new([0; 4]), &mut Vec::new());
+        assert_eq!(seen, Vec3::ZERO);
     }
 }

@@ -26,7 +26,7 @@ use std::time::Instant;
 /// Every one of the first passes traces light fields, and after them one pass in so many: the grid's own noise falls with the number of
 /// light fields, and later ones change it little. Where surfaces scatter much light they cost as much as all the rest of a pass.
 const FIRST_FIELD_PASSES: u32 = 8;
-const FIELD_PASS_EVERY: u32 = 4;
+const FIELD_PASS_EVERY: u32 = 8;
 
 /// Light paths that one task traces.
 const CHUNK: u32 = 64;
@@ -188,7 +188,7 @@ impl<'a> Renderer<'a> {
 
     /// Pass `index`, counted from 1. `cancelled` is polled a few hundred times a pass; None = it said yes.
     ///
-    /// The adaptive method's pass i uses the light fields of passes 1 to i, those that have any: the first eight, and every fourth after them.
+    /// The adaptive method's pass i uses the light fields of passes 1 to i, those that have any: the first eight, and every eighth after them.
     /// Asked for out of order, it traces those of the earlier passes that it has not seen.
     pub fn pass(
         &mut self,
@@ -528,11 +528,11 @@ mod tests {
     #[test]
     fn passes_with_light_fields_follow_one_another() {
         let mut found = vec![];
-        while found.last() < Some(&20) {
+        while found.last() < Some(&32) {
             found.push(next_field_pass(*found.last().unwrap_or(&0)));
         }
-        assert_eq!(found, [1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20]);
-        for passes in 0..=20 {
+        assert_eq!(found, [1, 2, 3, 4, 5, 6, 7, 8, 16, 24, 32]);
+        for passes in 0..=32 {
             let seen: Vec<u32> = found.iter().copied().filter(|pass| *pass <= passes).collect();
             assert_eq!(latest_field_pass(passes), seen.last().copied().unwrap_or(0));
             assert_eq!(field_passes(passes), seen.len() as u32);

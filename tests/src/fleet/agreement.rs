@@ -1,7 +1,8 @@
-//! The default method held against others on one scene, block by block: see [`super::blocks`].
+//! The default method held against others on one scene, block by block and ring by ring: see [`super::blocks`].
 
 use super::blocks::{SUSPECT, Verdict, compare};
-use super::runs::{Estimator, light_tracing_sees_all, pictures};
+use super::rings::rings;
+use super::runs::{Estimator, light_tracing_sees_all, mean, pictures};
 use crate::statistics::sidak;
 use covbeam_render::film::{FilmError, Picture};
 use covbeam_render::scene::Scene;
@@ -11,6 +12,10 @@ pub const RUNS: u32 = 8;
 
 /// Chance that a fleet of sound pictures has a failing block.
 const FAMILY_WISE: f64 = 0.01;
+
+/// p-value below which the default differs from plain beams. No level of a test: it can only clear suspects, so that no sound block fails
+/// more often for it; and a halo that is seen at [`FAMILY_WISE`] is far below it.
+const OWN: f64 = 0.05;
 
 /// Passes of each run.
 #[derive(Clone, Copy, Debug)]
@@ -23,22 +28,32 @@ pub struct Passes {
     pub light: u32,
 }
 
-/// A block that the first runs made suspect.
+/// A block or ring that the first runs made suspect.
 #[derive(Clone, Copy, Debug)]
 pub struct Suspect {
-    /// Row by row.
-    pub block: usize,
+    /// Blocks row by row, and then the rings.
+    pub region: usize,
     /// [`Estimator::Reference`] or [`Estimator::Light`].
     pub against: Estimator,
     /// Of the default's fresh runs.
     pub judged: Verdict,
-    /// Of runs of plain beams with the default's passes and radius, against the same: small too where it is not the default's own doing.
+    /// Of the same against runs of plain beams with the default's passes and radius: what both do alike is the radius' blur, and falls with
+    /// the passes.
     pub plain: Verdict,
+}
+
+impl Suspect {
+    /// Whether the default is wrong there, and not only as blurred as plain beams are.
+    ///
+    /// - `level`: see [`level`].
+    pub fn fails(&self, level: f64) -> bool {
+        self.judged.p < level && self.plain.p < OWN
+    }
 }
 
 /// What was found.
 pub struct Agreement {
-    /// Blocks to judge, once those of all scenes are known.
+    /// Blocks and rings to judge, once those of all scenes are known.
     pub suspects: Vec<Suspect>,
     /// Whether light tracing could be asked.
     pub light_traced: bool,
@@ -67,12 +82,13 @@ pub fn examine(scene: &Scene, passes: Passes) -> Result<Agreement, FilmError> {
     };
     let (tested, reference) = (runs(Estimator::Default, 0)?, runs(Estimator::Reference, 0)?);
     let light_traced = light_tracing_sees_all(scene);
+    let rings = rings(&mean(&reference));
     let mut suspects = Vec::new();
     let mut fresh = None;
     for against in [Estimator::Reference, Estimator::Light] {
         let first = match against {
-            Estimator::Reference => compare(&tested, &reference),
-            _ if light_traced => compare(&tested, &runs(against, 0)?),
+            Estimator::Reference => compare(&tested, &reference, &rings),
+            _ if light_traced => compare(&tested, &runs(against, 0)?, &rings),
             _ => continue,
         };
         let suspected = |verdict: &Verdict| verdict.p < SUSPECT;
@@ -84,10 +100,10 @@ pub fn examine(scene: &Scene, passes: Passes) -> Result<Agreement, FilmError> {
         }
         let (tested, plain) = fresh.as_ref().expect("made above");
         let others = runs(against, 1)?;
-        let judged = compare(tested, &others).into_iter().zip(compare(plain, &others));
-        for (block, (first, (judged, plain))) in first.iter().zip(judged).enumerate() {
+        let judged = compare(tested, &others, &rings).into_iter().zip(compare(tested, plain, &rings));
+        for (region, (first, (judged, plain))) in first.iter().zip(judged).enumerate() {
             if suspected(first) {
-                suspects.push(Suspect { block, against, judged, plain });
+                suspects.push(Suspect { region, against, judged, plain });
             }
         }
     }

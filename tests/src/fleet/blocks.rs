@@ -1,4 +1,5 @@
-//! Blocks of pixels that two estimators must agree on, all of them, with the chance of a false alarm stated.
+//! Blocks of pixels, and rings around the brightest part, that two estimators must agree on, all of them, with the chance of a false alarm
+//! stated. A ring sees what no block does: a faint halo all around a cone.
 //!
 //! In two steps, each with runs of its own. The first *suspects* blocks: Welch's t-test, rejecting at [`SUSPECT`], where one in a thousand
 //! sound blocks is suspected by chance. The second judges the suspects alone, from fresh runs with other seeds: Welch again, at the level
@@ -10,6 +11,7 @@
 //! at which neither power nor the tails of the distribution are what they should be: means of few bright events are skewed, and Student's
 //! quantiles are only as good as the normal distribution is so far out. With some tens of suspects the level is some 1e-4.
 
+use super::rings::ENDS;
 use crate::statistics::{Sample, welch};
 use covbeam_render::compare::luminance;
 use covbeam_render::film::Picture;
@@ -36,6 +38,17 @@ pub fn means(picture: &Picture) -> Vec<f64> {
     sums.iter().map(|[sum, count]| sum / count).collect()
 }
 
+/// Luminance of all pixels of each ring.
+fn ring_sums(picture: &Picture, rings: &[Option<usize>]) -> Vec<f64> {
+    let mut sums = vec![0.0; ENDS.len()];
+    for (ring, value) in rings.iter().zip(&picture.radiance) {
+        if let Some(ring) = ring {
+            sums[*ring] += f64::from(luminance(*value));
+        }
+    }
+    sums
+}
+
 /// The block of a pixel.
 pub fn block_of(width: u32, pixel: u32) -> usize {
     let (x, y) = (pixel % width, pixel / width);
@@ -51,10 +64,14 @@ pub struct Verdict {
     pub ratio: f64,
 }
 
-/// Compares the blocks of independent pictures, at least two of either kind.
-pub fn compare(tested: &[Picture], against: &[Picture]) -> Vec<Verdict> {
-    let [tested, against] =
-        [tested, against].map(|pictures| pictures.iter().map(means).collect::<Vec<Vec<f64>>>());
+/// Compares the blocks, and after them the rings, of independent pictures, at least two of either kind.
+///
+/// - `rings`: of each pixel, as [`super::rings::rings`] finds them.
+pub fn compare(tested: &[Picture], against: &[Picture], rings: &[Option<usize>]) -> Vec<Verdict> {
+    let [tested, against] = [tested, against].map(|pictures| {
+        let of = |picture: &Picture| [means(picture), ring_sums(picture, rings)].concat();
+        pictures.iter().map(of).collect::<Vec<Vec<f64>>>()
+    });
     let sample = |runs: &[Vec<f64>], block: usize| {
         Sample::of(&runs.iter().map(|means| means[block]).collect::<Vec<f64>>())
     };
@@ -113,21 +130,45 @@ mod tests {
         };
         let suspects =
             |verdicts: Vec<Verdict>| verdicts.iter().filter(|verdict| verdict.p < 0.05).count() as f64;
-        let share = suspects(compare(&runs(1.0), &runs(1.0))) / 200.0;
+        let share = suspects(compare(&runs(1.0), &runs(1.0), &[])) / 200.0;
         // The mean of eight pixels has error .011 a run; 1 % is allowed on top of 5 % of false alarms.
         assert!(share < 0.05, "{share}");
-        let share = suspects(compare(&runs(1.01), &runs(1.0))) / 200.0;
+        let share = suspects(compare(&runs(1.01), &runs(1.0), &[])) / 200.0;
         // At the edge of the hypothesis one tail is left: 2.5 % expected, ± 1.1 %.
         assert!((0.0..0.07).contains(&share), "{share}");
-        let share = suspects(compare(&runs(1.05), &runs(1.0))) / 200.0;
+        let share = suspects(compare(&runs(1.05), &runs(1.0), &[])) / 200.0;
         assert!(share > 0.99, "{share}");
+    }
+
+    /// No block of 8 x 8 pixels knows that it is 4 % too bright, all of the ring together does.
+    #[test]
+    fn a_faint_halo_shows_in_its_ring() {
+        let mut stream = Stream::new(6);
+        let rings: Vec<Option<usize>> =
+            (0..64 * 64).map(|pixel| (pixel % 64 / 8 == 3).then_some(2)).collect();
+        let mut runs = |halo: f32| -> Vec<Picture> {
+            let noisy = |stream: &mut Stream| 0.5 + stream.uniform() as f32;
+            (0..8)
+                .map(|_| {
+                    picture(64, 64, |pixel| {
+                        let bright = if rings[pixel as usize].is_some() { halo } else { 1.0 };
+                        bright * noisy(&mut stream)
+                    })
+                })
+                .collect()
+        };
+        let found = compare(&runs(1.05), &runs(1.0), &rings);
+        let (blocks, rings) = found.split_at(64);
+        assert!(rings[2].p < 1e-4, "{:?}", rings[2]);
+        assert!([0, 1, 3, 4, 5].iter().all(|ring| rings[*ring].p == 1.0), "{rings:?}");
+        assert!(blocks.iter().all(|block| block.p > 1e-4), "{blocks:?}");
     }
 
     #[test]
     fn black_blocks_agree_and_light_that_is_always_there_and_never_does_not() {
         let black = [picture(8, 8, |_| 0.0), picture(8, 8, |_| 0.0)];
         let grey = [picture(8, 8, |_| 0.5), picture(8, 8, |_| 0.5)];
-        assert_eq!(compare(&black, &black)[0].p, 1.0);
-        assert_eq!(compare(&grey, &black)[0].p, 0.0);
+        assert_eq!(compare(&black, &black, &[])[0].p, 1.0);
+        assert_eq!(compare(&grey, &black, &[])[0].p, 0.0);
     }
 }

@@ -16,7 +16,7 @@ pub enum Estimator {
     EveryPixel,
     /// Plain beams at the scene's radius.
     Plain,
-    /// Plain beams at a radius that is small from the first pass to the last: see [`narrow`].
+    /// Plain beams at half the radius: see [`narrow`].
     Reference,
     /// Light tracing.
     Light,
@@ -44,14 +44,11 @@ impl Estimator {
     }
 }
 
-/// The scene with half of the kernels' radius, which stays as it is over the passes: with radii of a 256th of the scene's diagonal, a fifth
-/// of a pixel of a picture of a hundred. A beam's kernel has one dimension, so that half of it is twice the variance and a quarter of the
-/// blur; a quarter of it would be four times, too much for a reference that must be less noisy than what is held against it.
+/// The scene with half of the kernels' radius: a quarter of the blur for twice the variance of a beam. Narrower kernels would need more time
+/// than what is held against them has.
 pub fn narrow(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     scene.settings.radius *= 0.5;
-    // r shrinks as passes^((α - 1) / 2) or slower.
-    scene.settings.alpha = 0.999;
     scene
 }
 

@@ -69,9 +69,9 @@ fn definitions(analysis: &Analysis) -> String {
     format!(
         "\
 Standard deviation sigma of the fluence's spectrum along the world axes, in cycles per scene unit.
-predicted: from the covariance grid of {nx} x {ny} x {nz} voxels of {:.4} x {:.4} x {:.4} after {} passes, {} of
-  them of {} light paths with a light field (seed {}): the mean of sigma^2 over a voxel and its neighbours, weighted by f-, 2 f0, f+,
-  through which the measurement sees the light as well. A row gives the voxel alone.
+predicted: from the covariance grid of {nx} x {ny} x {nz} voxels of {:.4} x {:.4} x {:.4} after {} passes, with
+  light fields in {} passes of {} light paths (seed {}): the mean of sigma^2 over a voxel and its neighbours, weighted by
+  f-, 2 f0, f+, through which the measurement sees the light as well. A row gives the voxel alone.
 measured: from differences of the fluence that {} other light paths measured, in {BATCHES} independent batches:
   f-, f0, f+ of a voxel and its neighbours, size h: c = (f- - 2 f0 + f+)/h^2, g = (f+ - f-)/(2 h),
   m = (f- + 2 f0 + f+)/4, sigma^2 = max(|c|/m, (g/m)^2)/(4 pi^2).

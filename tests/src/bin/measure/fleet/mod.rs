@@ -46,7 +46,7 @@ pub(crate) fn run(fleet: &Fleet) -> Outcome<()> {
     let suspects: usize = rows.iter().map(|row| row.suspects.len()).sum();
     let level = level(suspects);
     for row in &mut rows {
-        row.failures = row.suspects.iter().filter(|suspect| suspect.judged.p < level).copied().collect();
+        row.failures = row.suspects.iter().filter(|suspect| suspect.fails(level)).copied().collect();
     }
     std::fs::write(fleet.out.join("fleet.csv"), table::csv(&rows, &fleet.seconds))?;
     let spent = cpu_seconds()? - start;

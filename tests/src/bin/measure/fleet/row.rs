@@ -9,7 +9,7 @@ use covbeam_tests::fleet::Member;
 use covbeam_tests::fleet::agreement::{Agreement, Passes, RUNS, Suspect, examine};
 use covbeam_tests::fleet::blocks;
 use covbeam_tests::fleet::errors::{Errors, true_over_stated};
-use covbeam_tests::fleet::rings::{Ratio, ratios, rings};
+use covbeam_tests::fleet::rings::{ENDS, Ratio, ratios, rings};
 use covbeam_tests::fleet::runs::{Estimator, mean, narrow};
 
 /// CPU-seconds of all runs of a method for the test of blocks, about, in the last budget; a power of two of passes is chosen, so that it
@@ -38,6 +38,7 @@ pub(super) struct Row {
     pub(super) number: u32,
     /// Of the runs for the test of blocks.
     pub(super) passes: Passes,
+    /// Blocks and rings.
     pub(super) blocks: usize,
     pub(super) light_traced: bool,
     pub(super) suspects: Vec<Suspect>,
@@ -106,7 +107,7 @@ pub(super) fn measure(
     Ok(Row {
         number,
         passes,
-        blocks: blocks::means(&whole).len(),
+        blocks: blocks::means(&whole).len() + ENDS.len(),
         light_traced,
         suspects,
         failures: Vec::new(),

@@ -15,7 +15,7 @@ const AGAINST: [&str; 2] = ["plain", "every pixel"];
 /// Blocks that fail, by what they were held against.
 pub(super) fn agreement(rows: &[Row], suspects: usize, level: f64) {
     println!(
-        "| default against | scenes | blocks | suspects | failing blocks | failing scenes |\n|---|---|---|---|---|---|"
+        "| default against | scenes | blocks and rings | suspects | failing | as blurred as plain beams | failing scenes |\n|---|---|---|---|---|---|---|"
     );
     for (name, against) in
         [("plain beams, narrow", Estimator::Reference), ("light tracing", Estimator::Light)]
@@ -25,19 +25,19 @@ pub(super) fn agreement(rows: &[Row], suspects: usize, level: f64) {
         let of = |of: &[Suspect]| of.iter().filter(|suspect| suspect.against == against).count();
         let suspects: usize = tested().map(|row| of(&row.suspects)).sum();
         let failing: Vec<usize> = tested().map(|row| of(&row.failures)).filter(|count| *count > 0).collect();
-        let plain: usize = tested()
-            .flat_map(|row| &row.failures)
-            .filter(|suspect| suspect.against == against && suspect.plain.p < level)
+        let blurred: usize = tested()
+            .flat_map(|row| &row.suspects)
+            .filter(|suspect| suspect.against == against && suspect.judged.p < level && !suspect.fails(level))
             .count();
         println!(
-            "| {name} | {} | {blocks} | {suspects} | {} | {plain} | {} |",
+            "| {name} | {} | {blocks} | {suspects} | {} | {blurred} | {} |",
             tested().count(),
             failing.iter().sum::<usize>(),
             failing.len()
         );
     }
     println!(
-        "\nSuspects are judged by fresh runs, rejecting below {level:.1e} (Šidák, {suspects} tests, 1 % over all blocks of all scenes)."
+        "\nSuspects are judged by fresh runs, rejecting below {level:.1e} (Šidák, {suspects} tests, 1 % over all blocks and rings of all scenes)."
     );
     let failing: Vec<String> = rows
         .iter()
@@ -45,7 +45,7 @@ pub(super) fn agreement(rows: &[Row], suspects: usize, level: f64) {
         .map(|row| format!("{} ({})", row.number, row.failures.len()))
         .collect();
     println!(
-        "Failing scenes (blocks): {}",
+        "Failing scenes (blocks and rings): {}",
         if failing.is_empty() { "none".to_owned() } else { failing.join(", ") }
     );
 }
@@ -167,7 +167,7 @@ pub(super) fn summary(row: &Row) -> String {
         .collect();
     let rings = row.rings.map(|ring| ring.map_or("-".to_owned(), |ring| format!("{:.2}", ring.value)));
     format!(
-        "scene {}: {} failing blocks of {}; {}; rings {}",
+        "scene {}: {} of {} blocks and rings fail; {}; rings {}",
         row.number,
         row.failures.len(),
         row.blocks,
