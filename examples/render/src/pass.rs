@@ -166,7 +166,8 @@ impl<'a> Renderer<'a> {
     }
 
     /// From now on traces few eye rays where the covariance grid says that the picture is smooth, with filters between them (thesis
-    /// 5.3.2). Call it before the first pass. Methods without a grid, and a camera outside all media, go on with an eye ray
+    /// 5.3.2), and looks kernel radii up only in passes where spectra may make them three times as wide as the pass' own; layer σ is 0 in the
+    /// others. Call it before the first pass. Methods without a grid, and a camera outside all media, go on with an eye ray
     /// through every pixel.
     pub fn plan_eye_rays(&mut self) {
         self.surfaces = Some(Arc::new(FirstSurfaces::new(self.scene)));
@@ -383,11 +384,12 @@ impl<'a> Renderer<'a> {
         let layout = self.scene.grid;
         let lookup = |cells| FluenceGrid::new(layout, cells).expect(FITS);
         let progressive = progressive_radius(settings.radius, settings.alpha, index);
-        let widens = adaptive && settings.max_radius > WORTH_LOOKING_UP * progressive;
+        let wide_enough = settings.max_radius > WORTH_LOOKING_UP * progressive;
+        let widens = adaptive && (wide_enough || self.surfaces.is_none() || self.radii.is_some());
         let radius = KernelRadius {
             kernel: settings.kernel,
             progressive,
-            ceiling: if widens { settings.max_radius } else { progressive },
+            ceiling: if widens { settings.max_radius.max(progressive) } else { progressive },
             error,
             grid: widens.then(|| lookup(self.radii.as_ref().map_or(&self.resolved, |radii| &radii.cells))),
         };

@@ -22,7 +22,10 @@ const SIZE: u32 = 24;
 /// A folder with `ball.toml`: the glass ball with few photons.
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let scene = include_str!("../../scenes/glass-ball.toml").replace("# photons = 5000", "photons = 500");
+    // Kernels that are wide enough for spectra to be looked up, and shown.
+    let scene = include_str!("../../scenes/glass-ball.toml")
+        .replace("# photons = 5000", "photons = 500")
+        .replace("# max_radius = 0.03", "max_radius = 0.3");
     fs::write(folder.path().join("ball.toml"), scene).unwrap();
     folder
 }
