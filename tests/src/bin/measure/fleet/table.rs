@@ -236,7 +236,8 @@ pub(super) fn csv(rows: &[Row], budgets: &[f64]) -> String {
                 let _ = write!(text, ",{value:.4},{error:.4}");
             }
         }
-        let _ = row.calibration.map_or(write!(text, ","), |ratio| write!(text, ",{ratio:.3}"));
+        let calibration = row.calibration.map_or(String::new(), |ratio| format!("{ratio:.3}"));
+        let _ = write!(text, ",{calibration}");
         let _ = writeln!(text, ",{:.4e},{:.2}", row.noise, row.cpu_seconds);
     }
     text
