@@ -186,6 +186,23 @@ fn a_picture_without_any_light_is_black() {
     assert!(maps.density.iter().all(|density| *density > 0.0 && *density <= 1.0));
 }
 
+/// Cancelled while it catches up with the light fields of passes 1 to 16, whichever it had got to.
+#[test]
+fn a_cancelled_pass_leaves_no_spectra_behind() {
+    let scene = scene(GLASS, 24, 24);
+    let clean = picture(&scene, true, 700, 3, [9]);
+    for polls in 1..=30 {
+        let mut renderer = Renderer::new(&scene, Method::Adaptive, 700, 3);
+        renderer.plan_eye_rays();
+        let left = std::sync::atomic::AtomicI32::new(polls);
+        let cancelled = || left.fetch_sub(1, std::sync::atomic::Ordering::Relaxed) <= 0;
+        assert!(renderer.pass(20, &cancelled).is_none(), "{polls} polls are enough for a pass");
+        let mut film = Film::of_scene(&scene);
+        film.add(&renderer.pass(9, &|| false).expect("not cancelled").0).expect("finite");
+        assert!(film.picture() == clean, "after {polls} polls");
+    }
+}
+
 #[test]
 fn a_camera_outside_all_media_still_sees_what_is_inside_glass() {
     let inside =

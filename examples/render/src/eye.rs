@@ -3,6 +3,7 @@
 use crate::fog::Fog;
 use crate::geometry::Hit;
 use crate::optics::{Boundary, Interior, facing_normal, reflect};
+use crate::photon::{GOING_ON, LONG_PATH};
 use crate::plan::Wanted;
 use crate::random::{Random, mix};
 use crate::scene::{Material, Scene};
@@ -16,10 +17,6 @@ const SPLITS: u32 = 4;
 
 /// Paths lighter than this play roulette.
 const LIGHT_PATH: f32 = 0.02;
-
-/// From so many surfaces on a path goes on with this chance: total reflection can hold one inside clear glass for ever.
-const LONG_PATH: u32 = 64;
-const GOING_ON: f32 = 0.9;
 
 /// Signature of paths that have met no surface.
 const FIRST: u64 = 0;
@@ -129,6 +126,7 @@ impl EyeTracer<'_> {
                 }
                 branch.throughput *= LIGHT_PATH / weight;
             }
+            // Total reflection can hold a path inside clear glass for ever.
             if branch.depth > LONG_PATH {
                 if random.uniform() >= GOING_ON {
                     continue;

@@ -120,6 +120,8 @@ pub struct Renderer<'a> {
     /// The last pass whose light fields are in the grid, and all before it.
     deposited: u32,
     resolved: Vec<FluenceCell>,
+    /// What `deposited` was when `resolved` was made; 0 = never.
+    resolved_pass: u32,
     /// Of the picture, from `resolved`; None: not asked for yet.
     spectra: Option<Vec<ImageSpectrum>>,
     energy: Energy,
@@ -155,6 +157,7 @@ impl<'a> Renderer<'a> {
             grid: vec![GridCell::default(); cells],
             deposited: 0,
             resolved: vec![FluenceCell::default(); cells],
+            resolved_pass: 0,
             spectra: None,
             energy: Energy::default(),
         }
@@ -261,10 +264,7 @@ impl<'a> Renderer<'a> {
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Option<()> {
         let latest = latest_field_pass(index);
-        if self.deposited == latest && latest < index {
-            return Some(());
-        }
-        if self.deposited >= latest {
+        if self.deposited > latest {
             self.grid.fill(GridCell::default());
             self.deposited = 0;
         }
@@ -276,7 +276,10 @@ impl<'a> Renderer<'a> {
                 self.add_light_fields(cancelled)?;
             }
         }
-        self.resolve();
+        // A pass that was cancelled before this leaves fields that are not resolved.
+        if self.resolved_pass != self.deposited {
+            self.resolve();
+        }
         Some(())
     }
 
@@ -331,6 +334,7 @@ impl<'a> Renderer<'a> {
         let grid =
             CovarianceGrid::new(self.scene.grid, &mut self.grid).expect("the scene's grid was validated");
         grid.resolve(&mut self.resolved).expect(FITS);
+        self.resolved_pass = self.deposited;
         self.spectra = None;
     }
 

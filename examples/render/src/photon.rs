@@ -18,8 +18,8 @@ use std::time::Instant;
 
 /// After this many events a path goes on with probability [`GOING_ON`] only, so that every path ends: without
 /// absorption and without walls it would not.
-const LONG_PATH: u32 = 64;
-const GOING_ON: f32 = 0.95;
+pub(crate) const LONG_PATH: u32 = 64;
+pub(crate) const GOING_ON: f32 = 0.95;
 
 /// Traces light paths of a scene.
 pub struct PhotonTracer<'a> {

@@ -11,7 +11,7 @@
 //! at which neither power nor the tails of the distribution are what they should be: means of few bright events are skewed, and Student's
 //! quantiles are only as good as the normal distribution is so far out. With some tens of suspects the level is some 1e-4.
 
-use super::rings::ENDS;
+use super::rings;
 use crate::statistics::{Sample, welch};
 use covbeam_render::compare::luminance;
 use covbeam_render::film::Picture;
@@ -38,17 +38,6 @@ pub fn means(picture: &Picture) -> Vec<f64> {
     sums.iter().map(|[sum, count]| sum / count).collect()
 }
 
-/// Luminance of all pixels of each ring.
-fn ring_sums(picture: &Picture, rings: &[Option<usize>]) -> Vec<f64> {
-    let mut sums = vec![0.0; ENDS.len()];
-    for (ring, value) in rings.iter().zip(&picture.radiance) {
-        if let Some(ring) = ring {
-            sums[*ring] += f64::from(luminance(*value));
-        }
-    }
-    sums
-}
-
 /// The block of a pixel.
 pub fn block_of(width: u32, pixel: u32) -> usize {
     let (x, y) = (pixel % width, pixel / width);
@@ -66,10 +55,10 @@ pub struct Verdict {
 
 /// Compares the blocks, and after them the rings, of independent pictures, at least two of either kind.
 ///
-/// - `rings`: of each pixel, as [`super::rings::rings`] finds them.
-pub fn compare(tested: &[Picture], against: &[Picture], rings: &[Option<usize>]) -> Vec<Verdict> {
+/// - `of_pixels`: the ring of each pixel, as [`super::rings::rings`] finds them.
+pub fn compare(tested: &[Picture], against: &[Picture], of_pixels: &[Option<usize>]) -> Vec<Verdict> {
     let [tested, against] = [tested, against].map(|pictures| {
-        let of = |picture: &Picture| [means(picture), ring_sums(picture, rings)].concat();
+        let of = |picture: &Picture| [means(picture), rings::sums(of_pixels, picture).to_vec()].concat();
         pictures.iter().map(of).collect::<Vec<Vec<f64>>>()
     });
     let sample = |runs: &[Vec<f64>], block: usize| {

@@ -38,16 +38,25 @@ pub fn rings(reference: &Picture) -> Vec<Option<usize>> {
     (0..values.len()).map(ring).collect()
 }
 
+/// Luminance of all pixels of each ring.
+pub fn sums(rings: &[Option<usize>], picture: &Picture) -> [f64; ENDS.len()] {
+    let mut sums = [0.0; ENDS.len()];
+    for (ring, value) in rings.iter().zip(&picture.radiance) {
+        if let Some(ring) = ring {
+            sums[*ring] += f64::from(luminance(*value));
+        }
+    }
+    sums
+}
+
 /// Brightness of each ring over that of the reference, from independent pictures of either kind, at least two; None where a ring has no
 /// pixels or no light.
 pub fn ratios(rings: &[Option<usize>], tested: &[Picture], reference: &[Picture]) -> [Option<Ratio>; 6] {
+    let [tested, reference] = [tested, reference]
+        .map(|runs| runs.iter().map(|picture| sums(rings, picture)).collect::<Vec<[f64; ENDS.len()]>>());
     std::array::from_fn(|ring| {
-        let inside = || rings.iter().enumerate().filter(|(_, of)| **of == Some(ring)).map(|(pixel, _)| pixel);
-        let light = |picture: &Picture| -> f64 {
-            inside().map(|pixel| f64::from(luminance(picture.radiance[pixel]))).sum()
-        };
-        let [a, b] =
-            [tested, reference].map(|runs| Sample::of(&runs.iter().map(light).collect::<Vec<f64>>()));
+        let [a, b] = [&tested, &reference]
+            .map(|runs| Sample::of(&runs.iter().map(|sums| sums[ring]).collect::<Vec<f64>>()));
         let value = a.mean / b.mean;
         let error = value * (a.error / a.mean).hypot(b.error / b.mean);
         (b.mean > 0.0 && a.mean > 0.0).then_some(Ratio { value, error })
