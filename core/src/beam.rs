@@ -1,7 +1,8 @@
 //! Photon beams, eye rays, where they cross, and what one crossing contributes.
 
-use crate::functions::sqrt;
-use crate::{Column, Density, KernelRadius, Medium};
+use crate::kernel::KernelRadius;
+use crate::math::sqrt;
+use crate::medium::{Column, Density, Medium};
 use glam::Vec3;
 
 /// Pairs whose directions differ by less than this sine are skipped.

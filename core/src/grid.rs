@@ -3,33 +3,15 @@
 //! The cells belong to the caller. Accumulation (`CovarianceGrid`) and look-up (`FluenceGrid`) are two types over two
 //! slices: sums in f64 that 10⁹ deposits do not stall, and compact f32 means for the gather.
 
-use core::fmt;
-
+use crate::light_field::medium::DepthShape;
+use crate::light_field::{FluenceSpectrum, LightField};
+use crate::medium::{Column, Density};
+use crate::voxels::{Dda, GridError, GridLayout, Lattice, Trilinear};
 use glam::Vec3;
 use libm::expf;
 
-use crate::centres::Centres;
-use crate::density::DepthShape;
-use crate::walk::{Lattice, Walk};
-use crate::{Column, Density, FluenceSpectrum, LightField};
-
 /// Least weight of a voxel with data: the dimmest still counts where no other does, with all digits.
 const DIMMEST: f32 = 1e-30;
-
-/// Largest number of voxels that a grid may have.
-const MAX_CELLS: usize = 1 << 24;
-
-/// Box and resolution of a grid. Voxels are stored x first, then y, then z.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GridLayout {
-    /// Lower corner \[m\].
-    pub min: Vec3,
-    /// Upper corner \[m\], above `min` on every axis.
-    pub max: Vec3,
-    /// Voxels along x, y, z, each >= 1; at most 2²⁴ in all.
-    pub cells: [u32; 3],
-}
 
 /// Accumulator of one voxel (56 bytes). All zero = empty.
 #[repr(C)]
@@ -49,75 +31,6 @@ pub struct FluenceCell {
     pub spectrum: FluenceSpectrum,
     /// Σ w over that of the brightest voxel, in (0, 1]; 0 = no data.
     pub weight: f32,
-}
-
-/// Why a grid was refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GridError {
-    /// A corner or the size of a voxel is not finite, min >= max, or a resolution is 0 or too large.
-    Layout,
-    /// The slice's length is not `layout.cell_count()`, or that of the bytes not [`GridLayout::saved_size`].
-    Length,
-    /// A density is negative or not finite, or the sums of a voxel are none that deposits of covariances add up to.
-    Value,
-    /// The bytes are no saved grid, or one of another version.
-    Format,
-    /// The bytes of a saved grid are not those that were written: their checksum differs.
-    Damaged,
-    /// The saved grid has another box or resolution than the grid that should load it.
-    OtherLayout,
-}
-
-impl fmt::Display for GridError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            GridError::Layout => {
-                "the grid's box is empty or not finite, or its resolution is 0 or above 2^24 voxels"
-            }
-            GridError::Length => "the length of the slice is not the one that the grid's layout asks for",
-            GridError::Value => {
-                "a density is negative or not finite, or a voxel's sums are none that deposits add up to"
-            }
-            GridError::Format => "the bytes are not a saved grid of a known version",
-            GridError::Damaged => "the saved grid is damaged: its checksum does not match",
-            GridError::OtherLayout => "the saved grid has another box or resolution than this one",
-        })
-    }
-}
-
-impl core::error::Error for GridError {}
-
-impl GridLayout {
-    /// Number of voxels, which is the length of the slices that a grid takes (saturating at the largest `usize`).
-    pub fn cell_count(&self) -> usize {
-        self.cells.iter().fold(1_usize, |count, &n| count.saturating_mul(n as usize))
-    }
-
-    /// Voxels per metre along each axis, if the layout is sound.
-    pub(crate) fn scale(&self) -> Result<Vec3, GridError> {
-        let count = self.cell_count();
-        let scale = self.resolution() / (self.max - self.min);
-        let sound = self.min.is_finite()
-            && self.max.is_finite()
-            && self.min.cmplt(self.max).all()
-            && scale.is_finite()
-            && scale.min_element() > 0.0
-            && (1..=MAX_CELLS).contains(&count);
-        if sound { Ok(scale) } else { Err(GridError::Layout) }
-    }
-
-    pub(crate) fn resolution(&self) -> Vec3 {
-        Vec3::new(self.cells[0] as f32, self.cells[1] as f32, self.cells[2] as f32)
-    }
-
-    #[inline]
-    pub(crate) fn contains(&self, position: Vec3) -> bool {
-        position.cmpge(self.min).all() && position.cmple(self.max).all()
-    }
-
-    pub(crate) fn index(&self, [x, y, z]: [u32; 3]) -> usize {
-        (z as usize * self.cells[1] as usize + y as usize) * self.cells[0] as usize + x as usize
-    }
 }
 
 /// What attenuates light along one segment.
@@ -233,7 +146,7 @@ impl<'a> CovarianceGrid<'a> {
         if !sound {
             return;
         }
-        let Some(mut walk) = Walk::new(&self.layout, Lattice::Voxels, origin, field.direction, length) else {
+        let Some(mut dda) = Dda::new(&self.layout, Lattice::Voxels, origin, field.direction, length) else {
             return;
         };
         let uniform_column = matches!(column, Column::Uniform);
@@ -243,10 +156,10 @@ impl<'a> CovarianceGrid<'a> {
         let mut here = *field;
         let mut shape = DepthShape::default();
         let mut reached = 0.0_f64;
-        let mut before = column.at(walk.position() as f32);
+        let mut before = column.at(dda.position() as f32);
         let (_, mut flux) = attenuate(extinction * before);
         flux *= power;
-        while let Some((cell, from, to)) = walk.next_piece() {
+        while let Some((cell, from, to)) = dda.next_cell() {
             let middle = 0.5 * (from + to);
             if uniform_density {
                 here.travel((middle - reached) as f32);
@@ -362,7 +275,7 @@ fn attenuate(depth: f32) -> (f32, f32) {
 /// The look-up side of a grid, over resolved cells.
 #[derive(Clone, Copy, Debug)]
 pub struct FluenceGrid<'a> {
-    pub(crate) centres: Centres,
+    pub(crate) voxels: Trilinear,
     pub(crate) cells: &'a [FluenceCell],
 }
 
@@ -371,11 +284,11 @@ impl<'a> FluenceGrid<'a> {
     ///
     /// - `cells`: `layout.cell_count()` of them.
     pub fn new(layout: GridLayout, cells: &'a [FluenceCell]) -> Result<Self, GridError> {
-        Ok(Self { centres: Centres::new(layout, cells.len())?, cells })
+        Ok(Self { voxels: Trilinear::new(layout, cells.len())?, cells })
     }
 
     pub(crate) fn layout(&self) -> &GridLayout {
-        &self.centres.layout
+        &self.voxels.layout
     }
 
     /// The spectrum of the fluence around a point: the flux-weighted mean of the eight voxels around it, with trilinear
@@ -414,12 +327,12 @@ impl<'a> FluenceGrid<'a> {
     /// All that the voxels around a point say.
     #[inline(always)]
     pub(crate) fn around(&self, position: Vec3) -> Option<Surroundings> {
-        let (base, high) = self.centres.around(position)?;
+        let (base, high) = self.voxels.around(position)?;
         let shares = shares(Vec3::ONE - high, high);
         let mut sum = [0.0; 6];
         let (mut flux, mut share_sum, mut inverse) = (0.0, 0.0, 0.0);
         for (corner, share) in shares.into_iter().enumerate() {
-            let cell = &self.cells[base + self.centres.corners[corner]];
+            let cell = &self.cells[base + self.voxels.corners[corner]];
             // A weight that is NaN or negative is none.
             let weight = if cell.weight > 0.0 { cell.weight } else { 0.0 };
             let factor = share * weight;
@@ -441,7 +354,7 @@ impl<'a> FluenceGrid<'a> {
     }
 }
 
-/// The trilinear shares of the eight voxels around a point, in the order of [`crate::centres::Centres::corners`].
+/// The trilinear shares of the eight voxels around a point, in the order of [`crate::voxels::Trilinear::corners`].
 #[inline(always)]
 fn shares(low: Vec3, high: Vec3) -> [f32; 8] {
     let plane = |z: f32| {

@@ -5,8 +5,8 @@ use core::f32::consts::PI;
 use glam::Vec3;
 use libm::pow;
 
-use crate::FluenceGrid;
-use crate::functions::sqrt;
+use crate::grid::FluenceGrid;
+use crate::math::sqrt;
 
 /// Shape of the one-dimensional blur kernel K_r(d), normalised: its integral over [-r, r] is 1. With q = d/r:
 #[repr(u32)]

@@ -23,22 +23,15 @@ extern crate std;
 mod beam;
 #[cfg(feature = "bvh")]
 mod beam_map;
-mod centres;
-mod column;
-mod density;
-mod film;
-mod fluence;
-mod frame;
-mod functions;
 mod grid;
+mod image;
 mod kernel;
 mod light_field;
 mod march;
+mod math;
 mod medium;
 mod saved_grid;
-mod surface;
-mod triangular;
-mod walk;
+mod voxels;
 
 pub use glam::{Vec2, Vec3};
 
@@ -47,18 +40,16 @@ pub use beam::{
 };
 #[cfg(feature = "bvh")]
 pub use beam_map::{BeamMap, Contact, GatherScratch, MAX_BEAMS, Stop, Unfinished};
-pub use column::{Column, Knot};
-pub use density::{Density, DensityGrid, Derivatives, ExponentialDensity};
-pub use film::{
+pub use grid::{Attenuation, CovarianceGrid, FluenceCell, FluenceGrid, GridCell};
+pub use image::{
     FILM_TILE, FILM_TILE_PIXELS, FilmEvidence, FilmFilterNode, FilmFilters, FilmLattice, FilmNode, FilmPixel,
     FilmSample, FilmSizeError, FilmSums, FilmUnit, ImageFilter, ImageSpectrum, PixelStep, Reconstruction,
     film_regions, pixel_threshold, standard_errors, verify_filters,
 };
-pub use fluence::FluenceSpectrum;
-pub use grid::{Attenuation, CovarianceGrid, FluenceCell, FluenceGrid, GridCell, GridError, GridLayout};
 pub use kernel::{Kernel, KernelRadius, error_bound, progressive_radius};
-pub use light_field::LightField;
+pub use light_field::{Curvature, FluenceSpectrum, LightField};
 pub use march::{MARCH_KNOTS, March, MarchCell, MarchError, MarchKnot, MarchSample};
-pub(crate) use medium::OPAQUE_DEPTH;
-pub use medium::{Medium, PhaseFunction, PhaseKind};
-pub use surface::Curvature;
+pub use medium::{
+    Column, Density, DensityGrid, Derivatives, ExponentialDensity, Knot, Medium, PhaseFunction, PhaseKind,
+};
+pub use voxels::{GridError, GridLayout};

@@ -20,7 +20,9 @@
 
 use libm::sqrt;
 
-use crate::{CovarianceGrid, GridCell, GridError, GridLayout, Vec3};
+use crate::grid::{CovarianceGrid, GridCell};
+use crate::voxels::{GridError, GridLayout};
+use glam::Vec3;
 
 /// Magic and version.
 const START: [u8; 12] = *b"covbeamG\x01\0\0\0";

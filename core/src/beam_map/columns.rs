@@ -1,8 +1,8 @@
 //! What the columns along the beams of a map are computed from.
 
-use super::meter::{Meter, STRETCH, Stop, with_room};
-use crate::beam::along_beam;
-use crate::{Beam, Column, Density, Knot, Medium};
+use super::cancel::{Poll, STRETCH, Stop, with_room};
+use crate::beam::{Beam, along_beam};
+use crate::medium::{Column, Density, Knot, Medium};
 use std::vec::Vec;
 
 /// Beams whose tables lie in one array: so long an array is cheap to move when it grows.
@@ -26,7 +26,7 @@ pub(super) struct Bunch {
 }
 
 impl Bunch {
-    fn new(beams: &[Beam], medium: &Medium, density: &Density, meter: &mut Meter) -> Result<Self, Stop> {
+    fn new(beams: &[Beam], medium: &Medium, density: &Density, poll: &mut Poll) -> Result<Self, Stop> {
         let (mut knots, mut first) = (Vec::new(), with_room(beams.len() + 1)?);
         first.push(0);
         for &Beam { origin, direction, length, .. } in beams {
@@ -43,7 +43,7 @@ impl Bunch {
                 _ => return Err(Stop::OutOfMemory),
             }
             // Long ways in which few knots are left count, too.
-            meter.spend(knots.len() - before + 100, 100)?;
+            poll.spend(knots.len() - before + 100, 100)?;
         }
         knots.shrink_to_fit();
         Ok(Self { knots, first })
@@ -55,14 +55,14 @@ impl BeamColumns {
         beams: &[Beam],
         medium: &Medium,
         density: &Density,
-        meter: &mut Meter,
+        poll: &mut Poll,
     ) -> Result<Self, Stop> {
         match density {
             Density::Uniform => Ok(Self::Uniform),
             Density::Exponential(_) => {
                 let mut densities = with_room(beams.len())?;
                 for stretch in beams.chunks(STRETCH) {
-                    meter.spend(stretch.len(), 20)?;
+                    poll.spend(stretch.len(), 20)?;
                     densities.extend(stretch.iter().map(|beam| density.at(beam.origin)));
                 }
                 Ok(Self::Exponential(densities))
@@ -70,7 +70,7 @@ impl BeamColumns {
             Density::Grid(_) => {
                 let mut bunches = with_room(beams.len().div_ceil(BUNCH))?;
                 for bunch in beams.chunks(BUNCH) {
-                    bunches.push(Bunch::new(bunch, medium, density, meter)?);
+                    bunches.push(Bunch::new(bunch, medium, density, poll)?);
                 }
                 Ok(Self::Tables(bunches))
             }

@@ -1,8 +1,8 @@
 //! Eye rays side by side, and what all of them miss.
 
-use super::tree::WideNode;
-use super::wide::{Wide, load};
-use crate::{BeamBlock, EyeRay};
+use super::bvh::WideNode;
+use super::simd::{Vec3x8, load};
+use crate::beam::{BeamBlock, EyeRay};
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x8};
 use glam::Vec3;
 
@@ -66,17 +66,17 @@ impl Packet {
     /// A bit for each of eight boxes that some ray may touch, once they have lost `excess` \[m\] on all sides.
     #[inline(always)]
     pub(super) fn touches_boxes<S: Simd>(&self, simd: S, node: &WideNode, excess: f32) -> u32 {
-        let (low, high) = (Wide::load(simd, &node.low), Wide::load(simd, &node.high));
+        let (low, high) = (Vec3x8::load(simd, &node.low), Vec3x8::load(simd, &node.high));
         let two = f32x8::splat(simd, 0.5);
         let half = (high - low) * two;
-        let center = (high + low) * two - Wide::splat(simd, self.origin);
-        let along = center.dot(Wide::splat(simd, self.axis));
-        let extent = half.dot(Wide::splat(simd, self.axis.abs()));
+        let center = (high + low) * two - Vec3x8::splat(simd, self.origin);
+        let along = center.dot(Vec3x8::splat(simd, self.axis));
+        let extent = half.dot(Vec3x8::splat(simd, self.axis.abs()));
         let width = self.widths(simd, along + extent);
         let growth = width - excess;
-        let grown = half + Wide { x: growth, y: growth, z: growth };
+        let grown = half + Vec3x8 { x: growth, y: growth, z: growth };
         // Slabs of the grown box against the axis.
-        let inverse = Wide::splat(simd, self.inverse_axis);
+        let inverse = Vec3x8::splat(simd, self.inverse_axis);
         let (a, b) = ((center - grown) * inverse, (center + grown) * inverse);
         let enter = a.x.min(b.x).max(a.y.min(b.y)).max(a.z.min(b.z));
         let leave = a.x.max(b.x).min(a.y.max(b.y)).min(a.z.max(b.z));
@@ -84,18 +84,18 @@ impl Packet {
         touched.to_bitmask() as u32 & node.lanes
     }
 
-    /// A bit for each of eight pieces that may come within `radius` of a ray.
+    /// A bit for each of eight sub-beams that may come within `radius` of a ray.
     #[inline(always)]
     pub(super) fn touches<S: Simd>(&self, simd: S, lines: &BeamBlock, radius: f32) -> u32 {
-        let (e, f) = (Wide::splat(simd, self.tangents[0]), Wide::splat(simd, self.tangents[1]));
-        let axis = Wide::splat(simd, self.axis);
+        let (e, f) = (Vec3x8::splat(simd, self.tangents[0]), Vec3x8::splat(simd, self.tangents[1]));
+        let axis = Vec3x8::splat(simd, self.axis);
         let radius = radius * ROOM;
-        let offset = Wide::load(simd, &lines.origin) - Wide::splat(simd, self.origin);
-        let direction = Wide::load(simd, &lines.direction);
+        let offset = Vec3x8::load(simd, &lines.origin) - Vec3x8::splat(simd, self.origin);
+        let direction = Vec3x8::load(simd, &lines.direction);
         let (from, to) = (load(simd, &lines.from), load(simd, &lines.to));
         let (ox, oy, depth) = (offset.dot(e), offset.dot(f), offset.dot(axis));
         let (dx, dy, slope) = (direction.dot(e), direction.dot(f), direction.dot(axis));
-        // The point of the piece that is closest to the axis; of one along the axis, any.
+        // The point of the sub-beam that is closest to the axis; of one along the axis, any.
         let length2 = (dx * dx + dy * dy).max(f32x8::splat(simd, f32::MIN_POSITIVE));
         let closest = (-(ox * dx + oy * dy) / length2).max(from).min(to);
         let (x, y) = (ox + closest * dx, oy + closest * dy);

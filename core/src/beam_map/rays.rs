@@ -1,7 +1,8 @@
 //! The columns along the eye rays of a packet, tabulated once however many batches of beams the rays meet.
 
 use super::PACKET;
-use crate::{Density, EyeRay, Knot, Medium};
+use crate::beam::EyeRay;
+use crate::medium::{Density, Knot, Medium};
 use core::ops::Range;
 use std::vec::Vec;
 

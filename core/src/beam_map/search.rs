@@ -1,47 +1,41 @@
-//! Which beams the eye rays meet: the walk of packets through the tree, and packets halved until few rays test few pieces.
+//! Which beams the eye rays meet: the walk of packets through the hierarchy, and packets halved until few rays test few sub-beams.
 
 use super::PACKET;
-use super::lanes::{Block, LANES, Lanes, Ray, bits, fill};
-use super::meter::{Meter, Stop};
+use super::bvh::Bvh;
+use super::cancel::{Poll, Stop};
+use super::eight::{Block, LANES, Pairs, Ray, bits, fill};
 use super::packet::{Packet, ROOM};
-use super::pieces::Piece;
-use super::tree::Tree;
-use crate::KernelRadius;
+use super::sub_beams::SubBeam;
 use crate::beam::{Beam, BeamBlock, EyeRay};
+use crate::kernel::KernelRadius;
 use core::ops::Range;
 use fearless_simd::{Level, Simd, dispatch};
 use std::vec::Vec;
 
-/// Pieces that are gathered at a time: with the blocks made of them, what a processor's own cache holds.
+/// Sub-beams that are gathered at a time: with the blocks made of them, what a processor's own cache holds.
 const BATCH: usize = 1 << 14;
 
 /// Nodes visited between two questions to the host, where few are found on the way.
 const VISITS: usize = 1 << 14;
 
-/// Eye rays that test each other's pieces: fewer are not worth a packet of their own.
+/// Eye rays that test each other's sub-beams: fewer are not worth a packet of their own.
 const FEW: usize = 16;
 
 /// What is done with the pairs.
-pub(super) trait Settle {
+pub(super) trait Shade {
     /// Some pairs of ray `ray`.
-    fn pairs<S: Simd>(
-        &mut self,
-        simd: S,
-        ray: usize,
-        pairs: &Lanes<S>,
-        meter: &mut Meter,
-    ) -> Result<(), Stop>;
+    fn pairs<S: Simd>(&mut self, simd: S, ray: usize, pairs: &Pairs<S>, poll: &mut Poll) -> Result<(), Stop>;
 
     /// The rays of a packet have met all their beams.
-    fn packet(&mut self, meter: &mut Meter) -> Result<(), Stop>;
+    fn packet(&mut self, poll: &mut Poll) -> Result<(), Stop>;
 }
 
 /// Buffers of a search.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Search {
     stack: Vec<u32>,
-    /// Pieces that some ray of a packet may touch; then those that its halves may touch, and so on.
-    pieces: Vec<Piece>,
+    /// Sub-beams that some ray of a packet may touch; then those that its halves may touch, and so on.
+    sub_beams: Vec<SubBeam>,
     blocks: Vec<Block>,
 }
 
@@ -50,29 +44,29 @@ pub(super) struct Search {
 struct Query<'a> {
     level: Level,
     beams: &'a [Beam],
-    tree: &'a Tree,
+    bvh: &'a Bvh,
     rays: &'a [EyeRay],
     radius: &'a KernelRadius<'a>,
 }
 
 impl Search {
-    /// Gives `settle` the pairs of all rays, packet after packet, those of a ray in the order of the tree.
+    /// Gives `shade` the pairs of all rays, packet after packet, those of a ray in the order of the hierarchy.
     pub(super) fn all(
         &mut self,
         beams: &[Beam],
-        tree: &Tree,
+        bvh: &Bvh,
         rays: &[EyeRay],
         radius: &KernelRadius,
-        meter: &mut Meter,
-        settle: &mut impl Settle,
+        poll: &mut Poll,
+        shade: &mut impl Shade,
     ) -> Result<(), Stop> {
-        if tree.nodes.is_empty() {
+        if bvh.nodes.is_empty() {
             return Ok(());
         }
-        let query = Query { level: Level::new(), beams, tree, rays, radius };
+        let query = Query { level: Level::new(), beams, bvh, rays, radius };
         for first in (0..rays.len()).step_by(PACKET) {
-            self.packet(&query, first..(first + PACKET).min(rays.len()), meter, settle)?;
-            settle.packet(meter)?;
+            self.packet(&query, first..(first + PACKET).min(rays.len()), poll, shade)?;
+            shade.packet(poll)?;
         }
         Ok(())
     }
@@ -82,13 +76,13 @@ impl Search {
         &mut self,
         query: &Query,
         rays: Range<usize>,
-        meter: &mut Meter,
-        settle: &mut impl Settle,
+        poll: &mut Poll,
+        shade: &mut impl Shade,
     ) -> Result<(), Stop> {
         let Some(packet) = Packet::new(&query.rays[rays.clone()]) else {
             if rays.len() > 1 {
                 for half in halves(rays) {
-                    self.packet(query, half, meter, settle)?;
+                    self.packet(query, half, poll, shade)?;
                 }
             }
             return Ok(());
@@ -96,103 +90,103 @@ impl Search {
         self.stack.clear();
         self.stack.push(0);
         while !self.stack.is_empty() {
-            self.collect(query, &packet, meter)?;
-            if !self.pieces.is_empty() {
-                self.halve(query, rays.clone(), 0, meter, settle)?;
+            self.collect(query, &packet, poll)?;
+            if !self.sub_beams.is_empty() {
+                self.halve(query, rays.clone(), 0, poll, shade)?;
             }
         }
         Ok(())
     }
 
     /// Goes on with the walk that `stack` is in the middle of, until there is a batch or the walk is at its end.
-    fn collect(&mut self, query: &Query, packet: &Packet, meter: &mut Meter) -> Result<(), Stop> {
-        let Self { stack, pieces, .. } = self;
-        pieces.clear();
-        let (tree, radius) = (query.tree, query.radius.ceiling);
-        let visits = dispatch!(query.level, simd => walk(simd, tree, packet, radius, stack, pieces, meter))?;
-        meter.spend(visits + pieces.len(), 20)
+    fn collect(&mut self, query: &Query, packet: &Packet, poll: &mut Poll) -> Result<(), Stop> {
+        let Self { stack, sub_beams, .. } = self;
+        sub_beams.clear();
+        let (bvh, radius) = (query.bvh, query.radius.ceiling);
+        let visits = dispatch!(query.level, simd => walk(simd, bvh, packet, radius, stack, sub_beams, poll))?;
+        poll.spend(visits + sub_beams.len(), 20)
     }
 
-    /// Halves a packet until few rays are left; each half with those of the pieces from `first` on that it may touch.
+    /// Halves a packet until few rays are left; each half with those of the sub-beams from `first` on that it may touch.
     fn halve(
         &mut self,
         query: &Query,
         rays: Range<usize>,
         first: usize,
-        meter: &mut Meter,
-        settle: &mut impl Settle,
+        poll: &mut Poll,
+        shade: &mut impl Shade,
     ) -> Result<(), Stop> {
         if rays.len() <= FEW {
-            return self.few(query, rays, first, meter, settle);
+            return self.few(query, rays, first, poll, shade);
         }
-        let end = self.pieces.len();
+        let end = self.sub_beams.len();
         for half in halves(rays) {
             if let Some(packet) = Packet::new(&query.rays[half.clone()]) {
                 self.append_touched(query, &packet, first..end);
-                meter.spend(end - first, 3)?;
+                poll.spend(end - first, 3)?;
             } else {
                 // Rays apart, or one that is no ray.
-                self.pieces.extend_from_within(first..end);
+                self.sub_beams.extend_from_within(first..end);
             }
-            self.halve(query, half, end, meter, settle)?;
-            self.pieces.truncate(end);
+            self.halve(query, half, end, poll, shade)?;
+            self.sub_beams.truncate(end);
         }
         Ok(())
     }
 
-    /// Appends those of the pieces `from` that a packet may touch, in their order.
+    /// Appends those of the sub-beams `from` that a packet may touch, in their order.
     fn append_touched(&mut self, query: &Query, packet: &Packet, from: Range<usize>) {
-        let pieces = &mut self.pieces;
-        pieces.reserve(from.len());
-        dispatch!(query.level, simd => append_touched(simd, packet, query.radius.ceiling, pieces, from));
+        let sub_beams = &mut self.sub_beams;
+        sub_beams.reserve(from.len());
+        dispatch!(query.level, simd => append_touched(simd, packet, query.radius.ceiling, sub_beams, from));
     }
 
-    /// Each of a few rays tests each piece from `first` on.
+    /// Each of a few rays tests each sub-beam from `first` on.
     fn few(
         &mut self,
         query: &Query,
         rays: Range<usize>,
         first: usize,
-        meter: &mut Meter,
-        settle: &mut impl Settle,
+        poll: &mut Poll,
+        shade: &mut impl Shade,
     ) -> Result<(), Stop> {
-        let Self { pieces, blocks, .. } = self;
-        let pieces = &pieces[first..];
-        if pieces.is_empty() {
+        let Self { sub_beams, blocks, .. } = self;
+        let sub_beams = &sub_beams[first..];
+        if sub_beams.is_empty() {
             return Ok(());
         }
         blocks.clear();
-        blocks.resize(pieces.len().div_ceil(LANES), Block::EMPTY);
-        for (block, pieces) in blocks.iter_mut().zip(pieces.chunks(LANES)) {
-            block.fill(query.beams, pieces);
+        blocks.resize(sub_beams.len().div_ceil(LANES), Block::EMPTY);
+        for (block, sub_beams) in blocks.iter_mut().zip(sub_beams.chunks(LANES)) {
+            block.fill(query.beams, sub_beams);
         }
-        dispatch!(query.level, simd => meet(simd, query, rays, blocks, meter, settle))
+        dispatch!(query.level, simd => meet(simd, query, rays, blocks, poll, shade))
     }
 }
 
-/// See [`Search::collect`]. Returns how many nodes it visited since it last told the meter.
+/// See [`Search::collect`]. Returns how many nodes it visited since it last told the poll.
 #[inline(always)]
 fn walk<S: Simd>(
     simd: S,
-    tree: &Tree,
+    bvh: &Bvh,
     packet: &Packet,
     radius: f32,
     stack: &mut Vec<u32>,
-    pieces: &mut Vec<Piece>,
-    meter: &mut Meter,
+    sub_beams: &mut Vec<SubBeam>,
+    poll: &mut Poll,
 ) -> Result<usize, Stop> {
-    // A tree built for wider kernels.
-    let excess = tree.reach - radius * ROOM;
+    // A hierarchy built for wider kernels.
+    let excess = bvh.reach - radius * ROOM;
     let mut visits = 0;
-    while pieces.len() < BATCH
+    while sub_beams.len() < BATCH
         && let Some(index) = stack.pop()
     {
         visits += 1;
         if visits == VISITS {
-            meter.spend(VISITS, 30)?;
+            poll.spend(VISITS, 30)?;
             visits = 0;
         }
-        let node = &tree.nodes[index as usize];
+        let node = &bvh.nodes[index as usize];
         let before = stack.len();
         for lane in bits(packet.touches_boxes(simd, node, excess)) {
             let first = node.first[lane];
@@ -200,11 +194,11 @@ fn walk<S: Simd>(
                 stack.push(first);
             } else {
                 let first = first as usize;
-                let leaf = &tree.pieces[first..first + node.count[lane] as usize];
+                let leaf = &bvh.sub_beams[first..first + node.count[lane] as usize];
                 let mut lines = BeamBlock::EMPTY;
                 fill(&mut lines, leaf);
                 for lane in bits(packet.touches(simd, &lines, radius)) {
-                    pieces.push(leaf[lane]);
+                    sub_beams.push(leaf[lane]);
                 }
             }
         }
@@ -219,16 +213,16 @@ fn append_touched<S: Simd>(
     simd: S,
     packet: &Packet,
     radius: f32,
-    pieces: &mut Vec<Piece>,
+    sub_beams: &mut Vec<SubBeam>,
     from: Range<usize>,
 ) {
     let mut first = from.start;
     while first < from.end {
         let count = (from.end - first).min(LANES);
         let mut lines = BeamBlock::EMPTY;
-        fill(&mut lines, &pieces[first..first + count]);
+        fill(&mut lines, &sub_beams[first..first + count]);
         for lane in bits(packet.touches(simd, &lines, radius)) {
-            pieces.push(pieces[first + lane]);
+            sub_beams.push(sub_beams[first + lane]);
         }
         first += count;
     }
@@ -241,19 +235,19 @@ fn meet<S: Simd>(
     query: &Query,
     rays: Range<usize>,
     blocks: &[Block],
-    meter: &mut Meter,
-    settle: &mut impl Settle,
+    poll: &mut Poll,
+    shade: &mut impl Shade,
 ) -> Result<(), Stop> {
     for index in rays {
         let ray = Ray::new(simd, &query.rays[index]);
         let mut met = 0;
         for block in blocks {
-            if let Some(pairs) = Lanes::new(simd, &ray, block, query.beams, query.radius) {
+            if let Some(pairs) = Pairs::new(simd, &ray, block, query.beams, query.radius) {
                 met += 1;
-                settle.pairs(simd, index, &pairs, meter)?;
+                shade.pairs(simd, index, &pairs, poll)?;
             }
         }
-        meter.spend(blocks.len() + 20 * met, 5)?;
+        poll.spend(blocks.len() + 20 * met, 5)?;
     }
     Ok(())
 }

@@ -15,12 +15,19 @@
 //! here no covariance is subtracted, inverted, regularised or clamped. L is stored in `f32`; an operator works in
 //! `f64` and rounds once when it is done.
 
-use crate::FluenceSpectrum;
-use crate::frame::{self, Frame, Vector, combine, cross, dot};
-use crate::surface::{Curvature, GRAZING, Hit, in_surface, sagittal, sagittal_or};
-use crate::triangular::triangular;
+mod fluence;
+mod frame;
+pub(crate) mod medium;
+mod surface;
+mod triangular;
+
+pub use fluence::FluenceSpectrum;
+pub use surface::Curvature;
+
 use core::f64::consts::PI;
-use glam::Vec3;
+use frame::{Frame, sagittal, sagittal_or};
+use glam::{DVec3, Vec3};
+use triangular::triangular;
 
 /// Root of the variance of an exact point (in space), an exact parallel beam (in angle), or an edge on the ray.
 ///
@@ -100,10 +107,10 @@ impl LightField {
     /// assert!((light.slice()[0] / variance - 1.0).abs() < 1e-6);
     /// ```
     pub fn disk(direction: Vec3, normal: Vec3, radius: f32, angular_variance: f32) -> Self {
-        let z = frame::unit_from(direction).unwrap_or([0.0, 0.0, 1.0]);
+        let z = frame::unit_from(direction).unwrap_or(DVec3::Z);
         let n = frame::unit_from(normal).unwrap_or(z);
         let root = sharpness(radius);
-        let foreshortened = (root / dot(z, n).abs()).min(SHARP);
+        let foreshortened = (root / z.dot(n).abs()).min(SHARP);
         let angular = deviation(angular_variance);
         // 0/0: an infinite disk seen edge on.
         let foreshortened = if foreshortened.is_nan() { 0.0 } else { foreshortened };
@@ -128,9 +135,9 @@ impl LightField {
     /// assert_eq!(laser.slice(), before);
     /// ```
     pub fn collimated(direction: Vec3, radius: f32) -> Self {
-        let z = frame::unit_from(direction).unwrap_or([0.0, 0.0, 1.0]);
+        let z = frame::unit_from(direction).unwrap_or(DVec3::Z);
         let root = sharpness(radius);
-        Self::uncorrelated(Frame::new([0.0; 3], z), [SHARP, SHARP, root, root])
+        Self::uncorrelated(Frame::new(DVec3::ZERO, z), [SHARP, SHARP, root, root])
     }
 
     /// A field without correlations, from its four variances.
@@ -157,8 +164,8 @@ impl LightField {
         spatial_variance: [f32; 2],
         angular_variance: [f32; 2],
     ) -> Self {
-        let z = frame::unit_from(direction).unwrap_or([0.0, 0.0, 1.0]);
-        let x = frame::unit_from(x_axis).unwrap_or([0.0; 3]);
+        let z = frame::unit_from(direction).unwrap_or(DVec3::Z);
+        let x = frame::unit_from(x_axis).unwrap_or(DVec3::ZERO);
         let [x_variance, y_variance] = spatial_variance;
         let [u_variance, v_variance] = angular_variance;
         let roots = [u_variance, v_variance, x_variance, y_variance].map(deviation);
@@ -218,103 +225,11 @@ impl LightField {
     pub fn rotate(&mut self, x_axis: Vec3) {
         let Some([x, y]) = self.across(x_axis) else { return };
         let frame = self.frame();
-        let s = combine(x, frame.x, y, frame.y);
+        let s = x * frame.x + y * frame.y;
         let mut columns = self.columns();
         turn(&mut columns, &frame, s);
-        self.x_axis = frame::rounded(s);
+        self.x_axis = s.as_vec3();
         self.pack(&triangular(columns));
-    }
-
-    /// Reflection by a smooth mirror, plane or curved.
-    ///
-    /// Spectrum: mirrored in the plane of incidence; curvature adds angular to spatial frequencies (the transpose
-    /// of how it bends rays). The determinant is kept.
-    ///
-    /// - `normal`: at the hit, any length, on either side of the surface. A zero or NaN normal, or a ray that
-    ///   grazes to below 1e-12, leaves the field as it was.
-    /// - `curvature`: of the surface as seen from `normal`; numbers that are not finite leave the field as it was.
-    ///
-    /// Exact to first order in the ray's offset and slope. Test: `the_mirror_agrees_with_traced_rays`.
-    ///
-    /// Source: derived (Coddington's equations with an off-diagonal term). Differs from the thesis' chapter 3 in
-    /// the sagittal plane, where its published implementation leaves out the cosine.
-    ///
-    /// ```
-    /// use covbeam::{Curvature, LightField, Vec3};
-    /// // A concave mirror of radius 2 sends a parallel beam of radius 1 m through its focus at 1.
-    /// let dish = Curvature { tangent: Vec3::X, along: -0.5, across: -0.5, twist: 0.0 };
-    /// let mut light = LightField::gaussian(-Vec3::Z, Vec3::X, [1.0, 1.0], [1e6, 1e6]);
-    /// light.reflect(Vec3::Z, &dish);
-    /// assert_eq!(light.direction, Vec3::Z);
-    /// light.travel(1.0);
-    /// assert!((light.slice()[0] / 1e6 - 1.0).abs() < 1e-6);
-    /// ```
-    pub fn reflect(&mut self, normal: Vec3, curvature: &Curvature) {
-        let frame = self.frame();
-        let Some(hit) = Hit::new(&frame, normal, curvature) else { return };
-        let c = hit.cosine;
-        let mut columns = self.columns();
-        turn(&mut columns, &frame, hit.sagittal);
-        for [u, v, x, y] in &mut columns {
-            *x += -2.0 * c * hit.ss * *u - 2.0 * hit.st * *v;
-            *y = -*y + 2.0 * hit.st * *u + 2.0 * hit.tt / c * *v;
-            *v = -*v;
-        }
-        let direction = combine(1.0, frame.z, 2.0 * c, hit.normal);
-        self.leave(columns, hit.sagittal, direction);
-    }
-
-    /// Refraction into another medium through a smooth surface, plane or curved. Returns true if light passes.
-    ///
-    /// Spectrum: angular frequencies scaled by n₂/n₁ (in the plane of incidence also by c_t/c_i), in-plane
-    /// spatial ones by c_i/c_t; curvature adds angular to spatial frequencies. det Σ' = det Σ (n₂/n₁)⁴.
-    ///
-    /// - `normal`, `curvature`: as in [`LightField::reflect`].
-    /// - `eta` > 0: refractive index on the side of the incoming light over that on the other side.
-    ///
-    /// Returns false, and leaves the field as it was, on total internal reflection, exactly grazing incidence, or
-    /// arguments without meaning (`eta` not positive and finite, and those of `reflect`).
-    ///
-    /// Exact to first order. Within 1e-4 rad of total reflection the cosine of the refracted ray itself loses
-    /// digits (relative error 1e-16/c_t²). Test: `refraction_agrees_with_traced_rays`.
-    ///
-    /// Source: derived (Coddington's equations with an off-diagonal term); the thesis' implementation has none.
-    ///
-    /// ```
-    /// use covbeam::{Curvature, LightField, Vec3};
-    /// // Glass to air at 60 degrees: total reflection.
-    /// let mut light = LightField::point(Vec3::new(0.866, 0.0, -0.5), 0.0);
-    /// assert!(!light.refract(Vec3::Z, &Curvature::default(), 1.5));
-    /// // Air to glass bends towards the normal.
-    /// assert!(light.refract(Vec3::Z, &Curvature::default(), 1.0 / 1.5));
-    /// assert!((light.direction.x - 0.866 / 1.5).abs() < 1e-4);
-    /// ```
-    pub fn refract(&mut self, normal: Vec3, curvature: &Curvature, eta: f32) -> bool {
-        let frame = self.frame();
-        let Some(hit) = Hit::new(&frame, normal, curvature) else { return false };
-        if !(eta > 0.0 && eta.is_finite()) {
-            return false;
-        }
-        let (eta, c_i) = (f64::from(eta), hit.cosine);
-        // (1 - η)(1 + η) is exact where 1 - η² sin² would cancel.
-        let transmitted = (1.0 - eta) * (1.0 + eta) + (eta * c_i) * (eta * c_i);
-        if transmitted <= 0.0 {
-            return false;
-        }
-        let c_t = libm::sqrt(transmitted);
-        // P/n₂ = c_t - η c_i, without its cancellation at η near 1.
-        let power = (1.0 - eta) * (1.0 + eta) / (c_t + eta * c_i);
-        let mut columns = self.columns();
-        turn(&mut columns, &frame, hit.sagittal);
-        for [u, v, x, y] in &mut columns {
-            *x += power / eta * (hit.ss * *u + hit.st / c_i * *v);
-            *y = c_i / c_t * (*y + power / (eta * c_i) * (hit.st * *u + hit.tt / c_i * *v));
-            *u /= eta;
-            *v *= c_t / (eta * c_i);
-        }
-        let direction = combine(eta, frame.z, eta * c_i - c_t, hit.normal);
-        self.leave(columns, hit.sagittal, direction);
-        true
     }
 
     /// Occlusion by a straight edge beside the ray.
@@ -345,62 +260,6 @@ impl LightField {
         let Some([n_x, n_y]) = self.across(towards_edge) else { return };
         let root = sharpness(2.0 * distance);
         self.multiply([0.0, 0.0, n_x * root, n_y * root]);
-    }
-
-    /// Attenuation by a stretch of medium whose optical depth τ varies across the ray.
-    ///
-    /// Spectrum: the signal is multiplied by exp(-τ), whose relative gradient is -∇τ and whose relative curvature is
-    /// C = ∇τ ∇τᵀ - Hess τ, both across the ray. Over 4π², |C| (with the magnitudes of the eigenvalues: an envelope that knows no
-    /// sign) or ∇τ ∇τᵀ is added as spatial variance, whichever has the larger trace: at an inflection the slope speaks.
-    ///
-    /// - `gradient` ∇τ \[1/m\] and `hessian` Hess τ \[1/m²\] of the stretch's optical depth, in world axes,
-    ///   \[xx, yy, zz, xy, xz, yz\]: the extinction's derivatives integrated along the ray, with their signs. Structure that
-    ///   cancels along the way attenuates evenly. All 0 (a homogeneous medium) changes nothing.
-    ///
-    /// Numbers that are not finite leave the field as it was.
-    ///
-    /// Source: thesis 5.3.1 (products in the primal domain); the positive form is derived from Hess f = -4π² f Σ.
-    ///
-    /// ```
-    /// use covbeam::{LightField, Vec3};
-    /// let mut light = LightField::gaussian(Vec3::Z, Vec3::X, [0.0, 0.0], [1.0, 1.0]);
-    /// light.attenuate(Vec3::new(0.0, 3.0, 5.0), &[0.0, -7.0, 0.0, 0.0, 0.0, 0.0]);
-    /// let [xx, xy, yy] = light.slice().map(|variance| variance * 4.0 * std::f32::consts::PI.powi(2));
-    /// assert!(xx.abs() < 1e-5 && xy.abs() < 1e-5 && (yy - 16.0).abs() < 1e-4);
-    /// ```
-    pub fn attenuate(&mut self, gradient: Vec3, hessian: &[f32; 6]) {
-        if !(gradient.is_finite() && hessian.iter().all(|second| second.is_finite())) {
-            return;
-        }
-        let frame = self.frame();
-        let slope: Vector = gradient.to_array().map(f64::from);
-        let (g_x, g_y) = (dot(frame.x, slope), dot(frame.y, slope));
-        let [xx, yy, zz, xy, xz, yz] = hessian.map(f64::from);
-        let entry = |a: Vector, b: Vector| {
-            xx * a[0] * b[0]
-                + yy * a[1] * b[1]
-                + zz * a[2] * b[2]
-                + xy * (a[0] * b[1] + a[1] * b[0])
-                + xz * (a[0] * b[2] + a[2] * b[0])
-                + yz * (a[1] * b[2] + a[2] * b[1])
-        };
-        let p = g_x * g_x - entry(frame.x, frame.x);
-        let q = g_x * g_y - entry(frame.x, frame.y);
-        let r = g_y * g_y - entry(frame.y, frame.y);
-        let (middle, half) = (0.5 * (p + r), 0.5 * (p - r));
-        let spread = libm::sqrt(half * half + q * q);
-        let (high, low) = ((middle + spread).abs(), (middle - spread).abs());
-        let (sin, cos) = libm::sincos(0.5 * libm::atan2(q, half));
-        let root = |variance: f64| (libm::sqrt(variance) / (2.0 * PI)).min(UNBOUNDED);
-        let added = if high + low >= g_x * g_x + g_y * g_y {
-            let (a, b) = (root(high), root(low));
-            [[a * cos, a * sin], [-b * sin, b * cos]]
-        } else {
-            [[g_x / (2.0 * PI), g_y / (2.0 * PI)], [0.0; 2]]
-        };
-        for [x, y] in added.into_iter().filter(|column| *column != [0.0; 2]) {
-            self.multiply([0.0, 0.0, x, y]);
-        }
     }
 
     /// Narrowing of the emitted or transmitted directions, such as by the soft rim of a spot light.
@@ -459,7 +318,7 @@ impl LightField {
         }
         let frame = self.frame();
         let s = sagittal_or(frame.z, out, frame.x);
-        let cos_theta = dot(frame.z, out);
+        let cos_theta = frame.z.dot(out);
         let mut columns = self.columns();
         turn(&mut columns, &frame, s);
         for column in &mut columns {
@@ -471,172 +330,9 @@ impl LightField {
         self.leave(columns, s, out);
     }
 
-    /// Diffuse (Lambert) reflection or transmission at a surface into `direction`.
-    ///
-    /// Spectrum: projected on the surface (in-plane spatial frequencies times c_i), integrated over angle, and
-    /// seen from `direction` (in-plane ones divided by c_o).
-    ///
-    /// - `normal`: of the surface, any length and either sign.
-    /// - `direction`: of propagation after the event, any length. The division by c_o is not bounded: a pattern
-    ///   seen at a grazing angle is that dense.
-    ///
-    /// A vector without a direction, or a cosine below 1e-12 on either side, leaves the field as it was. The
-    /// variation of the two cosines over the footprint is not accounted for.
-    ///
-    /// Source: derived (thesis 5.3.1 for the convolution).
-    ///
-    /// ```
-    /// use covbeam::{LightField, Vec3};
-    /// let mut light = LightField::gaussian(-Vec3::Z, Vec3::X, [4.0, 9.0], [1.0, 1.0]);
-    /// light.diffuse(Vec3::Z, Vec3::new(0.0, 3f32.sqrt(), 1.0)); // leaves at 60 degrees, foreshortened along y
-    /// let spectrum = light.fluence();
-    /// assert!((spectrum.xx - 4.0).abs() < 1e-5);
-    /// assert!((spectrum.xx + spectrum.yy + spectrum.zz - (4.0 + 9.0 * 4.0)).abs() < 1e-4);
-    /// ```
-    pub fn diffuse(&mut self, normal: Vec3, direction: Vec3) {
-        let frame = self.frame();
-        let (Some(n), Some(out)) = (frame::unit_from(normal), frame::unit_from(direction)) else { return };
-        let (c_i, c_o) = (dot(frame.z, n).abs(), dot(out, n).abs());
-        if c_i < GRAZING || c_o < GRAZING {
-            return;
-        }
-        let mut columns = self.columns();
-        let s_in = sagittal_or(frame.z, n, frame.x);
-        turn(&mut columns, &frame, s_in);
-        let y_in = cross(frame.z, s_in);
-        let t_in = in_surface(y_in, n).unwrap_or(y_in);
-        let s_out = sagittal_or(out, n, s_in);
-        let y_out = cross(out, s_out);
-        let t_out = in_surface(y_out, n).unwrap_or(y_out);
-        for column in &mut columns {
-            column[3] *= c_i;
-        }
-        let mut columns = convolved(&columns, 0.0);
-        for [_, _, x, y] in &mut columns {
-            let on_surface = combine(*x, s_in, *y, t_in);
-            *x = dot(s_out, on_surface);
-            *y = dot(t_out, on_surface) / c_o;
-        }
-        self.leave(columns, s_out, out);
-    }
-
-    /// The spectrum of the fluence across the ray: the 2x2 covariance `[xx, xy, yy]` along the frame's x and y
-    /// \[cycles²/m²\].
-    ///
-    /// Spectrum: the slice of Σ at zero angular frequency, its Schur complement Σ_xx - Σ_xu Σ_uu⁺ Σ_ux. Read from L
-    /// without arithmetic on the angular part; with a singular Σ_uu it is the pseudo-inverse's limit.
-    ///
-    /// Guarantee: positive semi-definite up to rounding. Error: that of the root, see [`LightField`].
-    ///
-    /// Source: thesis Eq 5.14.
-    ///
-    /// ```
-    /// use covbeam::{LightField, Vec3};
-    /// let light = LightField::gaussian(Vec3::Z, Vec3::X, [4.0, 9.0], [1.0, 1.0]);
-    /// assert_eq!(light.slice(), [4.0, 0.0, 9.0]);
-    /// ```
-    pub fn slice(&self) -> [f32; 3] {
-        let [_, _, _, _, _, xx, _, _, yx, yy] = self.root.map(f64::from);
-        within_range([xx * xx, xx * yx, yx * yx + yy * yy])
-    }
-
-    /// The spectrum of the fluence around the ray, in world axes \[cycles²/m²\].
-    ///
-    /// Spectrum: R \[slice 0; 0 0\] Rᵀ, with R the frame's axes: zero along the ray.
-    ///
-    /// Guarantee: positive semi-definite up to rounding.
-    ///
-    /// Source: thesis Eq 5.14.
-    ///
-    /// ```
-    /// use covbeam::{LightField, Vec3};
-    /// let light = LightField::gaussian(Vec3::Z, Vec3::X, [4.0, 9.0], [1.0, 1.0]);
-    /// assert_eq!(light.fluence().to_array(), [4.0, 9.0, 0.0, 0.0, 0.0, 0.0]);
-    /// ```
-    pub fn fluence(&self) -> FluenceSpectrum {
-        self.fluence_within(f32::INFINITY)
-    }
-
-    /// The spectrum of the fluence around the ray, bounded by what a voxel can resolve, in world axes \[cycles²/m²\].
-    ///
-    /// Spectrum: that of [`LightField::fluence`] with each of the root's two spatial columns cut to `limit`.
-    ///
-    /// - `limit` \[cycles/m\] > 0: the largest deviation kept. Light beside an edge has a variance of 1/(4π²ρ²), whose mean
-    ///   over all distances ρ does not exist: a few photons next to an edge would speak for all. Voxels of
-    ///   side h cannot tell their Nyquist frequency, 1/(2h), from more.
-    ///
-    /// Guarantee: positive semi-definite up to rounding, no deviation above √2 `limit`.
-    ///
-    /// Source: thesis Eq 5.14; the bound is derived.
-    ///
-    /// ```
-    /// use covbeam::{LightField, Vec3};
-    /// let light = LightField::gaussian(Vec3::Z, Vec3::X, [4.0, 900.0], [1.0, 1.0]);
-    /// assert_eq!(light.fluence_within(5.0).to_array(), [4.0, 25.0, 0.0, 0.0, 0.0, 0.0]);
-    /// ```
-    pub fn fluence_within(&self, limit: f32) -> FluenceSpectrum {
-        let (frame, limit) = (self.frame(), f64::from(limit));
-        let [_, _, _, _, _, xx, _, _, yx, yy] = self.root.map(f64::from);
-        // The two spatial columns of L as vectors of the world.
-        let bounded = |x: f64, y: f64| {
-            let length = libm::sqrt(x * x + y * y);
-            let scale = if length > limit { limit / length } else { 1.0 };
-            combine(scale * x, frame.x, scale * y, frame.y)
-        };
-        let (a, b) = (bounded(xx, yx), bounded(0.0, yy));
-        let entry = |i: usize, j: usize| a[i] * a[j] + b[i] * b[j];
-        FluenceSpectrum::from_array(within_range([
-            entry(0, 0),
-            entry(1, 1),
-            entry(2, 2),
-            entry(0, 1),
-            entry(0, 2),
-            entry(1, 2),
-        ]))
-    }
-
-    /// Variance of the fluence's spectrum along the ray \[cycles²/m²\], from how the rays spread or converge and from
-    /// extinction.
-    ///
-    /// Spectrum: for the Gaussian field of covariance Σ the fluence goes as f ∝ √det(slice) exp(-κ s), so that with
-    /// M = Σ_xu Σ_uu⁻¹ (minus the wavefront's curvature) (ln f)' = tr M - κ and (ln f)'' = tr M² - tr(slice Σ_uu⁻¹). The
-    /// variance is the larger of |f''/f| and (f'/f)², over 4π².
-    ///
-    /// - `extinction` κ \[1/m\] >= 0 around the ray.
-    ///
-    /// Holds for light that comes from its source without scattering on the way: scattered light starts all along
-    /// its path, and what one vertex spreads the next ones replace.
-    ///
-    /// Guarantee: >= 0 and finite. Test: `along_the_ray_the_fluence_has_the_spectrum_of_its_closed_form`.
-    ///
-    /// Source: derived. The thesis (5.3.1.2) takes the fluence as constant along the ray.
-    ///
-    /// ```
-    /// use covbeam::{LightField, Vec3};
-    /// // A point light: 1/d², a relative curvature of 2/d² across the ray and of 6/d² along it.
-    /// let mut light = LightField::point(Vec3::Z, 2.0 / (4.0 * std::f32::consts::PI.powi(2)));
-    /// light.travel(2.0);
-    /// assert!((light.variance_along_ray(0.0) / light.slice()[0] - 3.0).abs() < 1e-5);
-    /// ```
-    pub fn variance_along_ray(&self, extinction: f32) -> f32 {
-        let [uu, vu, vv, xu, xv, xx, yu, yv, yx, yy] = self.root.map(f64::from);
-        // With L = [[A, 0], [B, C]]: M = B A⁻¹, and tr(slice Σ_uu⁻¹) is the sum of the squares in A⁻¹ C. A row of A
-        // without a pivot has no column in B.
-        let over = |a: f64, b: f64| if b == 0.0 { 0.0 } else { a / b };
-        let (m_xv, m_yv) = (over(xv, vv), over(yv, vv));
-        let (m_xu, m_yu) = (over(xu - m_xv * vu, uu), over(yu - m_yv * vu, uu));
-        let first = over(xx, uu);
-        let rest = [first, over(yx - vu * first, vv), over(yy, vv)];
-        let slope = m_xu + m_yv - f64::from(extinction);
-        let bend = m_xu * m_xu + 2.0 * m_xv * m_yu + m_yv * m_yv - rest.iter().map(|r| r * r).sum::<f64>();
-        let curvature = (bend + slope * slope).abs().max(slope * slope);
-        let [variance] = within_range([curvature / (4.0 * PI * PI)]);
-        variance
-    }
-
     /// Diagonal root, rows (u, v, x, y).
     fn uncorrelated(frame: Frame, [u, v, x, y]: [f64; 4]) -> Self {
-        let (x_axis, direction) = (frame::rounded(frame.x), frame::rounded(frame.z));
+        let (x_axis, direction) = (frame.x.as_vec3(), frame.z.as_vec3());
         let mut field = Self { root: [0.0; 10], x_axis, direction };
         let columns = [[u, 0.0, 0.0, 0.0], [0.0, v, 0.0, 0.0], [0.0, 0.0, x, 0.0], [0.0, 0.0, 0.0, y]];
         field.pack(&columns);
@@ -652,15 +348,15 @@ impl LightField {
     /// The unit vector along the part of `direction` across the ray, in the local (x, y).
     fn across(&self, direction: Vec3) -> Option<[f64; 2]> {
         let (frame, v) = (self.frame(), frame::unit_from(direction)?);
-        let (x, y) = (dot(frame.x, v), dot(frame.y, v));
+        let (x, y) = (frame.x.dot(v), frame.y.dot(v));
         let length = libm::sqrt(x * x + y * y);
         // Below this, what is left across the ray is the rounding of the stored axes.
         (length > 1e-7).then(|| [x / length, y / length])
     }
 
     fn frame(&self) -> Frame {
-        let z = frame::unit_from(self.direction).unwrap_or([0.0, 0.0, 1.0]);
-        Frame::new(frame::unit_from(self.x_axis).unwrap_or([0.0; 3]), z)
+        let z = frame::unit_from(self.direction).unwrap_or(DVec3::Z);
+        Frame::new(frame::unit_from(self.x_axis).unwrap_or(DVec3::ZERO), z)
     }
 
     /// L by columns.
@@ -671,9 +367,9 @@ impl LightField {
 
     /// Stores any root, after an event that leaves the ray with direction `z` and, before it is turned to the principal
     /// axes, the axis `x`.
-    fn leave(&mut self, columns: [[f64; 4]; 4], x: Vector, z: Vector) {
+    fn leave(&mut self, columns: [[f64; 4]; 4], x: DVec3, z: DVec3) {
         let frame = Frame::new(x, frame::unit(z).unwrap_or(z));
-        self.direction = frame::rounded(frame.z);
+        self.direction = frame.z.as_vec3();
         self.store(columns, &frame);
     }
 
@@ -685,9 +381,9 @@ impl LightField {
     /// bounces; 1.4 times in principal axes).
     fn store(&mut self, mut columns: [[f64; 4]; 4], frame: &Frame) {
         let (c, d) = principal(&columns);
-        let x = combine(c, frame.x, d, frame.y);
+        let x = c * frame.x + d * frame.y;
         turn(&mut columns, frame, x);
-        self.x_axis = frame::rounded(x);
+        self.x_axis = x.as_vec3();
         self.pack(&triangular(columns));
     }
 
@@ -716,8 +412,8 @@ fn principal(columns: &[[f64; 4]; 4]) -> (f64, f64) {
 }
 
 /// Turns the frame about z so that x becomes `s`, a unit vector across z.
-fn turn(columns: &mut [[f64; 4]; 4], frame: &Frame, s: Vector) {
-    let (c, d) = (dot(frame.x, s), dot(frame.y, s));
+fn turn(columns: &mut [[f64; 4]; 4], frame: &Frame, s: DVec3) {
+    let (c, d) = (frame.x.dot(s), frame.y.dot(s));
     for [u, v, x, y] in columns {
         (*u, *v) = (c * *u + d * *v, c * *v - d * *u);
         (*x, *y) = (c * *x + d * *y, c * *y - d * *x);
@@ -755,13 +451,4 @@ fn bounded(column: [f64; 4]) -> [f64; 4] {
     }
     let factor = libm::ldexp(1.0, -libm::ilogb(largest / UNBOUNDED) - 1);
     column.map(|entry| entry * factor)
-}
-
-/// The matrix with these entries in `f32`, scaled down as a whole (so that it stays positive semi-definite) if its
-/// largest entry exceeds 2¹²⁵, which leaves room for the sum of a quadratic form.
-fn within_range<const N: usize>(entries: [f64; N]) -> [f32; N] {
-    const END: f64 = (1u128 << 125) as f64;
-    let largest = entries.iter().fold(0.0, |largest: f64, e| largest.max(e.abs()));
-    let factor = if largest > END { END / largest } else { 1.0 };
-    entries.map(|entry| (entry * factor) as f32)
 }

@@ -1,18 +1,18 @@
-//! A tree of boxes over the pieces of beams, eight to a node, made from a binary one; built in slices of bounded work.
+//! A bounding volume hierarchy over sub-beams, eight to a node, made from a binary one; built in slices of bounded work.
 
-use super::lanes::LANES;
-use super::meter::{Meter, Stop, with_room};
+use super::cancel::{Poll, Stop, with_room};
+use super::eight::LANES;
 use super::packet::ROOM;
-use super::pieces::{Cut, Piece, Ticket};
-use super::wide::Vectors;
-use crate::{BLOCK, Beam};
+use super::simd::Vectors;
+use super::sub_beams::{Cut, MortonCode, SubBeam};
+use crate::beam::{BLOCK, Beam};
 use glam::{Vec3, Vec3A};
 use std::vec::Vec;
 
-/// Pieces of the largest subtree that is built at a time: its working memory fits a processor's own cache.
+/// Sub-beams of the largest subtree that is built at a time: its working memory fits a processor's own cache.
 const CHUNK: usize = 1 << 14;
 
-/// A box, and what is in it: the pieces `first..first + count`, or with `count` 0 the nodes `first` and `first + 1`.
+/// A box, and what is in it: the sub-beams `first..first + count`, or with `count` 0 the nodes `first` and `first + 1`.
 #[derive(Clone, Copy, Default)]
 struct Node {
     low: Vec3,
@@ -26,9 +26,9 @@ impl Node {
         Self { low: low.into(), first, high: high.into(), count }
     }
 
-    fn around(piece: &Piece, reach: f32, first: u32) -> Self {
+    fn around(sub_beam: &SubBeam, reach: f32, first: u32) -> Self {
         // An accepted eye point lies within the radius of the segment, caps included (see `gather_pair`).
-        let [start, end] = piece.ends();
+        let [start, end] = sub_beam.ends();
         let (low, high) = (start.min(end), start.max(end));
         // Far from the world's origin the ends are rounded by more than kernels are wide.
         let reach = reach + 2.0 * f32::EPSILON * low.abs().max(high.abs()).max_element();
@@ -61,7 +61,7 @@ fn half_area((low, high): (Vec3A, Vec3A)) -> f32 {
     (extent * Vec3A::new(extent.y, extent.z, extent.x)).element_sum()
 }
 
-/// Up to eight boxes side by side, and what is in each: the pieces `first..first + count`, or with `count` 0 the node `first`.
+/// Up to eight boxes side by side, and what is in each: the sub-beams `first..first + count`, or with `count` 0 the node `first`.
 #[derive(Clone, Copy)]
 pub(super) struct WideNode {
     pub(super) low: Vectors,
@@ -91,66 +91,67 @@ impl WideNode {
     }
 }
 
-/// The nodes, root first (none over no pieces), and the pieces in the order in which a walk meets them: a leaf's are neighbours in
+/// The nodes, root first (none over no sub-beams), and the sub-beams in the order in which a walk meets them: a leaf's are neighbours in
 /// memory, and so are those of a subtree.
 #[derive(Clone)]
-pub(super) struct Tree {
+pub(super) struct Bvh {
     pub(super) nodes: Vec<WideNode>,
-    pub(super) pieces: Vec<Piece>,
+    pub(super) sub_beams: Vec<SubBeam>,
     /// What each box is grown by \[m\].
     pub(super) reach: f32,
 }
 
-impl Tree {
+impl Bvh {
     /// - `ceiling`: largest radius that it is asked about \[m\].
     pub(super) fn new(
         beams: &[Beam],
         cut: &Cut,
-        tickets: &[Ticket],
+        codes: &[MortonCode],
         ceiling: f32,
-        meter: &mut Meter,
+        poll: &mut Poll,
     ) -> Result<Self, Stop> {
         let reach = ceiling * ROOM;
-        BinaryTree::new(beams, cut, tickets, reach, meter)?.widen(reach, meter)
+        BinaryBvh::new(beams, cut, codes, reach, poll)?.widen(reach, poll)
     }
 }
 
-/// The nodes, root first (none over no pieces), and the pieces in the order of the leaves.
-struct BinaryTree {
+/// The nodes, root first (none over no sub-beams), and the sub-beams in the order of the leaves.
+struct BinaryBvh {
     nodes: Vec<Node>,
-    pieces: Vec<Piece>,
+    sub_beams: Vec<SubBeam>,
 }
 
-impl BinaryTree {
-    /// Chunks of neighbouring pieces become subtrees, and these the leaves of one more tree, that at the top.
+impl BinaryBvh {
+    /// Chunks of neighbouring sub-beams become subtrees, and these the leaves of one more tree, that at the top.
     fn new(
         beams: &[Beam],
         cut: &Cut,
-        tickets: &[Ticket],
+        codes: &[MortonCode],
         reach: f32,
-        meter: &mut Meter,
+        poll: &mut Poll,
     ) -> Result<Self, Stop> {
-        let mut tree = Self { nodes: Vec::new(), pieces: with_room(tickets.len())? };
-        if tickets.is_empty() {
+        let mut tree = Self { nodes: Vec::new(), sub_beams: with_room(codes.len())? };
+        if codes.is_empty() {
             return Ok(tree);
         }
-        tree.nodes = with_room(2 * tickets.len() - 1)?;
-        let chunks = tickets.len().div_ceil(CHUNK);
-        let largest = tickets.len().div_ceil(chunks);
+        tree.nodes = with_room(2 * codes.len() - 1)?;
+        let chunks = codes.len().div_ceil(CHUNK);
+        let largest = codes.len().div_ceil(chunks);
         // The nodes at the top come first.
         tree.nodes.resize(2 * chunks - 1, Node::default());
         let mut clusters = Clusters::with_room(largest.max(chunks))?;
         let mut roots: Vec<Node> = with_room(chunks)?;
-        let mut pieces = with_room(largest)?;
-        for chunk in tickets.chunks(largest) {
-            meter.spend(chunk.len(), 60)?;
-            pieces.clear();
-            pieces.extend(chunk.iter().map(|ticket| cut.piece(beams, ticket)));
-            clusters.build((0..).zip(&pieces).map(|(i, piece)| Node::around(piece, reach, i)), meter)?;
+        let mut sub_beams = with_room(largest)?;
+        for chunk in codes.chunks(largest) {
+            poll.spend(chunk.len(), 60)?;
+            sub_beams.clear();
+            sub_beams.extend(chunk.iter().map(|code| cut.sub_beam(beams, code)));
+            clusters
+                .build((0..).zip(&sub_beams).map(|(i, sub_beam)| Node::around(sub_beam, reach, i)), poll)?;
             clusters.collapse();
-            roots.push(tree.append(&clusters.tree, &pieces));
+            roots.push(tree.append(&clusters.tree, &sub_beams));
         }
-        clusters.build((0..).zip(&roots).map(|(i, root)| Node { first: i, count: 1, ..*root }), meter)?;
+        clusters.build((0..).zip(&roots).map(|(i, root)| Node { first: i, count: 1, ..*root }), poll)?;
         for (node, top) in tree.nodes.iter_mut().zip(&clusters.tree) {
             *node = if top.count == 0 { *top } else { roots[top.first as usize] };
         }
@@ -158,8 +159,8 @@ impl BinaryTree {
     }
 
     /// Gives each node the eight largest boxes below it.
-    fn widen(self, reach: f32, meter: &mut Meter) -> Result<Tree, Stop> {
-        let mut wide = Tree { nodes: Vec::new(), pieces: with_room(self.pieces.len())?, reach };
+    fn widen(self, reach: f32, poll: &mut Poll) -> Result<Bvh, Stop> {
+        let mut wide = Bvh { nodes: Vec::new(), sub_beams: with_room(self.sub_beams.len())?, reach };
         // Nodes still to be made: of which subtree, and where they go.
         let mut stack = Vec::new();
         if let Some(root) = self.nodes.first() {
@@ -167,7 +168,7 @@ impl BinaryTree {
             stack.push((*root, 0));
         }
         while let Some((root, slot)) = stack.pop() {
-            meter.spend(1, 400)?;
+            poll.spend(1, 400)?;
             let mut children = [root; LANES];
             let mut count = 1;
             while count < LANES {
@@ -185,8 +186,8 @@ impl BinaryTree {
             for (lane, child) in children[..count].iter_mut().enumerate() {
                 let first = child.first as usize;
                 if child.count > 0 {
-                    child.first = wide.pieces.len() as u32;
-                    wide.pieces.extend_from_slice(&self.pieces[first..first + child.count as usize]);
+                    child.first = wide.sub_beams.len() as u32;
+                    wide.sub_beams.extend_from_slice(&self.sub_beams[first..first + child.count as usize]);
                 }
                 node.set(lane, child);
             }
@@ -204,7 +205,7 @@ impl BinaryTree {
     }
 
     /// Appends what is below the root of a chunk's tree, depth first, and returns the root.
-    fn append(&mut self, chunk: &[Node], pieces: &[Piece]) -> Node {
+    fn append(&mut self, chunk: &[Node], sub_beams: &[SubBeam]) -> Node {
         let mut root = chunk[0];
         let mut stack = Vec::from([(0, None)]);
         while let Some((index, slot)) = stack.pop() {
@@ -215,8 +216,8 @@ impl BinaryTree {
                 self.nodes.extend([Node::default(); 2]);
                 node.first = pair as u32;
             } else {
-                node.first = self.pieces.len() as u32;
-                self.append_leaves(chunk, index, pieces);
+                node.first = self.sub_beams.len() as u32;
+                self.append_leaves(chunk, index, sub_beams);
             }
             match slot {
                 Some(slot) => self.nodes[slot] = node,
@@ -226,14 +227,14 @@ impl BinaryTree {
         root
     }
 
-    /// Appends the pieces below a node that became a leaf: at most [`BLOCK`], so the recursion is shallow.
-    fn append_leaves(&mut self, chunk: &[Node], index: usize, pieces: &[Piece]) {
+    /// Appends the sub-beams below a node that became a leaf: at most [`BLOCK`], so the recursion is shallow.
+    fn append_leaves(&mut self, chunk: &[Node], index: usize, sub_beams: &[SubBeam]) {
         let Node { first, count, .. } = chunk[index];
         if count == 1 {
-            self.pieces.push(pieces[first as usize]);
+            self.sub_beams.push(sub_beams[first as usize]);
         } else {
-            self.append_leaves(chunk, first as usize, pieces);
-            self.append_leaves(chunk, first as usize + 1, pieces);
+            self.append_leaves(chunk, first as usize, sub_beams);
+            self.append_leaves(chunk, first as usize + 1, sub_beams);
         }
     }
 }
@@ -257,7 +258,7 @@ impl Clusters {
     }
 
     /// Fills `tree` with the tree over `leaves`, at least one; their `first` and `count` are kept.
-    fn build(&mut self, leaves: impl Iterator<Item = Node>, meter: &mut Meter) -> Result<(), Stop> {
+    fn build(&mut self, leaves: impl Iterator<Item = Node>, poll: &mut Poll) -> Result<(), Stop> {
         let Self { list, back, tree } = self;
         list.clear();
         list.extend(leaves);
@@ -266,7 +267,7 @@ impl Clusters {
         tree.resize(free, Node::default());
         while list.len() > 1 {
             let count = list.len();
-            meter.spend(count, 10)?;
+            poll.spend(count, 10)?;
             back.clear();
             let mut before = f32::INFINITY;
             for pair in list.windows(2) {

@@ -1,20 +1,20 @@
-//! Beams cut into pieces, in an order in which neighbours in the list are neighbours in space.
+//! Beams cut into sub-beams, in the order of their Morton codes, in which neighbours in the list are neighbours in space.
 
-use super::meter::{Meter, STRETCH, Stop, with_room};
-use crate::Beam;
+use super::cancel::{Poll, STRETCH, Stop, with_room};
+use crate::beam::Beam;
 use glam::Vec3;
 use std::vec::Vec;
 
-/// Pieces that an average beam is cut into: a long beam's box is mostly empty. Three pieces ask for a quarter more memory, and a pass for 2 to 8 % more
+/// Sub-beams that an average beam is cut into: a long beam's box is mostly empty. Three sub-beams ask for a quarter more memory, and a pass for 2 to 8 % more
 /// processor cycles.
-pub(super) const PIECES_PER_BEAM: usize = 2;
+pub(super) const SUB_BEAMS_PER_BEAM: usize = 2;
 
-/// Bits of a piece's place on each axis.
-const PLACE_BITS: u32 = 21;
+/// Bits of a Morton code for each axis.
+const CODE_BITS: u32 = 21;
 
 /// The part `[from, to]` of a beam, with the beam's line.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
+pub(super) struct SubBeam {
     pub(super) origin: Vec3,
     pub(super) from: f32,
     pub(super) direction: Vec3,
@@ -22,7 +22,7 @@ pub(super) struct Piece {
     pub(super) beam: u32,
 }
 
-impl Piece {
+impl SubBeam {
     /// Its two ends.
     #[inline]
     pub(super) fn ends(&self) -> [Vec3; 2] {
@@ -30,10 +30,10 @@ impl Piece {
     }
 }
 
-/// One piece among many: which part of which beam, and its place on a curve that fills space (Morton's).
+/// One sub-beam among many: which part of which beam, and its place on Morton's curve, which fills space.
 #[derive(Clone, Copy)]
-pub(super) struct Ticket {
-    place: u64,
+pub(super) struct MortonCode {
+    code: u64,
     beam: u32,
     part: u32,
 }
@@ -62,17 +62,17 @@ impl Cut {
         libm::ceilf(beam.length / self.longest).max(1.0) as u32
     }
 
-    /// The piece that a ticket stands for.
+    /// The sub-beam that a code stands for.
     #[inline]
-    pub(super) fn piece(&self, beams: &[Beam], ticket: &Ticket) -> Piece {
-        self.part(&beams[ticket.beam as usize], ticket.beam, ticket.part)
+    pub(super) fn sub_beam(&self, beams: &[Beam], code: &MortonCode) -> SubBeam {
+        self.part(&beams[code.beam as usize], code.beam, code.part)
     }
 
     #[inline]
-    fn part(&self, beam: &Beam, index: u32, part: u32) -> Piece {
+    fn part(&self, beam: &Beam, index: u32, part: u32) -> SubBeam {
         let count = self.parts(beam);
         let at = |i: u32| if i == count { beam.length } else { beam.length * (i as f32 / count as f32) };
-        Piece {
+        SubBeam {
             origin: beam.origin,
             from: at(part),
             direction: beam.direction,
@@ -82,12 +82,12 @@ impl Cut {
     }
 }
 
-/// All pieces of the beams that can contribute, ordered by place, and how they were cut.
-pub(super) fn tickets(beams: &[Beam], meter: &mut Meter) -> Result<(Cut, Vec<Ticket>), Stop> {
+/// All sub-beams of the beams that can contribute, ordered by code, and how they were cut.
+pub(super) fn morton_codes(beams: &[Beam], poll: &mut Poll) -> Result<(Cut, Vec<MortonCode>), Stop> {
     let (mut count, mut total) = (0_usize, 0.0);
     let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
     for stretch in beams.chunks(STRETCH) {
-        meter.spend(stretch.len(), 10)?;
+        poll.spend(stretch.len(), 10)?;
         for beam in stretch.iter().filter(|beam| counts(beam)) {
             count += 1;
             total += f64::from(beam.length);
@@ -95,34 +95,34 @@ pub(super) fn tickets(beams: &[Beam], meter: &mut Meter) -> Result<(Cut, Vec<Tic
             high = high.max(beam.origin).max(end(beam));
         }
     }
-    let average = total / (PIECES_PER_BEAM * count.max(1)) as f64;
+    let average = total / (SUB_BEAMS_PER_BEAM * count.max(1)) as f64;
     // Lengths that small divide by nothing smaller: no beam has more parts than all are allowed together.
     let cut = Cut { longest: (average as f32).max(f32::MIN_POSITIVE) };
     // In f64: the extent of finite points may be infinite in f32.
     let scale = [0, 1, 2].map(|axis| {
         let extent = f64::from(high[axis]) - f64::from(low[axis]);
-        if extent > 0.0 { f64::from((1 << PLACE_BITS) - 1) / extent } else { 0.0 }
+        if extent > 0.0 { f64::from((1 << CODE_BITS) - 1) / extent } else { 0.0 }
     });
-    let mut tickets = with_room((PIECES_PER_BEAM + 1) * count)?;
+    let mut codes = with_room((SUB_BEAMS_PER_BEAM + 1) * count)?;
     for (index, beam) in (0..).zip(beams).filter(|(_, beam)| counts(beam)) {
         let parts = cut.parts(beam);
-        tickets.try_reserve(parts as usize).map_err(|_| Stop::OutOfMemory)?;
+        codes.try_reserve(parts as usize).map_err(|_| Stop::OutOfMemory)?;
         for part in 0..parts {
-            meter.spend(1, 20)?;
+            poll.spend(1, 20)?;
             let [start, end] = cut.part(beam, index, part).ends();
             let [x, y, z] = [0, 1, 2].map(|axis| {
                 let middle = 0.5 * (f64::from(start[axis]) + f64::from(end[axis]));
                 spread(((middle - f64::from(low[axis])) * scale[axis]) as u32)
             });
-            tickets.push(Ticket { place: x | y << 1 | z << 2, beam: index, part });
+            codes.push(MortonCode { code: x | y << 1 | z << 2, beam: index, part });
         }
     }
-    Ok((cut, sorted(tickets, meter)?))
+    Ok((cut, sorted(codes, poll)?))
 }
 
 /// The low 21 bits of `x`, two zeros after each.
 fn spread(x: u32) -> u64 {
-    let mut x = u64::from(x) & ((1 << PLACE_BITS) - 1);
+    let mut x = u64::from(x) & ((1 << CODE_BITS) - 1);
     for (shift, mask) in [
         (32, 0x001f_0000_0000_ffff),
         (16, 0x001f_0000_ff00_00ff),
@@ -135,40 +135,40 @@ fn spread(x: u32) -> u64 {
     x
 }
 
-/// Stable radix sort by place, a byte at a time from the lowest.
-fn sorted(mut tickets: Vec<Ticket>, meter: &mut Meter) -> Result<Vec<Ticket>, Stop> {
+/// Stable radix sort by code, a byte at a time from the lowest.
+fn sorted(mut codes: Vec<MortonCode>, poll: &mut Poll) -> Result<Vec<MortonCode>, Stop> {
     const DIGITS: usize = 8;
     let mut counts = [[0_u32; 256]; DIGITS];
-    for stretch in tickets.chunks(STRETCH) {
-        meter.spend(stretch.len(), DIGITS)?;
-        for ticket in stretch {
-            for (counts, digit) in counts.iter_mut().zip(ticket.place.to_le_bytes()) {
+    for stretch in codes.chunks(STRETCH) {
+        poll.spend(stretch.len(), DIGITS)?;
+        for code in stretch {
+            for (counts, digit) in counts.iter_mut().zip(code.code.to_le_bytes()) {
                 counts[usize::from(digit)] += 1;
             }
         }
     }
-    let mut other = with_room(tickets.len())?;
-    for stretch in tickets.chunks(STRETCH) {
-        meter.spend(stretch.len(), 4)?;
+    let mut other = with_room(codes.len())?;
+    for stretch in codes.chunks(STRETCH) {
+        poll.spend(stretch.len(), 4)?;
         other.extend_from_slice(stretch);
     }
     for (digit, counts) in counts.iter().enumerate() {
-        if counts.iter().any(|&count| count as usize == tickets.len()) {
+        if counts.iter().any(|&count| count as usize == codes.len()) {
             continue; // The same for all.
         }
         let mut next = [0_u32; 256];
         for i in 1..256 {
             next[i] = next[i - 1] + counts[i - 1];
         }
-        for stretch in tickets.chunks(STRETCH) {
-            meter.spend(stretch.len(), 4)?;
-            for ticket in stretch {
-                let slot = &mut next[usize::from(ticket.place.to_le_bytes()[digit])];
-                other[*slot as usize] = *ticket;
+        for stretch in codes.chunks(STRETCH) {
+            poll.spend(stretch.len(), 4)?;
+            for code in stretch {
+                let slot = &mut next[usize::from(code.code.to_le_bytes()[digit])];
+                other[*slot as usize] = *code;
                 *slot += 1;
             }
         }
-        std::mem::swap(&mut tickets, &mut other);
+        std::mem::swap(&mut codes, &mut other);
     }
-    Ok(tickets)
+    Ok(codes)
 }

@@ -1,49 +1,49 @@
 //! All beams of a pass that a packet of eye rays may touch, found through a bounding volume hierarchy.
 
+mod bvh;
+mod cancel;
 mod columns;
-mod lanes;
-mod meter;
+mod eight;
 mod packet;
-mod pieces;
 mod rays;
-mod reach;
 mod search;
-mod settle;
-mod tree;
-mod wide;
+mod shade;
+mod simd;
+mod sub_beams;
 
-pub use meter::Stop;
+pub use cancel::Stop;
 
 use crate::beam::{Beam, EyeRay, Gathered};
-use crate::{Density, KernelRadius, Medium};
+use crate::kernel::KernelRadius;
+use crate::medium::{Density, Medium};
+use bvh::{Bvh, WideNode};
+use cancel::Poll;
 use columns::BeamColumns;
 use glam::Vec3;
-use meter::Meter;
-use pieces::{PIECES_PER_BEAM, Piece, tickets};
 use rays::RayTables;
-use search::{Search, Settle};
-use settle::{HostMedium, OurMedium};
+use search::{Search, Shade};
+use shade::{HostMedium, OurMedium};
 use std::vec::Vec;
-use tree::{Tree, WideNode};
+use sub_beams::{SUB_BEAMS_PER_BEAM, SubBeam, morton_codes};
 
-/// The most beams that a [`BeamMap`] takes, 2²⁸: their pieces, and the nodes over these, are counted in 32 bits.
+/// The most beams that a [`BeamMap`] takes, 2²⁸: their sub-beams, and the nodes over these, are counted in 32 bits.
 pub const MAX_BEAMS: usize = 1 << 28;
 
-// At most a piece more a beam than on average, a node less than two a piece, and room for rounding.
-const _: () = assert!(2 * (PIECES_PER_BEAM + 1) * MAX_BEAMS <= 1 << 31);
+// At most a sub-beam more a beam than on average, a node less than two a sub-beam, and room for rounding.
+const _: () = assert!(2 * (SUB_BEAMS_PER_BEAM + 1) * MAX_BEAMS <= 1 << 31);
 
 /// Eye rays that share a walk through the hierarchy.
 const PACKET: usize = 256;
 
 /// The beams of one medium and one pass.
 ///
-/// About 36 bytes a piece, up to three pieces a beam, and 260 bytes a node of up to eight leaves of up to eight pieces: with the beams themselves
-/// 76 bytes a piece, 190 a beam (`measure speed`). An exponential density adds 4 bytes a beam, a density grid 8 bytes a knot of the beams' columns
+/// About 36 bytes a sub-beam, up to three sub-beams a beam, and 260 bytes a node of up to eight leaves of up to eight sub-beams: with the beams themselves
+/// 76 bytes a sub-beam, 190 a beam (`measure speed`). An exponential density adds 4 bytes a beam, a density grid 8 bytes a knot of the beams' columns
 /// ([`Density::knots`]).
 #[derive(Clone)]
 pub struct BeamMap {
     beams: Vec<Beam>,
-    tree: Tree,
+    bvh: Bvh,
     columns: BeamColumns,
     ceiling: f32,
 }
@@ -128,14 +128,14 @@ impl BeamMap {
             if beams.len() > MAX_BEAMS {
                 return Err(Stop::TooMany);
             }
-            let mut meter = Meter::new(go_on)?;
-            let (cut, tickets) = tickets(&beams, &mut meter)?;
-            let tree = Tree::new(&beams, &cut, &tickets, ceiling, &mut meter)?;
-            drop(tickets);
-            Ok((tree, BeamColumns::new(&beams, medium, density, &mut meter)?))
+            let mut poll = Poll::new(go_on)?;
+            let (cut, codes) = morton_codes(&beams, &mut poll)?;
+            let bvh = Bvh::new(&beams, &cut, &codes, ceiling, &mut poll)?;
+            drop(codes);
+            Ok((bvh, BeamColumns::new(&beams, medium, density, &mut poll)?))
         };
         match parts() {
-            Ok((tree, columns)) => Ok(Self { beams, tree, columns, ceiling }),
+            Ok((bvh, columns)) => Ok(Self { beams, bvh, columns, ceiling }),
             Err(reason) => Err(Unfinished { beams, reason }),
         }
     }
@@ -158,8 +158,8 @@ impl BeamMap {
     /// Bytes held.
     pub fn memory(&self) -> usize {
         self.beams.capacity() * size_of::<Beam>()
-            + self.tree.pieces.capacity() * size_of::<Piece>()
-            + self.tree.nodes.capacity() * size_of::<WideNode>()
+            + self.bvh.sub_beams.capacity() * size_of::<SubBeam>()
+            + self.bvh.nodes.capacity() * size_of::<WideNode>()
             + self.columns.memory()
     }
 
@@ -208,9 +208,9 @@ impl BeamMap {
         assert_eq!(rays.len(), gathered.len());
         let GatherScratch { search, tables, .. } = scratch;
         tables.clear();
-        let mut settle =
+        let mut shade =
             OurMedium { beams: &self.beams, columns: &self.columns, rays, medium, density, gathered, tables };
-        self.search(rays, radius, search, go_on, &mut settle)
+        self.search(rays, radius, search, go_on, &mut shade)
     }
 
     /// Adds to `gathered[i]` what ray `rays[i]` gathers from all beams in a medium that only the host knows. Returns
@@ -242,8 +242,8 @@ impl BeamMap {
         assert_eq!(rays.len(), gathered.len());
         let GatherScratch { search, contacts, products, .. } = scratch;
         contacts.clear();
-        let mut settle = HostMedium { beams: &self.beams, shade, gathered, contacts, products };
-        self.search(rays, radius, search, go_on, &mut settle)
+        let mut shade = HostMedium { beams: &self.beams, shade, gathered, contacts, products };
+        self.search(rays, radius, search, go_on, &mut shade)
     }
 
     /// Finds all pairs and has them settled, ray after ray within a packet. Returns whether it came to the end.
@@ -253,11 +253,11 @@ impl BeamMap {
         radius: &KernelRadius,
         search: &mut Search,
         go_on: &mut dyn FnMut() -> bool,
-        settle: &mut impl Settle,
+        shade: &mut impl Shade,
     ) -> bool {
         let radius = KernelRadius { ceiling: radius.ceiling.min(self.ceiling), ..*radius };
-        let found = Meter::new(go_on)
-            .and_then(|mut meter| search.all(&self.beams, &self.tree, rays, &radius, &mut meter, settle));
+        let found = Poll::new(go_on)
+            .and_then(|mut poll| search.all(&self.beams, &self.bvh, rays, &radius, &mut poll, shade));
         found.is_ok()
     }
 }

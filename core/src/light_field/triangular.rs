@@ -12,7 +12,7 @@
 //! storage (24 + 24 bits fit in 53), which is what makes the rank decision safe.
 
 /// The lower-triangular root, by columns, of `columns * columnsᵀ`. Column i is zero if row i has no pivot.
-pub(crate) fn triangular<const ROWS: usize, const COLUMNS: usize>(
+pub(super) fn triangular<const ROWS: usize, const COLUMNS: usize>(
     mut columns: [[f64; ROWS]; COLUMNS],
 ) -> [[f64; ROWS]; ROWS] {
     let mut root = [[0.0; ROWS]; ROWS];

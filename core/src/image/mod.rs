@@ -22,7 +22,6 @@ mod reconstruction;
 mod regions;
 mod spectrum;
 mod sums;
-mod symmetric;
 mod verify;
 
 pub use error::standard_errors;

@@ -1,15 +1,15 @@
 //! What pairs add to their rays, in a medium of the core's or of the host's.
 
 use super::Contact;
+use super::cancel::{Poll, Stop};
 use super::columns::BeamColumns;
-use super::lanes::{LANES, Lanes, bits, vector};
-use super::meter::{Meter, Stop};
+use super::eight::{LANES, Pairs, bits, phase, transmittance, vector};
 use super::rays::RayTables;
-use super::search::Settle;
-use super::wide::{Floats, exp, load};
+use super::search::Shade;
+use super::simd::{Floats, load};
 use crate::beam::{Beam, EyeRay, Gathered};
-use crate::{Density, Medium, PhaseFunction, PhaseKind};
-use fearless_simd::{Simd, SimdBase, f32x8};
+use crate::medium::{Density, Medium};
+use fearless_simd::Simd;
 use glam::Vec3;
 use std::vec::Vec;
 
@@ -27,15 +27,9 @@ pub(super) struct OurMedium<'a> {
     pub(super) tables: &'a mut RayTables,
 }
 
-impl Settle for OurMedium<'_> {
+impl Shade for OurMedium<'_> {
     #[inline(always)]
-    fn pairs<S: Simd>(
-        &mut self,
-        simd: S,
-        ray: usize,
-        pairs: &Lanes<S>,
-        meter: &mut Meter,
-    ) -> Result<(), Stop> {
+    fn pairs<S: Simd>(&mut self, simd: S, ray: usize, pairs: &Pairs<S>, poll: &mut Poll) -> Result<(), Stop> {
         if pairs.accepted == 0 {
             return Ok(());
         }
@@ -43,7 +37,7 @@ impl Settle for OurMedium<'_> {
         let column = if matches!(self.density, Density::Uniform) {
             pairs.beam_distance + pairs.ray_distance
         } else {
-            let (column, density) = self.columns(ray, pairs, meter)?;
+            let (column, density) = self.columns(ray, pairs, poll)?;
             scale = load(simd, &density) * scale;
             load(simd, &column)
         };
@@ -59,7 +53,7 @@ impl Settle for OurMedium<'_> {
     }
 
     #[inline(always)]
-    fn packet(&mut self, _: &mut Meter) -> Result<(), Stop> {
+    fn packet(&mut self, _: &mut Poll) -> Result<(), Stop> {
         Ok(())
     }
 }
@@ -70,12 +64,12 @@ impl OurMedium<'_> {
     fn columns<S: Simd>(
         &mut self,
         ray: usize,
-        pairs: &Lanes<S>,
-        meter: &mut Meter,
+        pairs: &Pairs<S>,
+        poll: &mut Poll,
     ) -> Result<(Floats, Floats), Stop> {
         let Self { beams, columns, rays, medium, density, ref mut tables, .. } = *self;
         let EyeRay { origin, direction, .. } = rays[ray];
-        meter.spend(tables.make(ray, &rays[ray], medium, density), 100)?;
+        poll.spend(tables.make(ray, &rays[ray], medium, density), 100)?;
         let along_ray = density.column(origin, direction, tables.of(ray));
         let (ray_distance, beam_distance): (Floats, Floats) =
             (pairs.ray_distance.into(), pairs.beam_distance.into());
@@ -91,36 +85,6 @@ impl OurMedium<'_> {
     }
 }
 
-/// [`PhaseFunction::evaluate`], bit for bit.
-#[inline(always)]
-fn phase<S: Simd>(simd: S, phase: &PhaseFunction, cos_theta: f32x8<S>) -> f32x8<S> {
-    if phase.kind == PhaseKind::Isotropic {
-        return f32x8::splat(simd, phase.evaluate(0.0));
-    }
-    let mut values: Floats = cos_theta.into();
-    for value in &mut values {
-        *value = phase.evaluate(*value);
-    }
-    load(simd, &values)
-}
-
-/// [`Medium::transmittance`] by channel, bit for bit.
-#[inline(always)]
-fn transmittance<S: Simd>(simd: S, medium: &Medium, column: f32x8<S>) -> [f32x8<S>; 3] {
-    let extinction = medium.extinction();
-    let red = attenuation(simd, extinction.x, column);
-    if extinction.y == extinction.x && extinction.z == extinction.x {
-        return [red; 3];
-    }
-    [red, attenuation(simd, extinction.y, column), attenuation(simd, extinction.z, column)]
-}
-
-#[inline(always)]
-fn attenuation<S: Simd>(simd: S, extinction: f32, column: f32x8<S>) -> f32x8<S> {
-    // 0 · ∞ would be NaN.
-    if extinction == 0.0 { f32x8::splat(simd, 1.0) } else { exp(simd, column * -extinction) }
-}
-
 /// Gives pairs to a host that knows the medium, and adds what it says.
 pub(super) struct HostMedium<'a> {
     pub(super) beams: &'a [Beam],
@@ -130,9 +94,9 @@ pub(super) struct HostMedium<'a> {
     pub(super) products: &'a mut Vec<Vec3>,
 }
 
-impl Settle for HostMedium<'_> {
+impl Shade for HostMedium<'_> {
     #[inline(always)]
-    fn pairs<S: Simd>(&mut self, _: S, ray: usize, pairs: &Lanes<S>, meter: &mut Meter) -> Result<(), Stop> {
+    fn pairs<S: Simd>(&mut self, _: S, ray: usize, pairs: &Pairs<S>, poll: &mut Poll) -> Result<(), Stop> {
         let position = pairs.position.store();
         let (ray_distance, beam_distance): (Floats, Floats) =
             (pairs.ray_distance.into(), pairs.beam_distance.into());
@@ -149,10 +113,10 @@ impl Settle for HostMedium<'_> {
             radius: radius[lane],
             sigma: sigma[lane],
         }));
-        if self.contacts.len() + LANES > CONTACTS { self.packet(meter) } else { Ok(()) }
+        if self.contacts.len() + LANES > CONTACTS { self.packet(poll) } else { Ok(()) }
     }
 
-    fn packet(&mut self, meter: &mut Meter) -> Result<(), Stop> {
+    fn packet(&mut self, poll: &mut Poll) -> Result<(), Stop> {
         let Self { beams, shade, gathered, contacts, products } = self;
         if contacts.is_empty() {
             return Ok(());
@@ -167,40 +131,8 @@ impl Settle for HostMedium<'_> {
             gathered[contact.ray as usize].add(radiance, contact.radius, contact.sigma);
         }
         // What the host does for a pair is taken to cost about a microsecond.
-        meter.spend(contacts.len(), 1000)?;
+        poll.spend(contacts.len(), 1000)?;
         contacts.clear();
         Ok(())
-    }
-}
-
-impl Gathered {
-    /// [`Gathered::add`] of those of eight pairs that `mask` has a bit for, in their order, bit for bit.
-    #[inline(always)]
-    fn add_lanes<S: Simd>(
-        &mut self,
-        mask: u32,
-        [red, green, blue]: [f32x8<S>; 3],
-        radius: f32x8<S>,
-        sigma: f32x8<S>,
-    ) {
-        let weight = (red + green + blue) * (1.0 / 3.0);
-        let arrays: [Floats; 6] = [
-            red.into(),
-            green.into(),
-            blue.into(),
-            weight.into(),
-            (weight * radius).into(),
-            (weight * sigma).into(),
-        ];
-        let [red, green, blue, weight, radius, sigma] = &arrays;
-        for lane in bits(mask) {
-            if weight[lane].is_finite() {
-                self.radiance += Vec3::new(red[lane], green[lane], blue[lane]);
-                self.pairs += 1;
-                self.weight += weight[lane];
-                self.radius += radius[lane];
-                self.sigma += sigma[lane];
-            }
-        }
     }
 }

@@ -9,8 +9,8 @@ use core::ops::{Add, Mul, Sub};
 use fearless_simd::{Bytes, Select, Simd, SimdBase, f32x8, u32x8};
 use glam::Vec3;
 
-use crate::BLOCK;
-use crate::functions::{EXP_LIMIT, EXP_SERIES, LN_2, ROUND};
+use crate::beam::BLOCK;
+use crate::math::{EXP_LIMIT, EXP_SERIES, LN_2, ROUND};
 
 /// A number for each of eight lanes, in memory.
 pub(super) type Floats = [f32; BLOCK];
@@ -20,7 +20,7 @@ pub(super) type Vectors = [Floats; 3];
 
 /// A vector for each of eight lanes.
 #[derive(Clone, Copy)]
-pub(super) struct Wide<S: Simd> {
+pub(super) struct Vec3x8<S: Simd> {
     pub(super) x: f32x8<S>,
     pub(super) y: f32x8<S>,
     pub(super) z: f32x8<S>,
@@ -31,7 +31,7 @@ pub(super) fn load<S: Simd>(simd: S, floats: &Floats) -> f32x8<S> {
     f32x8::from_slice(simd, floats)
 }
 
-impl<S: Simd> Wide<S> {
+impl<S: Simd> Vec3x8<S> {
     #[inline(always)]
     pub(super) fn load(simd: S, vectors: &Vectors) -> Self {
         let [x, y, z] = vectors;
@@ -64,7 +64,7 @@ impl<S: Simd> Wide<S> {
     }
 }
 
-impl<S: Simd> Add for Wide<S> {
+impl<S: Simd> Add for Vec3x8<S> {
     type Output = Self;
 
     #[inline(always)]
@@ -73,7 +73,7 @@ impl<S: Simd> Add for Wide<S> {
     }
 }
 
-impl<S: Simd> Sub for Wide<S> {
+impl<S: Simd> Sub for Vec3x8<S> {
     type Output = Self;
 
     #[inline(always)]
@@ -82,7 +82,7 @@ impl<S: Simd> Sub for Wide<S> {
     }
 }
 
-impl<S: Simd> Mul<f32x8<S>> for Wide<S> {
+impl<S: Simd> Mul<f32x8<S>> for Vec3x8<S> {
     type Output = Self;
 
     #[inline(always)]
@@ -91,7 +91,7 @@ impl<S: Simd> Mul<f32x8<S>> for Wide<S> {
     }
 }
 
-impl<S: Simd> Mul for Wide<S> {
+impl<S: Simd> Mul for Vec3x8<S> {
     type Output = Self;
 
     /// Component by component.
@@ -101,7 +101,7 @@ impl<S: Simd> Mul for Wide<S> {
     }
 }
 
-/// [`crate::functions::exp`], bit for bit.
+/// [`crate::math::exp`], bit for bit.
 #[inline(always)]
 pub(super) fn exp<S: Simd>(simd: S, x: f32x8<S>) -> f32x8<S> {
     let rounded = x * core::f32::consts::LOG2_E + ROUND;
@@ -135,7 +135,7 @@ mod tests {
                 let numbers: Floats = numbers.try_into().unwrap();
                 let wide: Floats = dispatch!(level, simd => exp(simd, load(simd, &numbers)).into());
                 for (x, wide) in numbers.into_iter().zip(wide) {
-                    let single = crate::functions::exp(x);
+                    let single = crate::math::exp(x);
                     assert!(wide.to_bits() == single.to_bits() || wide.is_nan() && single.is_nan(), "{x:e}");
                 }
             }

@@ -1,7 +1,7 @@
 //! The filters of a picture: known at some pixels, interpolated between them, and none reaching where a narrower one is asked for.
 
-use super::symmetric::Symmetric;
 use super::{FilmSizeError, ImageFilter, ImageSpectrum, pixel_count};
+use crate::math::Sym2;
 use libm::{roundf, sqrtf};
 
 /// Nodes along the side of a square picture.
@@ -101,7 +101,7 @@ pub struct FilmFilterNode {
 
 impl FilmFilterNode {
     /// Covariance of its filter \[pixels²\].
-    pub(super) fn filter(&self) -> Symmetric {
+    pub(super) fn filter(&self) -> Sym2 {
         invert(self.inverse)
     }
 }
@@ -164,7 +164,7 @@ impl<'a> FilmFilters<'a> {
             }
         }
         for node in nodes.iter_mut() {
-            let Symmetric { xx, xy, yy } = invert(node.inverse);
+            let Sym2 { xx, xy, yy } = invert(node.inverse);
             node.inverse = [xx, xy, yy];
         }
         Ok(Self { lattice, regions, nodes })
@@ -267,14 +267,14 @@ fn limit(lattice: &FilmLattice, nodes: &mut [FilmFilterNode], index: usize, neig
         return;
     }
     let [xx, xy, yy] = here.inverse;
-    let mut own = Symmetric { xx, xy, yy };
+    let mut own = Sym2 { xx, xy, yy };
     for steps in neighbours {
         let Some(there) = lattice.neighbour(index, steps).map(|there| &nodes[there]) else { continue };
         if there.region != here.region || !(there.weight > 0.0) {
             continue;
         }
         let [xx, xy, yy] = there.inverse;
-        let other = Symmetric { xx, xy, yy };
+        let other = Sym2 { xx, xy, yy };
         let distance = lattice.spacing as f32 * sqrtf((steps[0] * steps[0] + steps[1] * steps[1]) as f32);
         let grown = |variance: f32| {
             let deviation = sqrtf(variance.max(0.0)) + SLOPE * distance;
@@ -290,9 +290,9 @@ fn limit(lattice: &FilmLattice, nodes: &mut [FilmFilterNode], index: usize, neig
 }
 
 /// The inverse of a positive definite matrix.
-fn invert([xx, xy, yy]: [f32; 3]) -> Symmetric {
+fn invert([xx, xy, yy]: [f32; 3]) -> Sym2 {
     let determinant = xx * yy - xy * xy;
     // What rounding made singular is thin: it keeps its width and gets the least depth.
     let determinant = determinant.max(1e-7 * xx * yy);
-    Symmetric { xx: yy / determinant, xy: -xy / determinant, yy: xx / determinant }
+    Sym2 { xx: yy / determinant, xy: -xy / determinant, yy: xx / determinant }
 }

@@ -1,6 +1,6 @@
 //! Reconstruction filters and the density of eye rays that goes with them.
 
-use super::symmetric::Symmetric;
+use crate::math::Sym2;
 use core::f32::consts::PI;
 use libm::sqrtf;
 
@@ -44,13 +44,13 @@ impl ImageFilter {
         if area > RAYS_A_FILTER && area < f32::INFINITY { RAYS_A_FILTER / area } else { 1.0 }
     }
 
-    pub(super) fn matrix(&self) -> Symmetric {
-        Symmetric { xx: self.xx, xy: self.xy, yy: self.yy }
+    pub(super) fn matrix(&self) -> Sym2 {
+        Sym2 { xx: self.xx, xy: self.xy, yy: self.yy }
     }
 }
 
-impl From<Symmetric> for ImageFilter {
-    fn from(Symmetric { xx, xy, yy }: Symmetric) -> Self {
+impl From<Sym2> for ImageFilter {
+    fn from(Sym2 { xx, xy, yy }: Sym2) -> Self {
         Self { xx, xy, yy }
     }
 }

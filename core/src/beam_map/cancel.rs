@@ -5,7 +5,7 @@ use std::vec::Vec;
 /// Work between two questions: about a millisecond.
 const INTERVAL: u32 = 1_000_000;
 
-/// Elements that a loop over a long array handles between two calls of [`Meter::spend`].
+/// Elements that a loop over a long array handles between two calls of [`Poll::spend`].
 pub(super) const STRETCH: usize = 1 << 12;
 
 /// Why a [`super::BeamMap`] was not built.
@@ -32,19 +32,19 @@ impl core::fmt::Display for Stop {
 impl core::error::Error for Stop {}
 
 /// Counts work and asks the host whether to go on: when it is made, and after each [`INTERVAL`].
-pub(super) struct Meter<'a> {
+pub(super) struct Poll<'a> {
     left: u32,
     go_on: &'a mut dyn FnMut() -> bool,
 }
 
-impl<'a> Meter<'a> {
+impl<'a> Poll<'a> {
     pub(super) fn new(go_on: &'a mut dyn FnMut() -> bool) -> Result<Self, Stop> {
-        let mut meter = Self { left: 0, go_on };
-        meter.ask()?;
-        Ok(meter)
+        let mut poll = Self { left: 0, go_on };
+        poll.ask()?;
+        Ok(poll)
     }
 
-    /// Notes `times` pieces of work of about `nanoseconds` each.
+    /// Notes `times` bits of work of about `nanoseconds` each.
     #[inline]
     pub(super) fn spend(&mut self, times: usize, nanoseconds: usize) -> Result<(), Stop> {
         let work = times * nanoseconds;

@@ -1,10 +1,11 @@
 //! The spectrum of the picture around one pixel, read off the covariance grid along its eye ray.
 
 use super::ImageFilter;
-use super::symmetric::Symmetric;
-use crate::grid::Surroundings;
-use crate::walk::{Lattice, Walk};
-use crate::{Column, Density, EyeRay, FluenceGrid, Medium};
+use crate::beam::EyeRay;
+use crate::grid::{FluenceGrid, Surroundings};
+use crate::math::Sym2;
+use crate::medium::{Column, Density, Medium};
+use crate::voxels::{Dda, Lattice};
 use core::f32::consts::PI;
 use glam::Vec3;
 use libm::{ceilf, expf};
@@ -73,13 +74,13 @@ impl ImageSpectrum {
             && ray.length > 0.0
             && steps.iter().all(|step| step.origin.is_finite() && step.direction.is_finite());
         let layout = grid.layout();
-        let walk = if sound {
-            Walk::new(layout, Lattice::Voxels, ray.origin, ray.direction, ray.length)
+        let dda = if sound {
+            Dda::new(layout, Lattice::Voxels, ray.origin, ray.direction, ray.length)
         } else {
             None
         };
-        let Some(walk) = walk else { return Self::default() };
-        let (from, length) = (walk.position() as f32, (walk.end() - walk.position()) as f32);
+        let Some(dda) = dda else { return Self::default() };
+        let (from, length) = (dda.position() as f32, (dda.end() - dda.position()) as f32);
         let voxel = ((layout.max - layout.min) / layout.resolution()).min_element();
         let count = ceilf(length / voxel).clamp(1.0, MOST_STEPS);
         let step = length / count;
@@ -139,7 +140,7 @@ impl ImageSpectrum {
             return ImageFilter::NONE;
         }
         let scale = error / (4.0 * PI * PI);
-        let filter = Symmetric { xx, xy, yy }.through_eigenvalues(|variance| {
+        let filter = Sym2 { xx, xy, yy }.through_eigenvalues(|variance| {
             let most = widest * widest;
             // NaN-free where the variance is 0 or, by rounding, below.
             if variance * most > scale { scale / variance } else { most }
@@ -193,7 +194,7 @@ impl DepthShape {
             let [rx, ry] = slope.map(|slope| slope / here);
             // Hess(ρ e^-τ)/(ρ e^-τ) = Hess ρ/ρ - Hess τ + (∇ρ/ρ - ∇τ)(∇ρ/ρ - ∇τ)ᵀ - (∇ρ/ρ)(∇ρ/ρ)ᵀ.
             let entry = |index: usize, outer: f32| hessian[index] / here - self.hessian[index] + outer;
-            let relative = Symmetric {
+            let relative = Sym2 {
                 xx: entry(0, gx * gx - rx * rx),
                 xy: entry(1, gx * gy - rx * ry),
                 yy: entry(2, gy * gy - ry * ry),

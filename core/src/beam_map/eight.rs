@@ -1,0 +1,366 @@
+//! The gather of [`crate::gather_pair`], eight pairs side by side and bit for bit: each function names the one that defines it.
+
+use super::packet::ROOM;
+use super::simd::{Floats, Vec3x8, Vectors, exp, load};
+use super::sub_beams::SubBeam;
+use crate::beam::{BLOCK, Beam, BeamBlock, EyeRay, Gathered, PARALLEL_SINE, inside};
+use crate::grid::FluenceGrid;
+use crate::kernel::{Kernel, KernelRadius};
+use crate::medium::{Medium, PhaseFunction, PhaseKind};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x8};
+use glam::{Vec3, Vec4};
+
+/// Pairs that are worked on side by side.
+pub(super) const LANES: usize = BLOCK;
+
+/// Puts the lines of up to [`LANES`] sub-beams into an empty block.
+#[inline(always)]
+pub(super) fn fill(lines: &mut BeamBlock, sub_beams: &[SubBeam]) {
+    for (lane, sub_beam) in sub_beams.iter().enumerate().take(LANES) {
+        lines.set_line(lane, sub_beam.origin, sub_beam.direction, sub_beam.from, sub_beam.to);
+    }
+}
+
+/// Up to eight sub-beams side by side, with all that pairs need of the beams.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Block {
+    lines: BeamBlock,
+    length: Floats,
+    pub(super) power: Vectors,
+    pub(super) beams: [u32; LANES],
+}
+
+impl Block {
+    /// Of none.
+    pub(super) const EMPTY: Self =
+        Self { lines: BeamBlock::EMPTY, length: [0.0; LANES], power: [[0.0; LANES]; 3], beams: [0; LANES] };
+
+    /// Puts up to [`LANES`] sub-beams in.
+    #[inline(always)]
+    pub(super) fn fill(&mut self, beams: &[Beam], sub_beams: &[SubBeam]) {
+        fill(&mut self.lines, sub_beams);
+        for (lane, sub_beam) in sub_beams.iter().enumerate().take(LANES) {
+            let beam = &beams[sub_beam.beam as usize];
+            self.length[lane] = beam.length;
+            set(&mut self.power, lane, beam.power);
+            self.beams[lane] = sub_beam.beam;
+        }
+    }
+}
+
+/// The pairs of one eye ray and a block; what is in lanes that are not accepted means nothing.
+pub(super) struct Pairs<'a, S: Simd> {
+    /// Which lanes hold a pair that is accepted, a bit each.
+    pub(super) accepted: u32,
+    pub(super) block: &'a Block,
+    /// As in [`super::Contact`].
+    pub(super) position: Vec3x8<S>,
+    pub(super) ray_distance: f32x8<S>,
+    pub(super) beam_distance: f32x8<S>,
+    pub(super) cos_theta: f32x8<S>,
+    pub(super) kernel: f32x8<S>,
+    pub(super) radius: f32x8<S>,
+    pub(super) sigma: f32x8<S>,
+}
+
+#[inline(always)]
+pub(super) fn vector(vectors: &Vectors, lane: usize) -> Vec3 {
+    Vec3::new(vectors[0][lane], vectors[1][lane], vectors[2][lane])
+}
+
+#[inline(always)]
+fn set(vectors: &mut Vectors, lane: usize, vector: Vec3) {
+    for (axis, value) in vectors.iter_mut().zip(vector.to_array()) {
+        axis[lane] = value;
+    }
+}
+
+/// An eye ray in all lanes.
+#[derive(Clone, Copy)]
+pub(super) struct Ray<S: Simd> {
+    origin: Vec3x8<S>,
+    direction: Vec3x8<S>,
+    length: f32,
+}
+
+impl<S: Simd> Ray<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S, ray: &EyeRay) -> Self {
+        let EyeRay { origin, direction, length } = *ray;
+        Self { origin: Vec3x8::splat(simd, origin), direction: Vec3x8::splat(simd, direction), length }
+    }
+}
+
+impl<'a, S: Simd> Pairs<'a, S> {
+    /// The pairs of a block against `ray`; None if all pass each other farther away than kernels reach. The arithmetic of
+    /// [`crate::beam::meet`], and its bits.
+    #[inline(always)]
+    pub(super) fn new(
+        simd: S,
+        ray: &Ray<S>,
+        block: &'a Block,
+        beams: &[Beam],
+        radius: &KernelRadius,
+    ) -> Option<Self> {
+        let lines = &block.lines;
+        let direction = Vec3x8::load(simd, &lines.direction);
+        let (from, to) = (load(simd, &lines.from), load(simd, &lines.to));
+        let normal = ray.direction.cross(direction);
+        let sin2 = normal.dot(normal);
+        let offset = Vec3x8::load(simd, &lines.origin) - ray.origin;
+        let triple = offset.dot(normal);
+        let along_ray = offset.cross(direction).dot(normal);
+        let along_beam = offset.cross(ray.direction).dot(normal);
+
+        // As `BeamBlock::test`: without a division, and wider than what is asked exactly below by more than rounding.
+        let wide = radius.ceiling * ROOM;
+        let near = (triple * triple).simd_le(sin2 * (wide * wide));
+        let on_ray = along_ray.simd_ge(sin2 * -wide) & along_ray.simd_le(sin2 * (ray.length + wide));
+        let on_beam = along_beam.simd_ge((from - wide) * sin2) & along_beam.simd_le((to + wide) * sin2);
+        let candidates = near & on_ray & on_beam;
+        if candidates.to_bitmask() == 0 {
+            return None;
+        }
+
+        let inverse = 1.0 / sin2;
+        let sin_theta = sin2.sqrt();
+        let inverse_sin = 1.0 / sin_theta;
+        let ray_distance = along_ray * inverse;
+        let beam_distance = along_beam * inverse;
+        let gap = triple.abs() * inverse_sin;
+        let position = ray.origin + ray.direction * ray_distance;
+        let zero = f32x8::splat(simd, 0.0);
+        let near = candidates
+            & sin2.simd_ge(f32x8::splat(simd, PARALLEL_SINE * PARALLEL_SINE))
+            & ray_distance.simd_ge(zero)
+            & ray_distance.simd_le(f32x8::splat(simd, ray.length))
+            & gap.simd_lt(f32x8::splat(simd, radius.ceiling));
+
+        let (reach, sigma) = match &radius.grid {
+            None => (f32x8::splat(simd, radius.progressive), zero),
+            Some(grid) => {
+                let near = near.to_bitmask() as u32;
+                radii(simd, radius, grid, position, normal * inverse_sin, near)
+            }
+        };
+
+        // Most pairs lie farther from both ends of their beam than the kernel reaches. A sub-beam's cut is no end.
+        let length = load(simd, &block.length);
+        let within = gap.simd_lt(reach)
+            & (beam_distance.simd_ge(from) | !from.simd_gt(zero))
+            & (beam_distance.simd_lt(to) | !to.simd_lt(length));
+        let away = beam_distance.simd_ge(reach) & beam_distance.simd_le(length - reach);
+        let mut accepted = (near & within & away).to_bitmask() as u32;
+        let at_an_end = (near & within & !away).to_bitmask() as u32;
+        if at_an_end != 0 {
+            let (positions, distances): (_, Floats) = (position.store(), beam_distance.into());
+            let (gaps, radii): (Floats, Floats) = (gap.into(), reach.into());
+            for lane in bits(at_an_end) {
+                let beam = &beams[block.beams[lane] as usize];
+                let (from, to, point) = (lines.from[lane], lines.to[lane], vector(&positions, lane));
+                let inside = inside(beam, from, to, point, distances[lane], gaps[lane], radii[lane]);
+                accepted |= u32::from(inside) << lane;
+            }
+        }
+        Some(Self {
+            accepted,
+            block,
+            position,
+            ray_distance,
+            beam_distance,
+            cos_theta: -direction.dot(ray.direction),
+            kernel: kernel(simd, radius.kernel, gap, reach) / sin_theta,
+            radius: reach,
+            sigma,
+        })
+    }
+}
+
+/// [`Kernel::evaluate`] where |distance| < radius, bit for bit.
+#[inline(always)]
+fn kernel<S: Simd>(simd: S, kernel: Kernel, distance: f32x8<S>, radius: f32x8<S>) -> f32x8<S> {
+    let q = distance / radius;
+    let bump = 1.0 - q * q;
+    let shape = match kernel {
+        Kernel::Box => f32x8::splat(simd, 0.5),
+        Kernel::Epanechnikov => bump * 0.75,
+        Kernel::Biweight => bump * 0.9375 * bump,
+    };
+    shape / radius
+}
+
+/// [`KernelRadius::at`] in the lanes of `mask`, bit for bit: radius, and σ along the kernel's axis.
+#[inline(always)]
+fn radii<S: Simd>(
+    simd: S,
+    radius: &KernelRadius,
+    grid: &FluenceGrid,
+    position: Vec3x8<S>,
+    axis: Vec3x8<S>,
+    mask: u32,
+) -> (f32x8<S>, f32x8<S>) {
+    let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+    let progressive = f32x8::splat(simd, radius.progressive);
+    let voxels = &grid.voxels;
+    let layout = &voxels.layout;
+    let (min, max) = (Vec3x8::splat(simd, layout.min), Vec3x8::splat(simd, layout.max));
+    let contained = position.x.simd_ge(min.x)
+        & position.y.simd_ge(min.y)
+        & position.z.simd_ge(min.z)
+        & position.x.simd_le(max.x)
+        & position.y.simd_le(max.y)
+        & position.z.simd_le(max.z);
+    let mask = mask & contained.to_bitmask() as u32;
+    if mask == 0 {
+        return (progressive, zero);
+    }
+    let [scale, last] = [voxels.scale, voxels.last];
+    let (bx, hx) = cell(simd, (position.x - min.x) * scale.x - 0.5, last.x);
+    let (by, hy) = cell(simd, (position.y - min.y) * scale.y - 0.5, last.y);
+    let (bz, hz) = cell(simd, (position.z - min.z) * scale.z - 0.5, last.z);
+    let (lx, ly, lz) = (one - hx, one - hy, one - hz);
+    let [ll, hl, lh, hh] = [ly * lz, hy * lz, ly * hz, hy * hz];
+    let shares = [lx * ll, hx * ll, lx * hl, hx * hl, lx * lh, hx * lh, lx * hh, hx * hh];
+
+    let mut bases = [0; LANES];
+    let (bx, by, bz): (Floats, Floats, Floats) = (bx.into(), by.into(), bz.into());
+    let mut weights = [[0.0; LANES]; 8];
+    let [dx, dy, dz] = voxels.strides;
+    for lane in bits(mask) {
+        let base =
+            bx[lane] as u32 as usize * dx + by[lane] as u32 as usize * dy + bz[lane] as u32 as usize * dz;
+        bases[lane] = base;
+        for (weights, corner) in weights.iter_mut().zip(voxels.corners) {
+            weights[lane] = grid.cells[base + corner].weight;
+        }
+    }
+
+    let mut factors = [[0.0; LANES]; 8];
+    let (mut flux, mut share_sum, mut inverse) = (zero, zero, zero);
+    for corner in 0..8 {
+        let (weight, share) = (load(simd, &weights[corner]), shares[corner]);
+        let lit = weight.simd_gt(zero);
+        let factor = share * lit.select(weight, zero);
+        factors[corner] = factor.into();
+        flux += factor;
+        share_sum += lit.select(share, zero);
+        inverse += lit.select(share / weight, zero);
+    }
+
+    let mut sums = [[0.0; LANES]; 6];
+    for lane in bits(mask) {
+        let (mut first, mut second) = (Vec4::ZERO, Vec4::ZERO);
+        for (factors, corner) in factors.iter().zip(voxels.corners) {
+            let cell = &grid.cells[bases[lane] + corner];
+            let (s, factor) = (&cell.spectrum, factors[lane]);
+            first += Vec4::new(s.xx, s.yy, s.zz, s.xy) * factor;
+            // The weight only fills the register.
+            second += Vec4::new(s.xy, s.xz, s.yz, cell.weight) * factor;
+        }
+        let [xx, yy, zz, xy] = first.to_array();
+        let [_, xz, yz, _] = second.to_array();
+        for (sum, value) in sums.iter_mut().zip([xx, yy, zz, xy, xz, yz]) {
+            sum[lane] = value;
+        }
+    }
+
+    let [xx, yy, zz] =
+        [load(simd, &sums[0]) / flux, load(simd, &sums[1]) / flux, load(simd, &sums[2]) / flux];
+    let [xy, xz, yz] =
+        [load(simd, &sums[3]) / flux, load(simd, &sums[4]) / flux, load(simd, &sums[5]) / flux];
+    let Vec3x8 { x, y, z } = axis;
+    let along = x * x * xx + y * y * yy + z * z * zz + 2.0 * (x * y * xy + x * z * xz + y * z * yz);
+    let along = along.simd_gt(zero).select(along, zero);
+    let dimmest = share_sum / inverse;
+    let dimmest = dimmest.simd_lt(flux).select(dimmest, flux);
+    let variance = along * (flux / dimmest);
+    let wanted = (f32x8::splat(simd, radius.kernel.error_over_moment(radius.error)) / variance).sqrt();
+    let ceiling = f32x8::splat(simd, radius.ceiling);
+    let wanted = wanted.simd_lt(ceiling).select(wanted, ceiling);
+    let wanted = wanted.simd_gt(progressive).select(wanted, progressive);
+    let lit = flux.simd_gt(zero);
+    (lit.select(wanted, progressive), lit.select(variance.sqrt(), zero))
+}
+
+/// Of one coordinate in voxels: the lower of the two around it, and the share of the upper one.
+#[inline(always)]
+fn cell<S: Simd>(simd: S, at: f32x8<S>, last: f32) -> (f32x8<S>, f32x8<S>) {
+    let zero = f32x8::splat(simd, 0.0);
+    let at = at.max(zero).min(f32x8::splat(simd, last));
+    // The last centre is reached with weight 1 from the voxel before it.
+    let low = at.min(f32x8::splat(simd, last - 1.0)).max(zero).floor();
+    (low, at - low)
+}
+
+/// [`PhaseFunction::evaluate`], bit for bit.
+#[inline(always)]
+pub(super) fn phase<S: Simd>(simd: S, phase: &PhaseFunction, cos_theta: f32x8<S>) -> f32x8<S> {
+    if phase.kind == PhaseKind::Isotropic {
+        return f32x8::splat(simd, phase.evaluate(0.0));
+    }
+    let mut values: Floats = cos_theta.into();
+    for value in &mut values {
+        *value = phase.evaluate(*value);
+    }
+    load(simd, &values)
+}
+
+/// [`Medium::transmittance`] by channel, bit for bit.
+#[inline(always)]
+pub(super) fn transmittance<S: Simd>(simd: S, medium: &Medium, column: f32x8<S>) -> [f32x8<S>; 3] {
+    let extinction = medium.extinction();
+    let red = attenuation(simd, extinction.x, column);
+    if extinction.y == extinction.x && extinction.z == extinction.x {
+        return [red; 3];
+    }
+    [red, attenuation(simd, extinction.y, column), attenuation(simd, extinction.z, column)]
+}
+
+#[inline(always)]
+fn attenuation<S: Simd>(simd: S, extinction: f32, column: f32x8<S>) -> f32x8<S> {
+    // 0 · ∞ would be NaN.
+    if extinction == 0.0 { f32x8::splat(simd, 1.0) } else { exp(simd, column * -extinction) }
+}
+
+impl Gathered {
+    /// [`Gathered::add`] of those of eight pairs that `mask` has a bit for, in their order, bit for bit.
+    #[inline(always)]
+    pub(super) fn add_lanes<S: Simd>(
+        &mut self,
+        mask: u32,
+        [red, green, blue]: [f32x8<S>; 3],
+        radius: f32x8<S>,
+        sigma: f32x8<S>,
+    ) {
+        let weight = (red + green + blue) * (1.0 / 3.0);
+        let arrays: [Floats; 6] = [
+            red.into(),
+            green.into(),
+            blue.into(),
+            weight.into(),
+            (weight * radius).into(),
+            (weight * sigma).into(),
+        ];
+        let [red, green, blue, weight, radius, sigma] = &arrays;
+        for lane in bits(mask) {
+            if weight[lane].is_finite() {
+                self.radiance += Vec3::new(red[lane], green[lane], blue[lane]);
+                self.pairs += 1;
+                self.weight += weight[lane];
+                self.radius += radius[lane];
+                self.sigma += sigma[lane];
+            }
+        }
+    }
+}
+
+/// The places of the bits that are set, lowest first.
+#[inline(always)]
+pub(super) fn bits(mut mask: u32) -> impl Iterator<Item = usize> {
+    core::iter::from_fn(move || {
+        let place = mask.trailing_zeros() as usize;
+        let found = mask != 0;
+        mask &= mask.wrapping_sub(1);
+        found.then_some(place)
+    })
+}

@@ -1,0 +1,243 @@
+//! Density in voxels: trilinear look-up, differences, and its exact integral along a ray, as a table of few points.
+
+use super::column::Knot;
+use super::derivatives::Derivatives;
+use crate::voxels::{Dda, GridError, GridLayout, Lattice, Trilinear};
+use glam::Vec3;
+use libm::{ceil, sqrt};
+
+/// Most parts that one cell of a density grid is cut into.
+const MOST_PARTS: f64 = 64.0;
+
+/// Relative density given at the centres of voxels: trilinear between them, held over the half voxel at the border of
+/// the box, 0 outside it. The values belong to the caller.
+#[derive(Clone, Copy, Debug)]
+pub struct DensityGrid<'a> {
+    voxels: Trilinear,
+    values: &'a [f32],
+}
+
+impl<'a> DensityGrid<'a> {
+    /// Wraps `values`, x fastest, then y, then z.
+    ///
+    /// - `values`: `layout.cell_count()` of them, each finite and >= 0.
+    ///
+    /// Errors: a layout that is not sound, a wrong number of values, or one that is negative or not finite
+    /// ([`GridError::Value`]).
+    ///
+    /// ```
+    /// use covbeam::{Density, DensityGrid, GridLayout, Vec3};
+    /// let layout = GridLayout { min: Vec3::ZERO, max: Vec3::new(2.0, 1.0, 1.0), cells: [2, 1, 1] };
+    /// let smoke = Density::Grid(DensityGrid::new(layout, &[1.0, 3.0])?);
+    /// // Half-way between the two centres.
+    /// assert_eq!(smoke.at(Vec3::new(1.0, 0.5, 0.5)), 2.0);
+    /// assert_eq!(smoke.at(Vec3::splat(-1.0)), 0.0);
+    /// # Ok::<(), covbeam::GridError>(())
+    /// ```
+    pub fn new(layout: GridLayout, values: &'a [f32]) -> Result<Self, GridError> {
+        let voxels = Trilinear::new(layout, values.len())?;
+        if !values.iter().all(|value| value.is_finite() && *value >= 0.0) {
+            return Err(GridError::Value);
+        }
+        Ok(Self { voxels, values })
+    }
+
+    /// Values at the corners of cell `cell` between centres, x fastest.
+    fn corners(&self, cell: [u32; 3]) -> [f64; 8] {
+        let Trilinear { layout, strides: [dx, dy, dz], .. } = &self.voxels;
+        let side = |axis: usize, stride: usize| {
+            let last = layout.cells[axis] - 1;
+            [0, 1].map(|up| (cell[axis] + up).saturating_sub(1).min(last) as usize * stride)
+        };
+        let ([x0, x1], [y0, y1], [z0, z1]) = (side(0, *dx), side(1, *dy), side(2, *dz));
+        let value = |x: usize, y: usize, z: usize| f64::from(self.values[x + y + z]);
+        [
+            value(x0, y0, z0),
+            value(x1, y0, z0),
+            value(x0, y1, z0),
+            value(x1, y1, z0),
+            value(x0, y0, z1),
+            value(x1, y0, z1),
+            value(x0, y1, z1),
+            value(x1, y1, z1),
+        ]
+    }
+
+    pub(super) fn at(&self, position: Vec3) -> f32 {
+        let Some((base, high)) = self.voxels.around(position) else { return 0.0 };
+        let low = Vec3::ONE - high;
+        let [dx, dy, dz] = self.voxels.strides;
+        let row = |at: usize| low.x * self.values[at] + high.x * self.values[at + dx];
+        let plane = |at: usize| low.y * row(at) + high.y * row(at + dy);
+        low.z * plane(base) + high.z * plane(base + dz)
+    }
+
+    /// First and second differences over the voxels around the one that holds `position`.
+    pub(super) fn derivatives(&self, position: Vec3) -> Derivatives {
+        if !self.voxels.layout.contains(position) {
+            return Derivatives::default();
+        }
+        let q = (position - self.voxels.layout.min) * self.voxels.scale;
+        let last = self.voxels.layout.cells.map(|n| i64::from(n) - 1);
+        let center: [i64; 3] = core::array::from_fn(|axis| (q[axis] as i64).min(last[axis]));
+        let value = |step: [i64; 3]| {
+            let at: [u32; 3] =
+                core::array::from_fn(|axis| (center[axis] + step[axis]).clamp(0, last[axis]) as u32);
+            self.values[self.voxels.layout.index(at)]
+        };
+        let middle = value([0; 3]);
+        let neighbours = |axis: usize| {
+            [1, -1].map(|side| {
+                let mut step = [0; 3];
+                step[axis] = side;
+                value(step)
+            })
+        };
+        let mixed = |a: usize, b: usize| {
+            let corner = |i: i64, j: i64| {
+                let mut step = [0; 3];
+                (step[a], step[b]) = (i, j);
+                value(step)
+            };
+            let sum = corner(1, 1) - corner(1, -1) - corner(-1, 1) + corner(-1, -1);
+            0.25 * sum * self.voxels.scale[a] * self.voxels.scale[b]
+        };
+        let sides: [[f32; 2]; 3] = core::array::from_fn(neighbours);
+        let first = |axis: usize| 0.5 * (sides[axis][0] - sides[axis][1]) * self.voxels.scale[axis];
+        let second = |axis: usize| {
+            (sides[axis][0] - 2.0 * middle + sides[axis][1])
+                * self.voxels.scale[axis]
+                * self.voxels.scale[axis]
+        };
+        Derivatives {
+            gradient: Vec3::new(first(0), first(1), first(2)),
+            hessian: [second(0), second(1), second(2), mixed(0, 1), mixed(0, 2), mixed(1, 2)],
+        }
+    }
+
+    /// See [`super::Density::knots`].
+    pub(super) fn knots(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        length: f32,
+        error: f32,
+        most: f32,
+        knot: &mut dyn FnMut(Knot),
+    ) {
+        if !(origin.is_finite() && direction.is_finite() && direction != Vec3::ZERO && length > 0.0) {
+            return;
+        }
+        // Half of the error for the chord between two points of the march, half for leaving points out.
+        let half = 0.5 * f64::from(error.max(f32::MIN_POSITIVE));
+        let mut table = Thinning { half, last: None, candidate: None, low: 0.0, high: f64::INFINITY };
+        self.march(origin, direction, length, half, &mut |distance, column| {
+            table.add(distance, column, knot);
+            column <= f64::from(most)
+        });
+        table.finish(knot);
+    }
+
+    /// Smallest side of a voxel \[m\].
+    pub(super) fn smallest_side(&self) -> f32 {
+        1.0 / self.voxels.scale.max_element()
+    }
+
+    /// The columns at points along a ray, exact at each point; between two of them a straight line errs by at most
+    /// `error`. See [`super::Density::knots`].
+    fn march(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        length: f32,
+        error: f64,
+        point: &mut dyn FnMut(f64, f64) -> bool,
+    ) {
+        let Some(mut dda) = Dda::new(&self.voxels.layout, Lattice::Centres, origin, direction, length) else {
+            return;
+        };
+        let scale = self.voxels.scale.to_array().map(f64::from);
+        let start: [f64; 3] = core::array::from_fn(|axis| {
+            (f64::from(origin[axis]) - f64::from(self.voxels.layout.min[axis])) * scale[axis] + 0.5
+        });
+        let slope: [f64; 3] = core::array::from_fn(|axis| f64::from(direction[axis]) * scale[axis]);
+        let mut column = 0.0;
+        if !point(dda.position(), column) {
+            return;
+        }
+        while let Some((cell, from, to)) = dda.next_cell() {
+            let [a, b, c, d, e, f, g, h] = self.corners(cell);
+            let density = |s: f64| {
+                let place = |axis: usize| start[axis] + s * slope[axis] - f64::from(cell[axis]);
+                let (x, y, z) = (place(0), place(1), place(2));
+                let mix = |low: f64, high: f64, t: f64| low + t * (high - low);
+                let front = mix(mix(a, b, x), mix(c, d, x), y);
+                let back = mix(mix(e, f, x), mix(g, h, x), y);
+                mix(front, back, z)
+            };
+            // |density'| <= its largest difference along each edge of the cell x the ray's slope on that axis; a chord
+            // of a function errs by at most an eighth of its second derivative x the square of its length.
+            let largest = |d: [f64; 4]| d.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            let change = largest([b - a, d - c, f - e, h - g]) * slope[0].abs()
+                + largest([c - a, d - b, g - e, h - f]) * slope[1].abs()
+                + largest([e - a, f - b, g - c, h - d]) * slope[2].abs();
+            let step = to - from;
+            let parts = ceil(step * sqrt(change / (8.0 * error))).clamp(1.0, MOST_PARTS);
+            let part = step / parts;
+            for i in 0..parts as u32 {
+                let left = from + f64::from(i) * part;
+                // Two Gauss points integrate the cubic that a trilinear density is along a line exactly.
+                const GAUSS: f64 = 0.211_324_865_405_187_1;
+                column += 0.5 * part * (density(left + GAUSS * part) + density(left + (1.0 - GAUSS) * part));
+                let right = if f64::from(i + 1) == parts { to } else { left + part };
+                if !point(right, column) {
+                    return;
+                }
+            }
+        }
+    }
+}
+
+/// Leaves out the points of a march that a straight line between the kept ones reproduces to `half`.
+///
+/// From the last knot, the slopes of all lines that pass within `half` of every point since form a cone; a point
+/// outside it makes the point before it the next knot.
+struct Thinning {
+    half: f64,
+    last: Option<(f64, f64)>,
+    candidate: Option<(f64, f64)>,
+    low: f64,
+    high: f64,
+}
+
+impl Thinning {
+    fn add(&mut self, distance: f64, column: f64, knot: &mut dyn FnMut(Knot)) {
+        let Some(mut from) = self.last else {
+            self.keep((distance, column), knot);
+            return;
+        };
+        let slope = |from: (f64, f64)| (column - from.1) / (distance - from.0);
+        if let Some(candidate) = self.candidate
+            && !(self.low..=self.high).contains(&slope(from))
+        {
+            self.keep(candidate, knot);
+            from = candidate;
+        }
+        let run = distance - from.0;
+        self.low = self.low.max((column - self.half - from.1) / run);
+        self.high = self.high.min((column + self.half - from.1) / run);
+        self.candidate = Some((distance, column));
+    }
+
+    fn keep(&mut self, (distance, column): (f64, f64), knot: &mut dyn FnMut(Knot)) {
+        knot(Knot { distance: distance as f32, column: column as f32 });
+        (self.last, self.candidate) = (Some((distance, column)), None);
+        (self.low, self.high) = (f64::NEG_INFINITY, f64::INFINITY);
+    }
+
+    fn finish(&mut self, knot: &mut dyn FnMut(Knot)) {
+        if let Some(candidate) = self.candidate {
+            self.keep(candidate, knot);
+        }
+    }
+}
