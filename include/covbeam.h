@@ -16,7 +16,7 @@
  *   covbeam_beam_map_add(map, beam_count, beams, sizeof *beams);
  *   covbeam_grid_deposit(grid, &fog, segment_count, segments, sizeof *segments);
  *   covbeam_grid_resolve(grid);
- *   covbeam_beam_map_commit(map, kernel.ceiling, NULL, NULL);
+ *   covbeam_beam_map_commit(map, kernel.max_radius, NULL, NULL);
  *
  *   For each tile of 8x8 pixels: rays of the host's camera, cut by surfaces into pieces inside one medium:
  *       covbeam_beam_map_gather(map, &kernel, grid, 64, rays, sizeof *rays, gathered, sizeof *gathered,
@@ -594,7 +594,7 @@ typedef struct covbeam_schedule {
 } covbeam_schedule;
 
 /**
- * How wide the pairs of one pass are gathered: within max(progressive, min(ceiling, what the spectrum
+ * How wide the pairs of one pass are gathered: within max(min_radius, min(max_radius, what the spectrum
  * allows)).
  */
 typedef struct covbeam_kernel {
@@ -609,11 +609,11 @@ typedef struct covbeam_kernel {
     /**
      * The radius where the grid knows nothing, and the smallest one [m] > 0.
      */
-    float progressive;
+    float min_radius;
     /**
-     * The largest radius [m], finite and >= progressive.
+     * The largest radius [m], finite and >= min_radius.
      */
-    float ceiling;
+    float max_radius;
     /**
      * Accepted relative bias of a pair > 0; without a grid it has no effect.
      */
@@ -2227,8 +2227,8 @@ covbeam_status covbeam_grid_load(const void *bytes, size_t size, struct covbeam_
  *
  * @param schedule how the kernel shrinks.
  * @param pass counted from 1. Passes may run in any order.
- * @param kernel set its struct_size before; the rest is written: progressive =
- *     covbeam_progressive_radius(radius, alpha, pass), ceiling = the larger of max_radius and progressive,
+ * @param kernel set its struct_size before; the rest is written: min_radius =
+ *     covbeam_progressive_radius(radius, alpha, pass), max_radius = the larger of max_radius and min_radius,
  *     error = covbeam_error_bound(error, pass).
  * @note COVBEAM_INVALID_VALUE too if the radius or the error of the pass falls below the smallest float.
  */
@@ -2295,7 +2295,7 @@ covbeam_status covbeam_kernel_radius_from_error(uint32_t shape, float error, flo
  * @param grid where the spectrum is looked up, resolved; NULL gives the progressive radius.
  * @param position the closest point on the eye ray [m].
  * @param axis of the kernel, unit, across ray and beam: that of the covbeam_crossing.
- * @param radius [m] in [progressive, ceiling].
+ * @param radius [m] in [min_radius, max_radius].
  * @param sigma deviation of the spectrum along the axis [cycles/m]; 0 where the grid knows nothing.
  * @note Thesis 5.3.4.
  */
@@ -2368,14 +2368,14 @@ covbeam_status covbeam_beam_map_add(struct covbeam_beam_map *map,
  * Builds the hierarchy over the beams. Stopped, the map is as before.
  *
  * @param map a map that is not committed.
- * @param ceiling largest kernel radius that it will be gathered with [m] > 0: covbeam_kernel's ceiling.
+ * @param max_radius largest kernel radius that it will be gathered with [m] > 0: covbeam_kernel's max_radius.
  * @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with COVBEAM_CANCELLED.
  * @param user given to poll.
  * @note n log n in the number of beams: at a million, 0.7 us a beam in a homogeneous medium and 2.8 us in
  *     voxels; 190 and about 390 bytes a beam afterwards.
  */
 covbeam_status covbeam_beam_map_commit(struct covbeam_beam_map *map,
-                                       float ceiling,
+                                       float max_radius,
                                        covbeam_poll poll,
                                        void *user);
 
@@ -2413,9 +2413,9 @@ void covbeam_scratch_free(struct covbeam_scratch *scratch);
  * Gathers the light that beams scatter into eye rays. Stopped or failed, nothing is written.
  *
  * @param map a map that has been committed.
- * @param kernel the kernel and how wide it may be; its ceiling at most the map's.
+ * @param kernel the kernel and how wide it may be; its max_radius at most the map's.
  * @param grid a grid that has been resolved, for kernels as wide as the light's bandwidth allows. NULL: all
- *     kernels have the radius kernel->progressive, and the ceiling may be that too.
+ *     kernels have the radius kernel->min_radius, and the max_radius may be that too.
  * @param count number of rays; with 0 nothing is done. Each 256 that follow each other share one walk through
  *     the hierarchy: give those of a tile of 8x8 pixels together.
  * @param rays, ray_stride the eye rays, all in the map's medium.
@@ -2566,14 +2566,14 @@ covbeam_status covbeam_gather_pairs(const struct covbeam_eye_ray *ray,
  * @param ray the eye ray.
  * @param count number of beams; with 0 nothing is done.
  * @param beams, beam_stride the beams, each as a whole.
- * @param ceiling largest kernel radius [m] > 0: that of the covbeam_kernel.
- * @param masks, mask_stride 1 for a beam that may come within the ceiling, else 0.
+ * @param max_radius largest kernel radius [m] > 0: that of the covbeam_kernel.
+ * @param masks, mask_stride 1 for a beam that may come within the max_radius, else 0.
  */
 covbeam_status covbeam_filter_beams(const struct covbeam_eye_ray *ray,
                                     size_t count,
                                     const struct covbeam_beam *beams,
                                     size_t beam_stride,
-                                    float ceiling,
+                                    float max_radius,
                                     uint8_t *masks,
                                     size_t mask_stride);
 

@@ -391,7 +391,7 @@ inline const covbeam_grid* handle(const Grid* grid) noexcept { return grid ? gri
 struct Kernel : covbeam_kernel {
     Kernel(uint32_t of_shape, float radius, float largest, float accepted_error) noexcept : covbeam_kernel() {
         struct_size = sizeof(covbeam_kernel);
-        shape = of_shape, progressive = radius, ceiling = largest, error = accepted_error;
+        shape = of_shape, min_radius = radius, max_radius = largest, error = accepted_error;
     }
     /// Returns the radius.
     float radius_at(const Grid* grid, const float* position, const float* axis, float* sigma) const {
@@ -435,10 +435,10 @@ public:
 
     void clear() { check(covbeam_beam_map_clear(get())); }
     void add(Beams beams) { check(covbeam_beam_map_add(get(), beams.count, beams.data, beams.stride)); }
-    void commit(float ceiling) { check(covbeam_beam_map_commit(get(), ceiling, nullptr, nullptr)); }
-    template <class Poll> void commit(float ceiling, Poll&& go_on) {
+    void commit(float max_radius) { check(covbeam_beam_map_commit(get(), max_radius, nullptr, nullptr)); }
+    template <class Poll> void commit(float max_radius, Poll&& go_on) {
         detail::Calls<Poll, Poll> calls(go_on, go_on);
-        calls.check(covbeam_beam_map_commit(get(), ceiling, calls.poll, &calls));
+        calls.check(covbeam_beam_map_commit(get(), max_radius, calls.poll, &calls));
     }
     size_t count() const { size_t n; check(covbeam_beam_map_get_count(get(), &n)); return n; }
     size_t memory() const { size_t n; check(covbeam_beam_map_get_memory(get(), &n)); return n; }
@@ -779,9 +779,9 @@ inline void gather_pairs(const covbeam_eye_ray& ray, Beams beams, Floats from, F
                                ray_column, beam_columns.data, beam_columns.stride, &kernel, handle(grid), &sum,
                                accepted.data, accepted.stride));
 }
-inline void filter_beams(const covbeam_eye_ray& ray, Beams beams, float ceiling, Flags out) {
+inline void filter_beams(const covbeam_eye_ray& ray, Beams beams, float max_radius, Flags out) {
     const size_t n = detail::common(beams.count, out.count);
-    check(covbeam_filter_beams(&ray, n, beams.data, beams.stride, ceiling, out.data, out.stride));
+    check(covbeam_filter_beams(&ray, n, beams.data, beams.stride, max_radius, out.data, out.stride));
 }
 
 } // namespace many

@@ -1,6 +1,6 @@
 //! Photon beams, eye rays, where they cross, and what one crossing contributes.
 
-use crate::kernel::KernelRadius;
+use crate::kernel::Kernel;
 use crate::math::sqrt;
 use crate::medium::{Column, Density, Medium};
 use glam::Vec3;
@@ -147,14 +147,14 @@ pub(crate) struct Meeting {
 
 /// The geometry of a pair: whether it is accepted, whatever the medium. See [`gather_pair`].
 #[inline(always)]
-pub(crate) fn meet(ray: &EyeRay, beam: &Beam, from: f32, to: f32, radius: &KernelRadius) -> Option<Meeting> {
+pub(crate) fn meet(ray: &EyeRay, beam: &Beam, from: f32, to: f32, kernel: &Kernel) -> Option<Meeting> {
     let crossing = cross(ray, beam)?;
     let Crossing { ray_distance: t, beam_distance: s, gap, axis, .. } = crossing;
-    if !(t >= 0.0 && t <= ray.length && gap < radius.ceiling) {
+    if !(t >= 0.0 && t <= ray.length && gap < kernel.max_radius) {
         return None;
     }
     let point = ray.origin + t * ray.direction;
-    let (r, sigma) = radius.at(point, axis);
+    let (r, sigma) = kernel.radius_at(point, axis);
     if !(gap < r) {
         return None;
     }
@@ -226,7 +226,7 @@ pub(crate) fn product(
 /// - `from`, `to`: part of the beam that counts \[m\]; `0` and `beam.length` for the whole beam. Cutting a beam into
 ///   adjoining parts changes nothing.
 /// - `passage`: the medium that both lie in; its density is taken at the point on the *eye ray*.
-/// - `radius`: the kernel and its width.
+/// - `kernel`: its shape, and how wide it may be.
 ///
 /// Differs from the thesis at surfaces: a beam that starts or ends on a surface is cut there by the surface's tangent
 /// plane through the *eye's* point, not square to the beam; otherwise a kernel loses light next to every wall.
@@ -237,16 +237,16 @@ pub fn gather_pair(
     from: f32,
     to: f32,
     passage: &Passage,
-    radius: &KernelRadius,
+    kernel: &Kernel,
     gathered: &mut Gathered,
 ) -> bool {
-    let Some(meeting) = meet(ray, beam, from, to, radius) else { return false };
+    let Some(meeting) = meet(ray, beam, from, to, kernel) else { return false };
     let Crossing { ray_distance: t, beam_distance: s, gap, sin_theta, .. } = meeting.crossing;
     let column = along_beam(&passage.beam, s) + passage.ray.at(t);
     let cos_theta = -beam.direction.dot(ray.direction);
     let product = product(passage.medium, &passage.density, meeting.point, cos_theta, column);
-    let kernel = radius.kernel.evaluate(gap, meeting.radius) / sin_theta;
-    gathered.add(product * beam.power * kernel, meeting.radius, meeting.sigma)
+    let height = kernel.shape.evaluate(gap, meeting.radius) / sin_theta;
+    gathered.add(product * beam.power * height, meeting.radius, meeting.sigma)
 }
 
 /// Number of beams that [`BeamBlock`] tests together.

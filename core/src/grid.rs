@@ -319,7 +319,7 @@ impl<'a> FluenceGrid<'a> {
     /// assert_eq!(grid.look_up(Vec3::new(0.9, 0.5, 0.5)), None);
     /// # Ok::<(), covbeam::GridError>(())
     /// ```
-    #[inline(always)] // As `KernelRadius::at`.
+    #[inline(always)] // As `Kernel::radius_at`.
     pub fn look_up(&self, position: Vec3) -> Option<FluenceSpectrum> {
         self.around(position).map(|found| found.spectrum)
     }

@@ -11,7 +11,7 @@ use crate::math::sqrt;
 /// Shape of the one-dimensional blur kernel K_r(d), normalised: its integral over [-r, r] is 1. With q = d/r:
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Kernel {
+pub enum KernelShape {
     /// 1/(2r).
     Box = 0,
     /// 3/(4r) (1-q²).
@@ -21,7 +21,7 @@ pub enum Kernel {
     Biweight = 2,
 }
 
-impl Kernel {
+impl KernelShape {
     /// K_r(d) \[1/m\].
     ///
     /// - `distance` d \[m\], of either sign.
@@ -35,9 +35,9 @@ impl Kernel {
             let q = distance / radius;
             let bump = 1.0 - q * q;
             let shape = match self {
-                Kernel::Box => 0.5,
-                Kernel::Epanechnikov => 0.75 * bump,
-                Kernel::Biweight => 0.9375 * bump * bump,
+                KernelShape::Box => 0.5,
+                KernelShape::Epanechnikov => 0.75 * bump,
+                KernelShape::Biweight => 0.9375 * bump * bump,
             };
             shape / radius
         } else {
@@ -49,9 +49,9 @@ impl Kernel {
     #[inline]
     pub fn second_moment(self) -> f32 {
         match self {
-            Kernel::Box => 1.0 / 3.0,
-            Kernel::Epanechnikov => 1.0 / 5.0,
-            Kernel::Biweight => 1.0 / 7.0,
+            KernelShape::Box => 1.0 / 3.0,
+            KernelShape::Epanechnikov => 1.0 / 5.0,
+            KernelShape::Biweight => 1.0 / 7.0,
         }
     }
 
@@ -66,8 +66,8 @@ impl Kernel {
     /// Source: thesis 5.3.4 (Eq 5.11 in 1D), derived from Hess f = -4π² f Σ.
     ///
     /// ```
-    /// use covbeam::Kernel;
-    /// let r = Kernel::Box.radius_from_error(0.01, 4.0);
+    /// use covbeam::KernelShape;
+    /// let r = KernelShape::Box.radius_from_error(0.01, 4.0);
     /// let bias = 2.0 * std::f32::consts::PI.powi(2) / 3.0 * 4.0 * r * r;
     /// assert!((bias - 0.01).abs() < 1e-8);
     /// ```
@@ -83,7 +83,7 @@ impl Kernel {
     }
 }
 
-/// Passes up to which the progressive radius is the product itself.
+/// Passes up to which the smallest radius is the product itself.
 const EXACT_PASSES: u32 = 4096;
 
 /// The radius r_i of plain progressive photon beams: r_1 = `initial`, r_{i+1} = r_i (i+α)/(i+1).
@@ -136,42 +136,86 @@ pub fn error_bound(initial: f32, pass: u32) -> f32 {
     (f64::from(initial) * pow(f64::from(pass.max(1)), -0.4)) as f32
 }
 
-/// How wide each pair of beam and eye ray is gathered in this pass: d < max(r_i, min(ceiling, r_σ)).
+/// How wide each pair of beam and eye ray is gathered in one pass: d < max(r_i, min(`max_radius`, r_σ)).
 #[derive(Clone, Copy, Debug)]
-pub struct KernelRadius<'a> {
+pub struct Kernel<'a> {
     /// Shape.
-    pub kernel: Kernel,
-    /// r_i \[m\] > 0: the radius where the grid has no opinion, and the smallest one.
-    pub progressive: f32,
+    pub shape: KernelShape,
+    /// r_i \[m\] > 0: the radius where the grid has no data, and the smallest one.
+    pub min_radius: f32,
     /// Largest radius \[m\]; what the hierarchy over the beams must allow for.
-    pub ceiling: f32,
+    pub max_radius: f32,
     /// Accepted relative bias ε > 0 of one pair.
     pub error: f32,
-    /// Where σ² comes from; None = plain progressive photon beams.
+    /// Where σ² comes from; `None`: plain progressive photon beams.
     pub grid: Option<FluenceGrid<'a>>,
 }
 
-impl KernelRadius<'_> {
+impl Kernel<'_> {
     /// The radius \[m\] of a pair, and σ \[cycles/m\] along its kernel's axis (0 where the grid has no data).
     ///
     /// - `position`: where the spectrum is looked up; the closest point on the *eye ray* (looked up on the beam, the
     ///   steps of the grid print into the image).
     /// - `axis`: the kernel's axis, unit: perpendicular to beam and eye ray.
     ///
-    /// The bias is bounded relative to the dimmest light around: σ² is the looked-up variance times the fluence there over the harmonic mean of
-    /// the voxels' around. Beside a bright shaft, in the dark, a kernel that is right for the shaft would leak it.
+    /// The bias is bounded relative to the dimmest light around: σ² is the looked-up variance times the fluence there over the
+    /// harmonic mean of the voxels' around. Beside a bright shaft, in the dark, a kernel that is right for the shaft would leak it.
     ///
-    /// Guarantee: never below `progressive`; never above `ceiling`, unless `progressive` is.
+    /// Guarantee: never below `min_radius`; never above `max_radius`, unless `min_radius` is.
     ///
-    /// Source: thesis 5.3.4, d < max(r_i, r_σ). Differs from it in the ceiling, and beside shadows.
+    /// Source: thesis 5.3.4, d < max(r_i, r_σ). Differs from it in the largest radius, and beside shadows.
+    ///
+    /// Eight-wide twin: `beam_map/eight.rs`.
     #[inline(always)] // A call here costs the gather a quarter of its time.
-    pub fn at(&self, position: Vec3, axis: Vec3) -> (f32, f32) {
+    pub fn radius_at(&self, position: Vec3, axis: Vec3) -> (f32, f32) {
         let Some(found) = self.grid.and_then(|grid| grid.around(position)) else {
-            return (self.progressive, 0.0);
+            return (self.min_radius, 0.0);
         };
         let variance = found.spectrum.variance_along(axis) * (found.flux / found.dimmest);
-        let wanted = self.kernel.radius_from_error(self.error, variance);
-        (wanted.min(self.ceiling).max(self.progressive), sqrt(variance))
+        let wanted = self.shape.radius_from_error(self.error, variance);
+        (wanted.min(self.max_radius).max(self.min_radius), sqrt(variance))
+    }
+}
+
+/// How the kernel shrinks over the passes of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Schedule {
+    /// Shape.
+    pub shape: KernelShape,
+    /// Smallest radius in pass 1 \[m\] > 0; it falls as [`progressive_radius`].
+    pub radius: f32,
+    /// α in (0, 1]: the smallest radius falls as pass^(α - 1); 1 keeps it.
+    pub alpha: f32,
+    /// Largest radius that a spectrum may ask for \[m\] > 0.
+    pub max_radius: f32,
+    /// Accepted relative bias of a pair in pass 1, > 0; it falls as [`error_bound`].
+    pub error: f32,
+}
+
+impl Schedule {
+    /// The kernel of a pass.
+    ///
+    /// - `pass`: counted from 1. Passes may run in any order.
+    /// - `grid`: spectra to look radii up in; `None`: plain progressive photon beams, all of them `min_radius` wide.
+    ///
+    /// ```
+    /// use covbeam::{KernelShape, Schedule};
+    /// let shape = KernelShape::Epanechnikov;
+    /// let schedule = Schedule { shape, radius: 0.08, alpha: 0.5, max_radius: 0.06, error: 0.02 };
+    /// let kernels = [1, 3].map(|pass| schedule.kernel(pass, None));
+    /// assert_eq!(kernels.map(|kernel| kernel.min_radius), [0.08, 0.05]);
+    /// assert_eq!(kernels.map(|kernel| kernel.max_radius), [0.08, 0.06]);
+    /// ```
+    pub fn kernel<'a>(&self, pass: u32, grid: Option<FluenceGrid<'a>>) -> Kernel<'a> {
+        let Self { shape, radius, alpha, max_radius, error } = *self;
+        let min_radius = progressive_radius(radius, alpha, pass);
+        Kernel {
+            shape,
+            min_radius,
+            max_radius: max_radius.max(min_radius),
+            error: error_bound(error, pass),
+            grid,
+        }
     }
 }
 

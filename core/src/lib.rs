@@ -46,8 +46,8 @@ pub use image::{
     FilmSample, FilmSizeError, FilmSums, FilmUnit, ImageFilter, ImageSpectrum, PixelStep, Reconstruction,
     film_regions, pixel_threshold, standard_errors, verify_filters,
 };
-pub use kernel::{Kernel, KernelRadius, error_bound, progressive_radius};
-pub use light_field::{Curvature, FluenceSpectrum, LightField};
+pub use kernel::{Kernel, KernelShape, Schedule, error_bound, progressive_radius};
+pub use light_field::{Curvature, EVEN_LAMP, FluenceSpectrum, LightField};
 pub use march::{MARCH_KNOTS, March, MarchCell, MarchError, MarchKnot, MarchSample};
 pub use medium::{
     Column, Density, DensityGrid, Derivatives, ExponentialDensity, Knot, Medium, PhaseFunction, PhaseKind,

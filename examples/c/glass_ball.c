@@ -136,7 +136,7 @@ static void trace_photons(uint64_t pass, uint64_t photons, uint64_t seed, covbea
         /* The light of a point falls off as 1/d^2: its relative curvature across the ray is 2/d^2, that of a
          * spectrum with an angular variance of 2/(4 pi^2). */
         covbeam_light_field field;
-        TRY(covbeam_light_field_point(p.direction, 2 / 39.478418f, &field));
+        TRY(covbeam_light_field_point(p.direction, COVBEAM_EVEN_LAMP, &field));
         random = (seed << 40) + i * 1000003u;
         float power = 12.566371f * INTENSITY / (float)photons;
         trace_photon(p, power, grid && i % 10 == 0 ? &field : NULL, &random, map, grid);
@@ -227,14 +227,14 @@ static void render(float (*picture)[3], int size, uint32_t passes, uint64_t phot
         covbeam_kernel kernel = { .struct_size = sizeof kernel };
         TRY(covbeam_schedule_kernel(&SCHEDULE, pass, &kernel));
         if (plain)
-            kernel.ceiling = kernel.progressive;
+            kernel.max_radius = kernel.min_radius;
         TRY(covbeam_beam_map_clear(map));
         trace_photons(pass, photons, seed, map, grid);
         clock_t traced = clock();
 
         if (grid)
             TRY(covbeam_grid_resolve(grid));
-        TRY(covbeam_beam_map_commit(map, kernel.ceiling, NULL, NULL));
+        TRY(covbeam_beam_map_commit(map, kernel.max_radius, NULL, NULL));
         clock_t committed = clock();
 
         even_point(pass, start, jitter);

@@ -87,7 +87,7 @@ public:
             if (options_.own_medium) beams_.insert(beams_.end(), share.beams.begin(), share.beams.end());
         }
         grid_.resolve();
-        map_.commit(kernel.ceiling, go_on);
+        map_.commit(kernel.max_radius, go_on);
 
         std::vector<Vec3> picture(film_.size());
         const int across = (camera_.width + TILE - 1) / TILE, down = (camera_.height + TILE - 1) / TILE;

@@ -3,14 +3,14 @@
 use crate::check::positive;
 use crate::grid::covbeam_grid;
 use crate::handle::{Opaque, free, handle_to, run_on, shared};
-use crate::kernel::{covbeam_kernel, kernel_radius};
+use crate::kernel::{self, covbeam_kernel};
 use crate::medium::{KeptMedium, MediumView, covbeam_medium};
 use crate::memory::{Element, Slot, inputs, outputs};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
 use crate::types::*;
 use core::ffi::c_void;
 use core::mem::take;
-use covbeam_core::{Beam, BeamMap, Contact, EyeRay, GatherScratch, Gathered, KernelRadius, MAX_BEAMS, Stop};
+use covbeam_core::{Beam, BeamMap, Contact, EyeRay, GatherScratch, Gathered, Kernel, MAX_BEAMS, Stop};
 use glam::Vec3;
 
 /// The beams of one medium and one pass. The cycle of a pass: clear, add (any number of times), commit, gather
@@ -193,7 +193,7 @@ pub unsafe extern "C" fn covbeam_beam_map_add(
 /// Builds the hierarchy over the beams. Stopped, the map is as before.
 ///
 /// @param map a map that is not committed.
-/// @param ceiling largest kernel radius that it will be gathered with [m] > 0: covbeam_kernel's ceiling.
+/// @param max_radius largest kernel radius that it will be gathered with [m] > 0: covbeam_kernel's max_radius.
 /// @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with COVBEAM_CANCELLED.
 /// @param user given to poll.
 /// @note n log n in the number of beams: at a million, 0.7 us a beam in a homogeneous medium and 2.8 us in
@@ -201,16 +201,16 @@ pub unsafe extern "C" fn covbeam_beam_map_add(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_commit(
     map: *mut covbeam_beam_map,
-    ceiling: f32,
+    max_radius: f32,
     poll: covbeam_poll,
     user: *mut c_void,
 ) -> covbeam_status {
     let commit = |map: &mut Beams| {
-        let ceiling = positive(Element::single(ceiling, "ceiling"))?;
+        let max_radius = positive(Element::single(max_radius, "max_radius"))?;
         let beams = take(map.adding()?);
         let KeptMedium { medium, .. } = &map.medium;
         let density = map.medium.density();
-        match BeamMap::build_while(beams, ceiling, medium, &density, &mut go_on(poll, user)) {
+        match BeamMap::build_while(beams, max_radius, medium, &density, &mut go_on(poll, user)) {
             Ok(built) => {
                 map.state = State::Committed(built);
                 Ok(())
@@ -305,18 +305,18 @@ unsafe fn gather(
     gathered: *mut covbeam_gathered,
     gathered_stride: usize,
     scratch: *mut covbeam_scratch,
-    body: impl FnOnce(&Beams, &BeamMap, &KernelRadius, &mut Scratch) -> Result<(), Failure>,
+    body: impl FnOnce(&Beams, &BeamMap, &Kernel, &mut Scratch) -> Result<(), Failure>,
 ) -> covbeam_status {
     let body = |scratch: &mut Scratch| {
         // SAFETY: by the caller's promise.
         let beams = unsafe { shared(map, "map") }?;
         let built = beams.committed()?;
         // SAFETY: by the caller's promise.
-        let radius = unsafe { kernel_radius(kernel, grid) }?;
-        if radius.ceiling > built.ceiling() {
-            let (wanted, most) = (radius.ceiling, built.ceiling());
+        let kernel = unsafe { kernel::read(kernel, grid) }?;
+        if kernel.max_radius > built.max_radius() {
+            let (wanted, most) = (kernel.max_radius, built.max_radius());
             let message =
-                format_args!("kernel: a ceiling of {wanted}, but the map was committed with {most}");
+                format_args!("kernel: a max_radius of {wanted}, but the map was committed with {most}");
             return Err(fail(COVBEAM_MISMATCH, message));
         }
         inputs!(count, rays, ray_stride);
@@ -330,7 +330,7 @@ unsafe fn gather(
             scratch.rays.push(eye_ray(rays.get(i))?);
         }
         scratch.gathered.resize(count, Gathered::default());
-        body(beams, built, &radius, scratch)?;
+        body(beams, built, &kernel, scratch)?;
         for (i, result) in scratch.gathered.iter().enumerate() {
             gathered.set(i, (*result).into());
         }
@@ -347,9 +347,9 @@ unsafe fn gather(
 /// Gathers the light that beams scatter into eye rays. Stopped or failed, nothing is written.
 ///
 /// @param map a map that has been committed.
-/// @param kernel the kernel and how wide it may be; its ceiling at most the map's.
+/// @param kernel the kernel and how wide it may be; its max_radius at most the map's.
 /// @param grid a grid that has been resolved, for kernels as wide as the light's bandwidth allows. NULL: all
-///     kernels have the radius kernel->progressive, and the ceiling may be that too.
+///     kernels have the radius kernel->min_radius, and the max_radius may be that too.
 /// @param count number of rays; with 0 nothing is done. Each 256 that follow each other share one walk through
 ///     the hierarchy: give those of a tile of 8x8 pixels together.
 /// @param rays, ray_stride the eye rays, all in the map's medium.
@@ -373,12 +373,12 @@ pub unsafe extern "C" fn covbeam_beam_map_gather(
     poll: covbeam_poll,
     user: *mut c_void,
 ) -> covbeam_status {
-    let body = |beams: &Beams, built: &BeamMap, radius: &KernelRadius, scratch: &mut Scratch| {
+    let body = |beams: &Beams, built: &BeamMap, kernel: &Kernel, scratch: &mut Scratch| {
         let KeptMedium { medium, .. } = &beams.medium;
         let density = beams.medium.density();
         let Scratch { core, rays, gathered } = scratch;
         let mut go_on = go_on(poll, user);
-        if built.gather_while(rays, medium, &density, radius, gathered, core, &mut go_on) {
+        if built.gather_while(rays, medium, &density, kernel, gathered, core, &mut go_on) {
             Ok(())
         } else {
             Err(cancelled())
@@ -412,7 +412,7 @@ pub unsafe extern "C" fn covbeam_beam_map_gather_shaded(
     poll: covbeam_poll,
     user: *mut c_void,
 ) -> covbeam_status {
-    let body = |_: &Beams, built: &BeamMap, radius: &KernelRadius, scratch: &mut Scratch| {
+    let body = |_: &Beams, built: &BeamMap, kernel: &Kernel, scratch: &mut Scratch| {
         let Some(shade) = shade else {
             return Err(fail(COVBEAM_NULL_POINTER, format_args!("shade: NULL")));
         };
@@ -426,7 +426,7 @@ pub unsafe extern "C" fn covbeam_beam_map_gather_shaded(
                 unsafe { shade(user, contacts.as_ptr().cast(), contacts.len(), values.as_mut_ptr().cast()) };
             returned == 0
         };
-        if built.gather_contacts(rays, radius, gathered, core, &mut shade, &mut go_on(poll, user)) {
+        if built.gather_contacts(rays, kernel, gathered, core, &mut shade, &mut go_on(poll, user)) {
             Ok(())
         } else if returned != 0 {
             Err(fail(COVBEAM_CALLBACK_FAILED, format_args!("shade: returned {returned}")))

@@ -5,7 +5,7 @@ use crate::grid::{covbeam_grid, resolved};
 use crate::handle::optional;
 use crate::memory::{Element, Slot, inputs, outputs, read_options};
 use crate::status::{Failure, covbeam_status, run};
-use covbeam_core::{Kernel, KernelRadius, error_bound, progressive_radius};
+use covbeam_core::{Kernel, KernelShape, Schedule, error_bound, progressive_radius};
 
 /// Shape of the blur kernel K_r(d), whose integral over [-r, r] is 1. With q = d / r:
 #[repr(u32)]
@@ -19,7 +19,7 @@ pub enum covbeam_kernel_shape {
     COVBEAM_KERNEL_BIWEIGHT = 2,
 }
 
-/// How wide the pairs of one pass are gathered: within max(progressive, min(ceiling, what the spectrum
+/// How wide the pairs of one pass are gathered: within max(min_radius, min(max_radius, what the spectrum
 /// allows)).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,9 +29,9 @@ pub struct covbeam_kernel {
     /// A value of covbeam_kernel_shape.
     pub shape: u32,
     /// The radius where the grid knows nothing, and the smallest one [m] > 0.
-    pub progressive: f32,
-    /// The largest radius [m], finite and >= progressive.
-    pub ceiling: f32,
+    pub min_radius: f32,
+    /// The largest radius [m], finite and >= min_radius.
+    pub max_radius: f32,
     /// Accepted relative bias of a pair > 0; without a grid it has no effect.
     pub error: f32,
 }
@@ -54,12 +54,12 @@ pub struct covbeam_schedule {
     pub error: f32,
 }
 
-fn shape(e: Element<u32>) -> Result<Kernel, Failure> {
+fn shape(e: Element<u32>) -> Result<KernelShape, Failure> {
     use covbeam_kernel_shape::*;
     match e.value {
-        k if k == COVBEAM_KERNEL_BOX as u32 => Ok(Kernel::Box),
-        k if k == COVBEAM_KERNEL_EPANECHNIKOV as u32 => Ok(Kernel::Epanechnikov),
-        k if k == COVBEAM_KERNEL_BIWEIGHT as u32 => Ok(Kernel::Biweight),
+        k if k == COVBEAM_KERNEL_BOX as u32 => Ok(KernelShape::Box),
+        k if k == COVBEAM_KERNEL_EPANECHNIKOV as u32 => Ok(KernelShape::Epanechnikov),
+        k if k == COVBEAM_KERNEL_BIWEIGHT as u32 => Ok(KernelShape::Biweight),
         unknown => Err(e.is(format_args!("{unknown} is no covbeam_kernel_shape"))),
     }
 }
@@ -68,23 +68,23 @@ fn shape(e: Element<u32>) -> Result<Kernel, Failure> {
 ///
 /// # Safety
 /// Both are NULL or what they say, and the grid lives unchanged while the result does.
-pub(crate) unsafe fn kernel_radius<'a>(
+pub(crate) unsafe fn read<'a>(
     kernel: *const covbeam_kernel,
     grid: *const covbeam_grid,
-) -> Result<KernelRadius<'a>, Failure> {
+) -> Result<Kernel<'a>, Failure> {
     // SAFETY: by this function's contract.
     let options = unsafe { read_options(kernel, size_of::<covbeam_kernel>(), "kernel") }?;
-    let kernel = shape(Element::single(options.shape, "kernel.shape"))?;
-    let progressive = positive(Element::single(options.progressive, "kernel.progressive"))?;
-    let largest = Element::single(options.ceiling, "kernel.ceiling");
-    let ceiling = positive(largest)?;
-    if ceiling < progressive {
-        return Err(largest.is(format_args!("{ceiling} is less than progressive, {progressive}")));
+    let shape = shape(Element::single(options.shape, "kernel.shape"))?;
+    let min_radius = positive(Element::single(options.min_radius, "kernel.min_radius"))?;
+    let largest = Element::single(options.max_radius, "kernel.max_radius");
+    let max_radius = positive(largest)?;
+    if max_radius < min_radius {
+        return Err(largest.is(format_args!("{max_radius} is less than min_radius, {min_radius}")));
     }
     let error = positive(Element::single(options.error, "kernel.error"))?;
     // SAFETY: by this function's contract.
     let grid = unsafe { optional(grid, "grid") }?.map(resolved).transpose()?;
-    Ok(KernelRadius { kernel, progressive, ceiling, error, grid })
+    Ok(Kernel { shape, min_radius, max_radius, error, grid })
 }
 
 fn alpha(e: Element<f32>) -> Result<f32, Failure> {
@@ -105,8 +105,8 @@ fn pass(value: u32) -> Result<u32, Failure> {
 ///
 /// @param schedule how the kernel shrinks.
 /// @param pass counted from 1. Passes may run in any order.
-/// @param kernel set its struct_size before; the rest is written: progressive =
-///     covbeam_progressive_radius(radius, alpha, pass), ceiling = the larger of max_radius and progressive,
+/// @param kernel set its struct_size before; the rest is written: min_radius =
+///     covbeam_progressive_radius(radius, alpha, pass), max_radius = the larger of max_radius and min_radius,
 ///     error = covbeam_error_bound(error, pass).
 /// @note COVBEAM_INVALID_VALUE too if the radius or the error of the pass falls below the smallest float.
 #[unsafe(no_mangle)]
@@ -122,20 +122,20 @@ pub unsafe extern "C" fn covbeam_schedule_kernel(
         // SAFETY: by the caller's promise.
         let schedule = unsafe { read_options(schedule, size_of::<covbeam_schedule>(), "schedule") }?;
         let pass = self::pass(pass)?;
-        shape(Element::single(schedule.shape, "schedule.shape"))?;
-        let radius = positive(Element::single(schedule.radius, "schedule.radius"))?;
-        let alpha = alpha(Element::single(schedule.alpha, "schedule.alpha"))?;
-        let max_radius = positive(Element::single(schedule.max_radius, "schedule.max_radius"))?;
-        let error = positive(Element::single(schedule.error, "schedule.error"))?;
-        let progressive = progressive_radius(radius, alpha, pass);
-        let progressive = positive(Element::single(progressive, "schedule.radius, in this pass"))?;
-        let error = positive(Element::single(error_bound(error, pass), "schedule.error, in this pass"))?;
+        let of = Schedule {
+            shape: shape(Element::single(schedule.shape, "schedule.shape"))?,
+            radius: positive(Element::single(schedule.radius, "schedule.radius"))?,
+            alpha: alpha(Element::single(schedule.alpha, "schedule.alpha"))?,
+            max_radius: positive(Element::single(schedule.max_radius, "schedule.max_radius"))?,
+            error: positive(Element::single(schedule.error, "schedule.error"))?,
+        };
+        let Kernel { min_radius, max_radius, error, .. } = of.kernel(pass, None);
         out.set(covbeam_kernel {
             struct_size: before.struct_size,
             shape: schedule.shape,
-            progressive,
-            ceiling: max_radius.max(progressive),
-            error,
+            min_radius: positive(Element::single(min_radius, "schedule.radius, in this pass"))?,
+            max_radius,
+            error: positive(Element::single(error, "schedule.error, in this pass"))?,
         });
         Ok(())
     })
@@ -246,7 +246,7 @@ pub unsafe extern "C" fn covbeam_kernel_radius_from_error(
 /// @param grid where the spectrum is looked up, resolved; NULL gives the progressive radius.
 /// @param position the closest point on the eye ray [m].
 /// @param axis of the kernel, unit, across ray and beam: that of the covbeam_crossing.
-/// @param radius [m] in [progressive, ceiling].
+/// @param radius [m] in [min_radius, max_radius].
 /// @param sigma deviation of the spectrum along the axis [cycles/m]; 0 where the grid knows nothing.
 /// @note Thesis 5.3.4.
 #[unsafe(no_mangle)]
@@ -287,7 +287,7 @@ pub unsafe extern "C" fn covbeam_kernel_radius_at_many(
 ) -> covbeam_status {
     run(|| {
         // SAFETY: by the caller's promise.
-        let kernel = unsafe { kernel_radius(kernel, grid) }?;
+        let kernel = unsafe { read(kernel, grid) }?;
         inputs!(count, positions: [f32; 3], position_stride);
         inputs!(count, axes: [f32; 3], axis_stride);
         outputs!(count, radii, radius_stride);
@@ -298,7 +298,7 @@ pub unsafe extern "C" fn covbeam_kernel_radius_at_many(
         }
         for i in 0..count {
             let (position, axis) = arguments(i)?;
-            let (radius, sigma) = kernel.at(position, axis);
+            let (radius, sigma) = kernel.radius_at(position, axis);
             radii.set(i, radius);
             sigmas.set(i, sigma);
         }
@@ -320,8 +320,8 @@ mod tests {
     const BLANK: covbeam_kernel = covbeam_kernel {
         struct_size: SIZE,
         shape: 9,
-        progressive: UNTOUCHED,
-        ceiling: UNTOUCHED,
+        min_radius: UNTOUCHED,
+        max_radius: UNTOUCHED,
         error: UNTOUCHED,
     };
 
@@ -364,7 +364,7 @@ mod tests {
             let status = unsafe { covbeam_kernel_radius_from_error(2, n[0], n[1], bad.at_mut(0, &mut out)) };
             (status, out != UNTOUCHED)
         });
-        // Position, axis, kernel. A ceiling below the progressive radius is refused; so is a radius above the ceiling.
+        // Position, axis, kernel. A max_radius below the progressive radius is refused; so is a radius above the max_radius.
         let numbers = [
             (0.2, Finite),
             (0.3, Finite),
@@ -376,7 +376,8 @@ mod tests {
             (0.5, Positive),
         ];
         refuses(5, &numbers, |bad, n| {
-            let kernel = covbeam_kernel { shape: 0, progressive: 0.75, ceiling: n[6], error: n[7], ..BLANK };
+            let kernel =
+                covbeam_kernel { shape: 0, min_radius: 0.75, max_radius: n[6], error: n[7], ..BLANK };
             let (mut radius, mut sigma) = (UNTOUCHED, UNTOUCHED);
             let status = unsafe {
                 covbeam_kernel_radius_at(
@@ -390,11 +391,10 @@ mod tests {
             };
             (status, (radius, sigma) != (UNTOUCHED, UNTOUCHED))
         });
-        for progressive in [f32::NAN, f32::INFINITY, 0.0, -1.0, 2.5] {
-            let kernel = covbeam_kernel { shape: 0, progressive, ceiling: 2.0, error: 0.1, ..BLANK };
-            let refused =
-                unsafe { kernel_radius(&kernel, ptr::null()) }.map(|_| ()).map_err(|failure| failure.0);
-            assert_eq!(refused, Err(COVBEAM_INVALID_VALUE), "{progressive}");
+        for min_radius in [f32::NAN, f32::INFINITY, 0.0, -1.0, 2.5] {
+            let kernel = covbeam_kernel { shape: 0, min_radius, max_radius: 2.0, error: 0.1, ..BLANK };
+            let refused = unsafe { read(&kernel, ptr::null()) }.map(|_| ()).map_err(|failure| failure.0);
+            assert_eq!(refused, Err(COVBEAM_INVALID_VALUE), "{min_radius}");
         }
     }
 
@@ -472,12 +472,12 @@ mod tests {
             ]
         };
         assert_eq!(statuses, [COVBEAM_OK; 3]);
-        let expected = covbeam_kernel { shape: 1, progressive: radius, ceiling: 0.2, error, ..BLANK };
+        let expected = covbeam_kernel { shape: 1, min_radius: radius, max_radius: 0.2, error, ..BLANK };
         assert_eq!(kernel, expected);
-        // A progressive radius that is larger than the largest wanted one is the ceiling itself.
+        // A progressive radius that is larger than the largest wanted one is the max_radius itself.
         let wide = covbeam_schedule { max_radius: 0.01, ..schedule() };
         assert_eq!(unsafe { covbeam_schedule_kernel(&wide, 7, &mut kernel) }, COVBEAM_OK);
-        assert_eq!(kernel, covbeam_kernel { ceiling: radius, ..expected });
+        assert_eq!(kernel, covbeam_kernel { max_radius: radius, ..expected });
     }
 
     #[test]
@@ -485,7 +485,7 @@ mod tests {
         let layout = covbeam_grid_layout { min: [0.0; 3], max: [1.0; 3], cells: [2; 3] };
         let mut grid = ptr::null_mut();
         assert_eq!(unsafe { covbeam_grid_new(&layout, &mut grid) }, COVBEAM_OK);
-        let kernel = covbeam_kernel { shape: 1, progressive: 0.1, ceiling: 0.2, error: 0.1, ..BLANK };
+        let kernel = covbeam_kernel { shape: 1, min_radius: 0.1, max_radius: 0.2, error: 0.1, ..BLANK };
         let (position, axis) = ([0.5; 3], [1.0, 0.0, 0.0]);
         let (mut radius, mut sigma) = (UNTOUCHED, UNTOUCHED);
         let status = unsafe {
@@ -499,7 +499,7 @@ mod tests {
 
     #[test]
     fn many_are_the_same_bits_as_one_each() {
-        let kernel = covbeam_kernel { shape: 1, progressive: 0.1, ceiling: 0.2, error: 0.1, ..BLANK };
+        let kernel = covbeam_kernel { shape: 1, min_radius: 0.1, max_radius: 0.2, error: 0.1, ..BLANK };
         let axis = [0.0, 0.0, 1.0];
         let positions = padded(&[[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]);
         let (mut radii, mut sigmas) = (padded(&[UNTOUCHED; 2]), padded(&[UNTOUCHED; 2]));

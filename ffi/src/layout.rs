@@ -48,7 +48,7 @@ layout! {
         position 0, ray 12, beam 16, ray_distance 20, beam_distance 24, cos_theta 28, kernel 32,
         radius 36, sigma 40
     }
-    covbeam_kernel: 20, 4 { struct_size 0, shape 4, progressive 8, ceiling 12, error 16 }
+    covbeam_kernel: 20, 4 { struct_size 0, shape 4, min_radius 8, max_radius 12, error 16 }
     covbeam_schedule: 24, 4 { struct_size 0, shape 4, radius 8, alpha 12, max_radius 16, error 20 }
     covbeam_pixel_step: 24, 4 { origin 0, direction 12 }
     covbeam_image_spectrum: 16, 4 { xx 0, xy 4, yy 8, weight 12 }

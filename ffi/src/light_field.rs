@@ -5,10 +5,16 @@ use crate::medium::covbeam_medium;
 use crate::status::covbeam_status;
 use crate::types::{covbeam_curvature, covbeam_light_field, covbeam_spectrum};
 
+/// Angular variance of the emission of a lamp that shines evenly [cycles^2/rad^2]: its light falls off as 1/d^2, a relative curvature of
+/// 2/d^2 across its rays, so that 2/(4 pi^2).
+pub const COVBEAM_EVEN_LAMP: f32 = 0.050_660_592;
+
+const _: () = assert!(COVBEAM_EVEN_LAMP == covbeam_core::EVEN_LAMP);
+
 /// Light of an exact point source.
 ///
 /// @param direction of propagation, normalised by the library: any length but 0.
-/// @param angular_variance of the emission [cycles^2/rad^2] >= 0: 2/(4 pi^2) = 0.0507 for a lamp that shines
+/// @param angular_variance of the emission [cycles^2/rad^2] >= 0: COVBEAM_EVEN_LAMP for a lamp that shines
 ///     evenly, because of the fall-off with the square of the distance; more where its intensity changes with
 ///     the angle.
 /// @param out the light field.

@@ -6,7 +6,7 @@ use crate::kernel::covbeam_kernel;
 use crate::medium::covbeam_medium;
 use crate::status::covbeam_status::COVBEAM_OK;
 use crate::types::*;
-use covbeam_core::{Beam, BeamMap, Density, EyeRay, GatherScratch, Gathered, Kernel, KernelRadius, Medium};
+use covbeam_core::{Beam, BeamMap, Density, EyeRay, GatherScratch, Gathered, Kernel, KernelShape, Medium};
 use glam::Vec3;
 use std::ptr::{null, null_mut};
 use std::time::Instant;
@@ -48,10 +48,10 @@ fn tile(index: u32) -> Vec<EyeRay> {
 fn overhead_of_a_gather() {
     let fog = Medium { scattering: Vec3::splat(0.2), absorption: Vec3::splat(0.02), ..Medium::default() };
     let tiles: Vec<Vec<EyeRay>> = (0..TILES).map(tile).collect();
-    let radius = KernelRadius {
-        kernel: Kernel::Epanechnikov,
-        progressive: RADIUS,
-        ceiling: RADIUS,
+    let kernel = Kernel {
+        shape: KernelShape::Epanechnikov,
+        min_radius: RADIUS,
+        max_radius: RADIUS,
         error: 0.01,
         grid: None,
     };
@@ -62,7 +62,7 @@ fn overhead_of_a_gather() {
         let start = Instant::now();
         for rays in &tiles {
             let mut gathered = [Gathered::default(); 64];
-            map.gather(rays, &fog, &Density::Uniform, &radius, &mut gathered, &mut scratch);
+            map.gather(rays, &fog, &Density::Uniform, &kernel, &mut gathered, &mut scratch);
             out.extend(gathered);
         }
         start.elapsed().as_secs_f64()
@@ -97,8 +97,8 @@ fn overhead_of_a_gather() {
     let kernel = covbeam_kernel {
         struct_size: size_of::<covbeam_kernel>() as u32,
         shape: 1,
-        progressive: RADIUS,
-        ceiling: RADIUS,
+        min_radius: RADIUS,
+        max_radius: RADIUS,
         error: 0.01,
     };
     let (mut map, mut scratch) = (null_mut(), null_mut());

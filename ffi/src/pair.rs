@@ -3,7 +3,7 @@
 use crate::check::{not_negative, positive};
 use crate::column::{column, covbeam_column};
 use crate::grid::covbeam_grid;
-use crate::kernel::{covbeam_kernel, kernel_radius};
+use crate::kernel::{self, covbeam_kernel};
 use crate::medium::{MediumView, covbeam_medium};
 use crate::memory::{Element, Inputs, Slot, inputs, outputs, read};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
@@ -187,7 +187,7 @@ pub unsafe extern "C" fn covbeam_gather_pairs(
         // SAFETY: by the caller's promise.
         let medium = unsafe { MediumView::read(medium, "medium") }?;
         // SAFETY: by the caller's promise.
-        let radius = unsafe { kernel_radius(kernel, grid) }?;
+        let kernel = unsafe { kernel::read(kernel, grid) }?;
         // SAFETY: by the caller's promise.
         let mut sum: Gathered =
             self::gathered(Element::single(unsafe { read(gathered, "gathered") }?, "gathered"))?;
@@ -226,7 +226,7 @@ pub unsafe extern "C" fn covbeam_gather_pairs(
             let (beam, from, to, along) = arguments(i)?;
             let passage =
                 Passage { medium: &medium.medium, density: medium.density, ray: ray_column, beam: along };
-            accepted.set(i, u8::from(gather_pair(&ray, &beam, from, to, &passage, &radius, &mut sum)));
+            accepted.set(i, u8::from(gather_pair(&ray, &beam, from, to, &passage, &kernel, &mut sum)));
         }
         out.set(sum.into());
         Ok(())
@@ -240,15 +240,15 @@ pub unsafe extern "C" fn covbeam_gather_pairs(
 /// @param ray the eye ray.
 /// @param count number of beams; with 0 nothing is done.
 /// @param beams, beam_stride the beams, each as a whole.
-/// @param ceiling largest kernel radius [m] > 0: that of the covbeam_kernel.
-/// @param masks, mask_stride 1 for a beam that may come within the ceiling, else 0.
+/// @param max_radius largest kernel radius [m] > 0: that of the covbeam_kernel.
+/// @param masks, mask_stride 1 for a beam that may come within the max_radius, else 0.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_filter_beams(
     ray: *const covbeam_eye_ray,
     count: usize,
     beams: *const covbeam_beam,
     beam_stride: usize,
-    ceiling: f32,
+    max_radius: f32,
     masks: *mut u8,
     mask_stride: usize,
 ) -> covbeam_status {
@@ -256,7 +256,7 @@ pub unsafe extern "C" fn covbeam_filter_beams(
         // SAFETY: by the caller's promise.
         let ray = unsafe { read_ray(ray) }?;
         inputs!(count, beams, beam_stride);
-        let ceiling = positive(Element::single(ceiling, "ceiling"))?;
+        let max_radius = positive(Element::single(max_radius, "max_radius"))?;
         outputs!(count, masks, mask_stride);
         for i in 0..count {
             beam(beams.get(i))?;
@@ -269,7 +269,7 @@ pub unsafe extern "C" fn covbeam_filter_beams(
                 block.set(slot, &beam, 0.0, beam.length);
             }
             block.clear_from(filled);
-            let hit = block.test(&ray, ceiling);
+            let hit = block.test(&ray, max_radius);
             for slot in 0..filled {
                 masks.set(first + slot, (hit >> slot & 1) as u8);
             }
@@ -361,7 +361,7 @@ mod tests {
 
     fn kernel() -> covbeam_kernel {
         let struct_size = size_of::<covbeam_kernel>() as u32;
-        covbeam_kernel { struct_size, shape: 1, progressive: 0.1, ceiling: 0.1, error: 0.1 }
+        covbeam_kernel { struct_size, shape: 1, min_radius: 0.1, max_radius: 0.1, error: 0.1 }
     }
 
     const NOTHING: covbeam_gathered =

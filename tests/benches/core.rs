@@ -23,7 +23,7 @@
 use covbeam::{
     Attenuation, Beam, BeamMap, Contact, CovarianceGrid, Curvature, Density, DensityGrid, ExponentialDensity,
     EyeRay, FilmNode, FilmSample, FluenceCell, FluenceGrid, FluenceSpectrum, GatherScratch, Gathered,
-    GridCell, GridLayout, ImageFilter, ImageSpectrum, Kernel, KernelRadius, LightField, MARCH_KNOTS, March,
+    GridCell, GridLayout, ImageFilter, ImageSpectrum, Kernel, KernelShape, LightField, MARCH_KNOTS, March,
     MarchCell, MarchKnot, MarchSample, Medium, Passage, PhaseFunction, PixelStep, Reconstruction, Vec3,
     gather_pair, pixel_threshold,
 };
@@ -201,10 +201,10 @@ fn tile() -> Vec<EyeRay> {
 fn gather(c: &mut Criterion) {
     let cells = cells();
     let view = FluenceGrid::new(LAYOUT, &cells).unwrap();
-    let plain = |radius| KernelRadius {
-        kernel: Kernel::Epanechnikov,
-        progressive: radius,
-        ceiling: radius,
+    let plain = |radius| Kernel {
+        shape: KernelShape::Epanechnikov,
+        min_radius: radius,
+        max_radius: radius,
         error: 0.01,
         grid: None,
     };
@@ -225,20 +225,20 @@ fn gather(c: &mut Criterion) {
     let mut group = c.benchmark_group("gather");
     let rays = tile();
     for count in [1_000, 10_000, 100_000, 1_000_000] {
-        for (name, radius) in [
+        for (name, kernel) in [
             ("plain 0.05", plain(0.05)),
             ("plain 0.004", plain(0.004)),
-            ("adaptive", KernelRadius { ceiling: 0.2, grid: Some(view), ..plain(0.004) }),
+            ("adaptive", Kernel { max_radius: 0.2, grid: Some(view), ..plain(0.004) }),
         ] {
-            let map = BeamMap::build(beams(count), radius.ceiling, &FOG, &Density::Uniform);
+            let map = BeamMap::build(beams(count), kernel.max_radius, &FOG, &Density::Uniform);
             let mut scratch = GatherScratch::default();
             let mut gathered = vec![Gathered::default(); rays.len()];
-            map.gather(&rays, &FOG, &Density::Uniform, &radius, &mut gathered, &mut scratch);
+            map.gather(&rays, &FOG, &Density::Uniform, &kernel, &mut gathered, &mut scratch);
             let pairs: u64 = gathered.iter().map(|g| u64::from(g.pairs)).sum();
             println!("{name}/{count}: {:.1} pairs a ray", pairs as f64 / rays.len() as f64);
             group.throughput(Throughput::Elements(pairs.max(1)));
             group.bench_function(BenchmarkId::new(name, count), |b| {
-                b.iter(|| map.gather(&rays, &FOG, &Density::Uniform, &radius, &mut gathered, &mut scratch));
+                b.iter(|| map.gather(&rays, &FOG, &Density::Uniform, &kernel, &mut gathered, &mut scratch));
             });
         }
     }

@@ -139,8 +139,8 @@ AT(contact, sigma, 40);
 SIZE(kernel, 20, 4);
 AT(kernel, struct_size, 0);
 AT(kernel, shape, 4);
-AT(kernel, progressive, 8);
-AT(kernel, ceiling, 12);
+AT(kernel, min_radius, 8);
+AT(kernel, max_radius, 12);
 AT(kernel, error, 16);
 
 SIZE(schedule, 24, 4);

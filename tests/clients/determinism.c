@@ -223,7 +223,7 @@ static uint64_t hash_of_gather(const covbeam_beam_map *map, const covbeam_grid *
     covbeam_kernel kernel = { sizeof kernel, COVBEAM_KERNEL_BIWEIGHT, 0.02f, 0.0f, 0.05f };
     struct work work;
     int i;
-    kernel.ceiling = CEILING;
+    kernel.max_radius = CEILING;
     memset(gathered, 0, sizeof gathered);
     memset(&work, 0, sizeof work);
     work.run = gather;

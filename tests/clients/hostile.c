@@ -141,7 +141,7 @@ static void remember(struct prepared *call) {
         first->tame = true;
     } else if (strcmp(name, "beam_map_commit") == 0) {
         first->committed = true;
-        first->ceiling = call->ceiling;
+        first->max_radius = call->max_radius;
     } else if (strcmp(name, "grid_clear") == 0) {
         first->resolved = false;
         first->tame = true;

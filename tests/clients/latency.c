@@ -120,7 +120,7 @@ static void begin(covbeam_beam_map *map) {
     ok(covbeam_beam_map_add(map, beam_count, beams, sizeof *beams));
 }
 
-static int32_t commit(void *map, struct watch *w) { return covbeam_beam_map_commit(map, wide.ceiling, ask, w); }
+static int32_t commit(void *map, struct watch *w) { return covbeam_beam_map_commit(map, wide.max_radius, ask, w); }
 
 static int32_t gather(void *map, size_t count, struct watch *w) {
     return covbeam_beam_map_gather(map, &wide, NULL, count, rays, sizeof *rays, gathered, sizeof *gathered, scratch, ask, w);
@@ -188,7 +188,7 @@ static void measure(const char *name, const covbeam_medium *medium) {
     size_t left;
     ok(covbeam_beam_map_get_count(map, &left));
     check(left == beam_count, "beams are lost");
-    ok(covbeam_beam_map_commit(map, wide.ceiling, NULL, NULL));
+    ok(covbeam_beam_map_commit(map, wide.max_radius, NULL, NULL));
 
     const double tile = run(gather_tile, map, 0, &answer);
     printf("  a tile of %d rays takes %.0f ms\n", TILE, tile);

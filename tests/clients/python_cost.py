@@ -42,7 +42,7 @@ kernel = cb.Kernel(cb.KernelShape.EPANECHNIKOV, 0.05, 0.05, 0.01)
 def commit():
     beam_map.clear()
     beam_map.add(beams)
-    beam_map.commit(kernel.ceiling)
+    beam_map.commit(kernel.max_radius)
 
 
 def shade(contacts, values):

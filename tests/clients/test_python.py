@@ -29,7 +29,7 @@ from covbeam import _abi, _arrays, _library, image, light_field, march, spectrum
 REPOSITORY = Path(__file__).resolve().parents[2]
 FOG = cb.Medium(scattering=0.2)
 LAYOUT = cb.GridLayout((-2, -2, -2), (2, 2, 2), (8, 8, 8))
-KERNEL = cb.Kernel(cb.KernelShape.EPANECHNIKOV, progressive=0.02, ceiling=0.1, error=0.01)
+KERNEL = cb.Kernel(cb.KernelShape.EPANECHNIKOV, min_radius=0.02, max_radius=0.1, error=0.01)
 
 
 def directions(count, seed=1):
@@ -64,7 +64,7 @@ def eye_rays(count, distance=1.0):
 def committed(count=2000, medium=FOG):
     beams = cb.BeamMap(medium)
     beams.add(lamp_beams(count))
-    beams.commit(KERNEL.ceiling)
+    beams.commit(KERNEL.max_radius)
     return beams
 
 
@@ -82,7 +82,7 @@ class Picture(unittest.TestCase):
             grid.deposit(FOG, lamp_segments(2000, power))
             grid.resolve()
             beams.add(lamp_beams(count, power))
-            beams.commit(KERNEL.ceiling)
+            beams.commit(KERNEL.max_radius)
             self.assertEqual(beams.count, count)
             gathered = beams.gather(KERNEL, grid, eye_rays(256), scratch=scratch)
         # Single scattering, isotropic, lamp of `power` watts: the ray is 4 m long and passes at 1 m. The beams are 4 m long: all of it
@@ -97,7 +97,7 @@ class Picture(unittest.TestCase):
         self.assertLess(abs(radiance.mean() - expected), 4 * error + KERNEL.error * expected)
         self.assertTrue((gathered["pairs"] > 0).all())
         # The grid widens kernels: light at 1 m from a lamp is smooth.
-        self.assertGreater((gathered["radius"] / gathered["weight"]).mean(), 1.5 * KERNEL.progressive)
+        self.assertGreater((gathered["radius"] / gathered["weight"]).mean(), 1.5 * KERNEL.min_radius)
 
     def test_shading_by_the_same_formula_gives_the_same_picture(self):
         beams, rays, seen = committed(), eye_rays(64), []
@@ -122,7 +122,7 @@ class Picture(unittest.TestCase):
             gathered = np.zeros((), cb.GATHERED)
             accepted = cb.gather_pair(ray, beams, 0.0, 4.0, FOG, KERNEL, None, gathered)
             self.assertEqual(accepted.sum(), expected["pairs"])
-            self.assertTrue(cb.filter_beams(ray, beams, KERNEL.ceiling)[accepted].all())
+            self.assertTrue(cb.filter_beams(ray, beams, KERNEL.max_radius)[accepted].all())
             # The same numbers, added in another order.
             np.testing.assert_allclose(gathered["radiance"], expected["radiance"], rtol=1e-5)
 
@@ -350,7 +350,7 @@ class Arrays(unittest.TestCase):
         other.add(beams[::3].copy())
         rays, out = np.repeat(eye_rays(32), 2), np.zeros((32, 2), cb.GATHERED)
         for m in (one, other):
-            m.commit(KERNEL.ceiling)
+            m.commit(KERNEL.max_radius)
         grid = resolved()
         one.gather(KERNEL, grid, rays[::2], out=out[:, 1])
         expected = other.gather(KERNEL, grid, rays[::2].copy())

@@ -272,7 +272,7 @@ int main(int argc, char **argv) {
         check(same_cells(grid, other), "another number of threads collects other bits");
         covbeam_grid_free(other);
     }
-    ok(covbeam_beam_map_commit(map, kernel.ceiling, NULL, NULL));
+    ok(covbeam_beam_map_commit(map, kernel.max_radius, NULL, NULL));
     for (int i = 0; i < RAYS; i++) {
         covbeam_beam beam;
         beam_at(&state, &beam);

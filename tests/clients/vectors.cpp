@@ -389,7 +389,7 @@ void Client::phases_spectra_kernels() {
         cb::Schedule s(0, 0, 0, 0, 0);
         in.into(&s.shape, 5);
         const cb::Kernel k = s.kernel(in.u());
-        out << k.shape << k.progressive << k.ceiling << k.error;
+        out << k.shape << k.min_radius << k.max_radius << k.error;
     };
 }
 

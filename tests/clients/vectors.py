@@ -199,7 +199,7 @@ class Script:
 
     def schedule_kernel(self, words, numbers):
         k = cb.Schedule(int(words[0]), *numbers[1:5]).kernel(int(words[5]))
-        return flat((np.uint32(k.shape), np.float32(k.progressive), np.float32(k.ceiling), np.float32(k.error)))
+        return flat((np.uint32(k.shape), np.float32(k.min_radius), np.float32(k.max_radius), np.float32(k.error)))
 
     def medium_step(self, words, _):
         return flat(np.float32(medium_of(words, self).step()))

@@ -47,8 +47,8 @@ AT(segment, unscattered, 20); AT(segment, field, 24); AT(segment, knots, 88); AT
 SIZE(derivatives, 36); AT(derivatives, gradient, 0); AT(derivatives, hessian, 12);
 SIZE(column, 32); AT(column, kind, 0); AT(column, density, 4); AT(column, rate, 8); AT(column, knots, 16);
 AT(column, knot_count, 24);
-SIZE(kernel, 20); AT(kernel, struct_size, 0); AT(kernel, shape, 4); AT(kernel, progressive, 8);
-AT(kernel, ceiling, 12); AT(kernel, error, 16);
+SIZE(kernel, 20); AT(kernel, struct_size, 0); AT(kernel, shape, 4); AT(kernel, min_radius, 8);
+AT(kernel, max_radius, 12); AT(kernel, error, 16);
 SIZE(schedule, 24); AT(schedule, struct_size, 0); AT(schedule, shape, 4); AT(schedule, radius, 8);
 AT(schedule, alpha, 12); AT(schedule, max_radius, 16); AT(schedule, error, 20);
 SIZE(pixel_step, 24); AT(pixel_step, origin, 0); AT(pixel_step, direction, 12);
@@ -149,7 +149,7 @@ const cb::Kernel KERNEL(COVBEAM_KERNEL_EPANECHNIKOV, 0.02f, 0.1f, 0.01f);
 cb::BeamMap committed(size_t count, const cb::Medium& medium) {
     cb::BeamMap map(medium);
     map.add(beams(count));
-    map.commit(KERNEL.ceiling);
+    map.commit(KERNEL.max_radius);
     return map;
 }
 bool same(const std::vector<covbeam_gathered>& a, const std::vector<covbeam_gathered>& b) {
@@ -230,10 +230,10 @@ void a_cancelled_call_changes_nothing_and_can_be_made_again() {
     map.add(beams(100000));
     int asked = 0;
     const auto no = [&] { return ++asked < 3; };
-    expect(throws<cb::Cancelled>(COVBEAM_CANCELLED, "", [&] { map.commit(KERNEL.ceiling, no); }),
+    expect(throws<cb::Cancelled>(COVBEAM_CANCELLED, "", [&] { map.commit(KERNEL.max_radius, no); }),
            "commit stops when the poll says so");
     expect(asked == 3, "and asks no more");
-    map.commit(KERNEL.ceiling, [&] { return true; });
+    map.commit(KERNEL.max_radius, [&] { return true; });
     expect(map.count() == 100000 && map.memory() > 100000 * sizeof(covbeam_beam), "the beams are all there");
 
     const std::vector<covbeam_eye_ray> eyes = rays(512);
@@ -259,11 +259,11 @@ void an_exception_of_a_callback_comes_out_of_the_call() {
     map.add(beams(20000));
     int caught = 0;
     try {
-        map.commit(KERNEL.ceiling, []() -> bool { throw Own{1}; });
+        map.commit(KERNEL.max_radius, []() -> bool { throw Own{1}; });
     } catch (const Own& own) {
         caught += own.number;
     }
-    map.commit(KERNEL.ceiling);
+    map.commit(KERNEL.max_radius);
     const std::vector<covbeam_eye_ray> eyes = rays(64);
     std::vector<covbeam_gathered> out(64);
     cb::Scratch scratch;
@@ -317,7 +317,7 @@ void batches_of_beams_and_threads_of_rays_do_not_change_a_bit() {
         cb::BeamMap map(fog);
         for (size_t first = 0; first < all.size(); first += batch)
             map.add(cb::Beams(&all[first], std::min(batch, all.size() - first)));
-        map.commit(KERNEL.ceiling);
+        map.commit(KERNEL.max_radius);
         for (const size_t threads : {size_t(1), size_t(2), size_t(8)}) {
             std::vector<covbeam_gathered> out(eyes.size());
             std::vector<std::thread> workers;
@@ -369,7 +369,7 @@ void a_table_of_columns_is_what_the_medium_says() {
     expect(cb::gather_pair(eye, beam, 0, 4, smoke, &column, &along_beam, KERNEL, nullptr, pair), "the pair meets");
     cb::BeamMap map(smoke);
     map.add({&beam, 1});
-    map.commit(KERNEL.ceiling);
+    map.commit(KERNEL.max_radius);
     cb::Scratch scratch;
     map.gather(KERNEL, nullptr, {&eye, 1}, from_map, scratch);
     expect(pair.pairs == 1 && std::memcmp(&pair, from_map, sizeof pair) == 0,

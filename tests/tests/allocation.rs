@@ -7,7 +7,7 @@ use covbeam::{
     Attenuation, Beam, BeamBlock, Column, CovarianceGrid, Curvature, Density, DensityGrid,
     ExponentialDensity, EyeRay, FILM_TILE_PIXELS, FilmFilterNode, FilmFilters, FilmLattice, FilmNode,
     FilmPixel, FilmSample, FilmSums, FilmUnit, FluenceCell, FluenceGrid, FluenceSpectrum, Gathered, GridCell,
-    GridError, GridLayout, ImageFilter, ImageSpectrum, Kernel, KernelRadius, Knot, LightField, March,
+    GridError, GridLayout, ImageFilter, ImageSpectrum, Kernel, KernelShape, Knot, LightField, March,
     MarchCell, MarchKnot, MarchSample, Medium, Passage, PhaseFunction, PhaseKind, PixelStep, Reconstruction,
     Vec2, Vec3, cross, error_bound, film_regions, gather_pair, pixel_threshold, progressive_radius,
     standard_errors, verify_filters,
@@ -104,7 +104,7 @@ fn media_and_kernels_do_not_allocate() {
             black_box((phase.evaluate(0.3), phase.sample_cosine(0.7), phase.angular_variance()));
             black_box(phase.sample(Vec3::Y, Vec2::new(0.3, 0.7).to_array()));
         }
-        for kernel in [Kernel::Box, Kernel::Epanechnikov, Kernel::Biweight] {
+        for kernel in [KernelShape::Box, KernelShape::Epanechnikov, KernelShape::Biweight] {
             black_box((
                 kernel.evaluate(0.1, 0.3),
                 kernel.second_moment(),
@@ -160,13 +160,13 @@ fn the_gather_does_not_allocate() {
         let ray = EyeRay { origin: Vec3::new(0.0, 0.01, -1.0), direction: Vec3::Z, length: f32::INFINITY };
         let medium = Medium { scattering: Vec3::splat(0.3), ..Medium::default() };
         let grid = FluenceGrid::new(LAYOUT, &means).ok();
-        let radius = KernelRadius { kernel: Kernel::Box, progressive: 0.02, ceiling: 0.1, error: 0.01, grid };
-        black_box((cross(&ray, &beam), radius.at(Vec3::ZERO, Vec3::X)));
-        gather_pair(&ray, &beam, 0.0, beam.length, &Passage::homogeneous(&medium), &radius, &mut gathered);
+        let kernel = Kernel { shape: KernelShape::Box, min_radius: 0.02, max_radius: 0.1, error: 0.01, grid };
+        black_box((cross(&ray, &beam), kernel.radius_at(Vec3::ZERO, Vec3::X)));
+        gather_pair(&ray, &beam, 0.0, beam.length, &Passage::homogeneous(&medium), &kernel, &mut gathered);
         let mut block = BeamBlock::EMPTY;
         block.set(0, &beam, 0.0, beam.length);
         block.clear_from(1);
-        hits = block.test(&ray, radius.ceiling);
+        hits = block.test(&ray, kernel.max_radius);
     });
     assert_eq!((count, gathered.pairs, hits), (0, 1, 1));
 }

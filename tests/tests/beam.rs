@@ -1,7 +1,7 @@
 //! Beams against the naive twin: every pair tested, in double precision.
 
 use covbeam::{
-    BLOCK, Beam, BeamBlock, BeamMap, Density, EyeRay, GatherScratch, Gathered, Kernel, KernelRadius, Medium,
+    BLOCK, Beam, BeamBlock, BeamMap, Density, EyeRay, GatherScratch, Gathered, Kernel, KernelShape, Medium,
     Passage, PhaseFunction, Vec3, cross, gather_pair,
 };
 use covbeam_render::random::Random;
@@ -27,11 +27,11 @@ const FOG: Medium = Medium {
     phase: PhaseFunction::ISOTROPIC,
 };
 
-fn plain(radius: f32) -> KernelRadius<'static> {
-    KernelRadius {
-        kernel: Kernel::Epanechnikov,
-        progressive: radius,
-        ceiling: radius,
+fn plain(radius: f32) -> Kernel<'static> {
+    Kernel {
+        shape: KernelShape::Epanechnikov,
+        min_radius: radius,
+        max_radius: radius,
         error: 0.01,
         grid: None,
     }

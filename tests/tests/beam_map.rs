@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use covbeam::{
     Beam, BeamMap, Column, Contact, Density, DensityGrid, ExponentialDensity, EyeRay, GatherScratch,
-    Gathered, GridLayout, Kernel, KernelRadius, Knot, MAX_BEAMS, Medium, Passage, PhaseFunction, PhaseKind,
+    Gathered, GridLayout, Kernel, KernelShape, Knot, MAX_BEAMS, Medium, Passage, PhaseFunction, PhaseKind,
     Stop, Vec3, gather_pair,
 };
 use covbeam_tests::random::Stream;
@@ -18,11 +18,11 @@ const FOG: Medium = Medium {
 const AIR: Density<'static> =
     Density::Exponential(ExponentialDensity { origin: Vec3::ZERO, up: Vec3::Y, scale_height: 2.0 });
 
-fn plain(radius: f32) -> KernelRadius<'static> {
-    KernelRadius {
-        kernel: Kernel::Epanechnikov,
-        progressive: radius,
-        ceiling: radius,
+fn plain(radius: f32) -> Kernel<'static> {
+    Kernel {
+        shape: KernelShape::Epanechnikov,
+        min_radius: radius,
+        max_radius: radius,
         error: 0.01,
         grid: None,
     }
@@ -72,19 +72,19 @@ fn rays(count: usize) -> Vec<EyeRay> {
         .collect()
 }
 
-fn gather(map: &BeamMap, rays: &[EyeRay], density: &Density, radius: &KernelRadius) -> Vec<Gathered> {
+fn gather(map: &BeamMap, rays: &[EyeRay], density: &Density, kernel: &Kernel) -> Vec<Gathered> {
     let mut gathered = vec![Gathered::default(); rays.len()];
-    map.gather(rays, &FOG, density, radius, &mut gathered, &mut GatherScratch::default());
+    map.gather(rays, &FOG, density, kernel, &mut gathered, &mut GatherScratch::default());
     gathered
 }
 
 /// Each ray against each beam.
-fn naive(beams: &[Beam], rays: &[EyeRay], radius: &KernelRadius) -> Vec<Gathered> {
+fn naive(beams: &[Beam], rays: &[EyeRay], kernel: &Kernel) -> Vec<Gathered> {
     let mut gathered = vec![Gathered::default(); rays.len()];
     let passage = Passage::homogeneous(&FOG);
     for (ray, gathered) in rays.iter().zip(&mut gathered) {
         for beam in beams {
-            gather_pair(ray, beam, 0.0, beam.length, &passage, radius, gathered);
+            gather_pair(ray, beam, 0.0, beam.length, &passage, kernel, gathered);
         }
     }
     gathered
@@ -121,13 +121,13 @@ fn a_map_built_for_wide_kernels_gathers_with_narrow_ones_what_every_beam_does() 
     let beams = random_beams(60_000);
     let rays = rays(300);
     let [wide, narrow] =
-        [0.5, 0.02].map(|ceiling| BeamMap::build(beams.clone(), ceiling, &FOG, &Density::Uniform));
+        [0.5, 0.02].map(|max_radius| BeamMap::build(beams.clone(), max_radius, &FOG, &Density::Uniform));
     let found = gather(&wide, &rays, &Density::Uniform, &plain(0.02));
     assert!(found.iter().map(|g| g.pairs).sum::<u32>() > 1000);
     // Up to 500 terms in another order.
     assert_same(&found, &naive(&beams, &rays, &plain(0.02)), 1e-5);
-    // A ceiling above the map's is cut to it.
-    let cut = gather(&narrow, &rays, &Density::Uniform, &KernelRadius { ceiling: 0.5, ..plain(0.02) });
+    // A max_radius above the map's is cut to it.
+    let cut = gather(&narrow, &rays, &Density::Uniform, &Kernel { max_radius: 0.5, ..plain(0.02) });
     assert_same(&cut, &found, 1e-5);
 }
 
@@ -191,7 +191,7 @@ fn a_map_of_beams_on_one_spot_is_built_and_gathers_what_every_beam_does() {
 fn a_map_gives_back_what_it_was_built_from() {
     let beams = random_beams(2000);
     let map = BeamMap::build(beams.clone(), 0.125, &FOG, &Density::Uniform);
-    assert_eq!((map.ceiling(), map.beams()), (0.125, &beams[..]));
+    assert_eq!((map.max_radius(), map.beams()), (0.125, &beams[..]));
     assert_eq!(map.into_beams(), beams);
 }
 

@@ -2,7 +2,7 @@
 
 use covbeam::{
     Beam, BeamMap, Contact, Density, DensityGrid, ExponentialDensity, EyeRay, FluenceCell, FluenceGrid,
-    FluenceSpectrum, GatherScratch, Gathered, GridLayout, Kernel, KernelRadius, Knot, Medium, Passage,
+    FluenceSpectrum, GatherScratch, Gathered, GridLayout, Kernel, KernelShape, Knot, Medium, Passage,
     PhaseFunction, PhaseKind, Vec3, gather_pair,
 };
 use covbeam_tests::random::Stream;
@@ -10,7 +10,7 @@ use covbeam_tests::random::Stream;
 /// What maps are built for.
 const CEILING: f32 = 0.3;
 
-const KERNELS: [Kernel; 3] = [Kernel::Box, Kernel::Epanechnikov, Kernel::Biweight];
+const KERNELS: [KernelShape; 3] = [KernelShape::Box, KernelShape::Epanechnikov, KernelShape::Biweight];
 
 const PHASES: [PhaseFunction; 4] = [
     PhaseFunction::ISOTROPIC,
@@ -122,14 +122,14 @@ fn billows() -> (GridLayout, Vec<f32>) {
     (layout, (0..layout.cell_count()).map(value).collect())
 }
 
-fn plain(kernel: Kernel) -> KernelRadius<'static> {
-    KernelRadius { kernel, progressive: CEILING, ceiling: CEILING, error: 0.01, grid: None }
+fn plain(kernel: KernelShape) -> Kernel<'static> {
+    Kernel { shape: kernel, min_radius: CEILING, max_radius: CEILING, error: 0.01, grid: None }
 }
 
 /// The plain radius, and one for each grid.
-fn radii<'a>(kernel: Kernel, grids: &'a [(GridLayout, Vec<FluenceCell>)]) -> Vec<KernelRadius<'a>> {
-    let adaptive = |(layout, cells): &'a (GridLayout, Vec<FluenceCell>)| KernelRadius {
-        progressive: 0.02,
+fn radii<'a>(kernel: KernelShape, grids: &'a [(GridLayout, Vec<FluenceCell>)]) -> Vec<Kernel<'a>> {
+    let adaptive = |(layout, cells): &'a (GridLayout, Vec<FluenceCell>)| Kernel {
+        min_radius: 0.02,
         grid: Some(FluenceGrid::new(*layout, cells).unwrap()),
         ..plain(kernel)
     };
@@ -152,7 +152,7 @@ fn defined(
     beam: &Beam,
     medium: &Medium,
     density: &Density,
-    radius: &KernelRadius,
+    kernel: &Kernel,
     gathered: &mut Gathered,
 ) {
     let ray_knots = knots(density, medium, ray.origin, ray.direction, ray.length);
@@ -163,7 +163,7 @@ fn defined(
         ray: density.column(ray.origin, ray.direction, &ray_knots),
         beam: density.column(beam.origin, beam.direction, &beam_knots),
     };
-    gather_pair(ray, beam, 0.0, beam.length, &passage, radius, gathered);
+    gather_pair(ray, beam, 0.0, beam.length, &passage, kernel, gathered);
 }
 
 /// What each ray gathers in a call of its own.
@@ -172,11 +172,11 @@ fn one_by_one(
     rays: &[EyeRay],
     medium: &Medium,
     density: &Density,
-    radius: &KernelRadius,
+    kernel: &Kernel,
 ) -> Vec<Gathered> {
     let (mut gathered, mut scratch) = (vec![Gathered::default(); rays.len()], GatherScratch::default());
     for (ray, gathered) in rays.chunks(1).zip(gathered.chunks_mut(1)) {
-        map.gather(ray, medium, density, radius, gathered, &mut scratch);
+        map.gather(ray, medium, density, kernel, gathered, &mut scratch);
     }
     gathered
 }
@@ -186,10 +186,10 @@ fn together(
     rays: &[EyeRay],
     medium: &Medium,
     density: &Density,
-    radius: &KernelRadius,
+    kernel: &Kernel,
 ) -> Vec<Gathered> {
     let mut gathered = vec![Gathered::default(); rays.len()];
-    map.gather(rays, medium, density, radius, &mut gathered, &mut GatherScratch::default());
+    map.gather(rays, medium, density, kernel, &mut gathered, &mut GatherScratch::default());
     gathered
 }
 
@@ -217,7 +217,7 @@ fn check_pairs(density: &Density, seed: u64, beam_count: usize) -> [u32; 2] {
                 {
                     let about = || {
                         let crossing = covbeam::cross(ray, &beam);
-                        format!("beam {case} {beam:?}\n{ray:?}\n{crossing:?}\n{medium:?} {:?}", radius.kernel)
+                        format!("beam {case} {beam:?}\n{ray:?}\n{crossing:?}\n{medium:?} {:?}", radius.shape)
                     };
                     assert_eq!(bits(alone), bits(wanted), "alone: {alone:?} for {wanted:?}\n{}", about());
                     assert_eq!(
@@ -305,7 +305,7 @@ fn a_ray_that_meets_its_first_beam_long_after_its_neighbour_has_its_own_column()
     let (layout, values) = billows();
     let density = Density::Grid(DensityGrid::new(layout, &values).unwrap());
     let medium = media().next().unwrap();
-    let radius = KernelRadius { progressive: 0.05, ceiling: 0.05, ..plain(Kernel::Epanechnikov) };
+    let kernel = Kernel { min_radius: 0.05, max_radius: 0.05, ..plain(KernelShape::Epanechnikov) };
     let ray = |z: f32| EyeRay { origin: Vec3::new(-3.0, 0.0, z), direction: Vec3::X, length: f32::INFINITY };
     let random = &mut Stream::new(15);
     let beam = |x: f64, z: f64| Beam {
@@ -336,14 +336,14 @@ fn a_ray_that_meets_its_first_beam_long_after_its_neighbour_has_its_own_column()
             true
         };
         let (mut sums, scratch) = (vec![Gathered::default(); rays.len()], &mut GatherScratch::default());
-        assert!(map.gather_contacts(&rays, &radius, &mut sums, scratch, &mut shade, &mut || true));
+        assert!(map.gather_contacts(&rays, &kernel, &mut sums, scratch, &mut shade, &mut || true));
         assert!(met == 1 && before > 5000, "{met} contacts of the first ray, {before} of others before");
 
-        let found = together(&map, &rays, &medium, &density, &radius);
+        let found = together(&map, &rays, &medium, &density, &kernel);
         let mut wanted = Gathered::default();
-        defined(&rays[0], &lonely, &medium, &density, &radius, &mut wanted);
+        defined(&rays[0], &lonely, &medium, &density, &kernel, &mut wanted);
         assert_eq!(bits(&found[0]), bits(&wanted), "{:?} for {wanted:?}", found[0]);
-        assert_eq!(all_bits(&found), all_bits(&one_by_one(&map, &rays, &medium, &density, &radius)));
+        assert_eq!(all_bits(&found), all_bits(&one_by_one(&map, &rays, &medium, &density, &kernel)));
         assert_eq!(found[1].pairs, 25_000);
     }
 }

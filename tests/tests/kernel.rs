@@ -3,14 +3,14 @@
 use std::f64::consts::PI;
 
 use covbeam::{
-    FluenceCell, FluenceGrid, FluenceSpectrum, GridLayout, Kernel, KernelRadius, Vec3, error_bound,
+    FluenceCell, FluenceGrid, FluenceSpectrum, GridLayout, Kernel, KernelShape, Vec3, error_bound,
     progressive_radius,
 };
 
-const KERNELS: [Kernel; 3] = [Kernel::Box, Kernel::Epanechnikov, Kernel::Biweight];
+const KERNELS: [KernelShape; 3] = [KernelShape::Box, KernelShape::Epanechnikov, KernelShape::Biweight];
 
 /// ∫ K_r(d) f(d) dd over the support, midpoint rule.
-fn blurred(kernel: Kernel, radius: f32, f: impl Fn(f64) -> f64) -> f64 {
+fn blurred(kernel: KernelShape, radius: f32, f: impl Fn(f64) -> f64) -> f64 {
     let n = 4000;
     let step = 2.0 * f64::from(radius) / f64::from(n);
     (0..n)
@@ -38,7 +38,7 @@ fn second_moments_are_those_of_the_kernels() {
         let moment = blurred(kernel, 1.0, |d| d * d);
         assert!((moment - f64::from(kernel.second_moment())).abs() < 1e-6, "{kernel:?}: {moment}");
     }
-    assert_eq!(KERNELS.map(Kernel::second_moment), [1.0 / 3.0, 1.0 / 5.0, 1.0 / 7.0]);
+    assert_eq!(KERNELS.map(KernelShape::second_moment), [1.0 / 3.0, 1.0 / 5.0, 1.0 / 7.0]);
 }
 
 #[test]
@@ -63,7 +63,7 @@ fn a_kernel_is_zero_outside_its_support_and_for_nonsense() {
 }
 
 /// Relative loss at the peak of a Gaussian of standard deviation `w` blurred by the kernel.
-fn exact_bias(kernel: Kernel, radius: f32, w: f64) -> f64 {
+fn exact_bias(kernel: KernelShape, radius: f32, w: f64) -> f64 {
     1.0 - blurred(kernel, radius, |d| (-0.5 * (d / w).powi(2)).exp())
 }
 
@@ -149,9 +149,9 @@ fn the_radius_of_a_pair_lies_between_the_progressive_one_and_the_ceiling() {
     // Along x the light is as busy as a Gaussian of 0.1 m, along y all but flat, along z flat.
     let cells = [cell(1.0 / (4.0 * std::f32::consts::PI.powi(2) * 0.01), 1e-9)];
     let grid = FluenceGrid::new(LAYOUT, &cells).unwrap();
-    let at = |progressive: f32, ceiling: f32, grid: Option<FluenceGrid<'_>>, axis: Vec3| {
-        let radius = KernelRadius { kernel: Kernel::Box, progressive, ceiling, error: 0.01, grid };
-        radius.at(Vec3::splat(0.5), axis)
+    let at = |min_radius: f32, max_radius: f32, grid: Option<FluenceGrid<'_>>, axis: Vec3| {
+        let kernel = Kernel { shape: KernelShape::Box, min_radius, max_radius, error: 0.01, grid };
+        kernel.radius_at(Vec3::splat(0.5), axis)
     };
     // r_σ = w sqrt(2 ε / μ₂) = 0.1 sqrt(0.06).
     let (radius, sigma) = at(0.001, 1.0, Some(grid), Vec3::X);
@@ -169,10 +169,10 @@ fn the_radius_of_a_pair_lies_between_the_progressive_one_and_the_ceiling() {
 fn without_data_the_radius_is_the_progressive_one() {
     let cells = [FluenceCell::default()];
     let grid = FluenceGrid::new(LAYOUT, &cells).unwrap();
-    let radius =
-        KernelRadius { kernel: Kernel::Box, progressive: 0.03, ceiling: 0.5, error: 0.01, grid: Some(grid) };
-    assert_eq!(radius.at(Vec3::splat(0.5), Vec3::X), (0.03, 0.0));
-    assert_eq!(radius.at(Vec3::splat(5.0), Vec3::X), (0.03, 0.0));
+    let kernel =
+        Kernel { shape: KernelShape::Box, min_radius: 0.03, max_radius: 0.5, error: 0.01, grid: Some(grid) };
+    assert_eq!(kernel.radius_at(Vec3::splat(0.5), Vec3::X), (0.03, 0.0));
+    assert_eq!(kernel.radius_at(Vec3::splat(5.0), Vec3::X), (0.03, 0.0));
 }
 
 #[test]
@@ -182,10 +182,10 @@ fn beside_a_bright_voxel_the_bias_is_bounded_relative_to_the_dim_one() {
     for dim in [1.0_f32, 0.5, 0.01, 1e-6] {
         let cells = [FluenceCell { spectrum, weight: 1.0 }, FluenceCell { spectrum, weight: dim }];
         let grid = FluenceGrid::new(layout, &cells).unwrap();
-        let radius = KernelRadius {
-            kernel: Kernel::Box,
-            progressive: 1e-6,
-            ceiling: 100.0,
+        let kernel = Kernel {
+            shape: KernelShape::Box,
+            min_radius: 1e-6,
+            max_radius: 100.0,
             error: 0.01,
             grid: Some(grid),
         };
@@ -193,7 +193,7 @@ fn beside_a_bright_voxel_the_bias_is_bounded_relative_to_the_dim_one() {
             let (w, t) = (f64::from(dim), f64::from(share));
             // Arithmetic over harmonic mean of the two weights.
             let contrast = (1.0 - t + t * w) * (1.0 - t + t / w);
-            let sigma = f64::from(radius.at(Vec3::new(0.5 + share, 0.5, 0.5), Vec3::Y).1);
+            let sigma = f64::from(kernel.radius_at(Vec3::new(0.5 + share, 0.5, 0.5), Vec3::Y).1);
             // A dozen f32 roundings.
             assert!((sigma / (3.0 * contrast.sqrt()) - 1.0).abs() < 2e-6, "{dim} {share}: {sigma}");
         }
@@ -201,6 +201,6 @@ fn beside_a_bright_voxel_the_bias_is_bounded_relative_to_the_dim_one() {
     // A voxel without data is no dim one.
     let cells = [FluenceCell { spectrum, weight: 1.0 }, FluenceCell::default()];
     let grid = Some(FluenceGrid::new(layout, &cells).unwrap());
-    let radius = KernelRadius { kernel: Kernel::Box, progressive: 1e-6, ceiling: 100.0, error: 0.01, grid };
-    assert_eq!(radius.at(Vec3::new(1.0, 0.5, 0.5), Vec3::Y).1, 3.0);
+    let kernel = Kernel { shape: KernelShape::Box, min_radius: 1e-6, max_radius: 100.0, error: 0.01, grid };
+    assert_eq!(kernel.radius_at(Vec3::new(1.0, 0.5, 0.5), Vec3::Y).1, 3.0);
 }

@@ -210,7 +210,7 @@ fn a_camera_outside_all_media_still_sees_what_is_inside_glass() {
     assert!(inside != GLASS && inside.contains("\ninside = \"fog\""));
     let mut scene = scene(&inside, 24, 24);
     // Wide enough to be looked up with planned eye rays, as it is without.
-    scene.settings.max_radius = 4.0 * scene.settings.radius;
+    scene.settings.schedule.max_radius = 4.0 * scene.settings.schedule.radius;
     let planned = picture(&scene, true, 2000, 1, 1..=2);
     assert!(planned.radiance[12 * 24 + 12].x > 0.0);
     assert!(planned.maps.is_none(), "there is nothing to plan");

@@ -1,7 +1,7 @@
 //! Rules for the kernel's radius, against estimates that share no code with the renderer: densities from random points, and random lines
 //! that an eye ray crosses.
 
-use covbeam::{Beam, GridLayout, Kernel};
+use covbeam::{Beam, GridLayout, KernelShape};
 use covbeam_render::compare::luminance;
 use covbeam_render::film::{Film, Picture};
 use covbeam_render::fog::Fog;
@@ -16,7 +16,7 @@ use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
 const GLASS: &str = include_str!("../../examples/scenes/glass-ball.toml");
-const KERNELS: [Kernel; 3] = [Kernel::Box, Kernel::Epanechnikov, Kernel::Biweight];
+const KERNELS: [KernelShape; 3] = [KernelShape::Box, KernelShape::Epanechnikov, KernelShape::Biweight];
 const RULES: [RadiusRule; 3] = [RadiusRule::BiasEverywhere, RadiusRule::LeastError, RadiusRule::BeamDensity];
 
 fn scene(width: u32) -> Scene {
@@ -26,7 +26,7 @@ fn scene(width: u32) -> Scene {
 }
 
 /// ∫K_1², by the midpoint rule.
-fn roughness(kernel: Kernel) -> f64 {
+fn roughness(kernel: KernelShape) -> f64 {
     let middles = (0..2000).map(|i| (f64::from(i) + 0.5) / 1000.0 - 1.0);
     middles.map(|q| f64::from(kernel.evaluate(q as f32, 1.0)).powi(2) / 1000.0).sum()
 }
@@ -94,7 +94,7 @@ fn length_per_volume(lines: f64) -> f64 {
 fn light_from_everywhere_is_as_noisy_as_that_many_beams_a_metre() {
     const LENGTH: f64 = 1.0;
     const RADIUS: f64 = 0.1;
-    let kernel = Kernel::Epanechnikov;
+    let kernel = KernelShape::Epanechnikov;
     let mut random = Stream::new(11);
     let [mut first, mut second, mut power, mut square] = [0.0; 4];
     for _ in 0..LINES {

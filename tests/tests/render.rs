@@ -174,7 +174,7 @@ fn the_airlight_of_a_point_light_is_the_closed_form() {
         .replace("albedo = 0.5", "albedo = 0.0");
     let mut scene = scene(&text, 48);
     // The noise allowed below is that of these kernels.
-    (scene.settings.radius, scene.settings.max_radius) = (0.05, 0.1);
+    (scene.settings.schedule.radius, scene.settings.schedule.max_radius) = (0.05, 0.1);
     scene.grid =
         GridLayout { min: Vec3::new(-4.0, -1.5, -6.0), max: Vec3::new(4.0, 4.5, 4.0), cells: [32; 3] };
     let truth = airlight(&scene, Vec3::new(0.0, 2.5, 0.0), 25.0, 0.0002, 0.22);

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use covbeam::{ExponentialDensity, GridLayout, Kernel, PhaseFunction, PhaseKind};
+use covbeam::{ExponentialDensity, GridLayout, KernelShape, PhaseFunction, PhaseKind, Schedule};
 use covbeam_render::scene::{Light, Material, MediumDensity, Scene, Settings, Shape};
 use covbeam_render::scene_file::SceneError;
 use glam::Vec3;
@@ -166,9 +166,12 @@ fn every_field_arrives() {
     assert_eq!(scene.grid.cells, [8, 16, 32]);
     let settings = scene.settings;
     assert_eq!((settings.passes, settings.photons, settings.seed), (3, 1000, 7));
-    assert_eq!((settings.radius, settings.alpha, settings.error), (0.05, 0.6, 0.02));
-    assert_eq!((settings.max_radius, settings.light_field_share), (0.3, 0.2));
-    assert_eq!(settings.kernel, Kernel::Biweight);
+    assert_eq!(
+        (settings.schedule.radius, settings.schedule.alpha, settings.schedule.error),
+        (0.05, 0.6, 0.02)
+    );
+    assert_eq!((settings.schedule.max_radius, settings.light_field_share), (0.3, 0.2));
+    assert_eq!(settings.schedule.shape, KernelShape::Biweight);
 }
 
 /// The figures of scenes G and O, written out again from their specification.
@@ -230,8 +233,11 @@ fn what_a_file_does_not_say_has_a_default() {
     assert_eq!((scene.grid.min, scene.grid.max), (Vec3::splat(-10.0), Vec3::splat(10.0)));
     let settings = scene.settings;
     assert_eq!((settings.passes, settings.photons, settings.seed), (64, 5000, 1));
-    assert_eq!((settings.alpha, settings.error, settings.light_field_share), (0.8, 0.01, 0.1));
-    assert_eq!(settings.kernel, Kernel::Epanechnikov);
+    assert_eq!(
+        (settings.schedule.alpha, settings.schedule.error, settings.light_field_share),
+        (0.8, 0.01, 0.1)
+    );
+    assert_eq!(settings.schedule.shape, KernelShape::Epanechnikov);
 }
 
 /// [`VALID`] without its numbers for the grid and the render.
@@ -253,15 +259,19 @@ fn each_field_overrides_its_default_and_leaves_the_others() {
     let (given, others) = read(corners);
     assert_eq!((given.min, given.max), (min, max));
     // What follows from the light, and not from the box.
-    assert_eq!((others.radius, others.photons), (settings.radius, settings.photons));
+    assert_eq!((others.schedule.radius, others.photons), (settings.schedule.radius, settings.photons));
     assert_eq!(read("[grid]\ncells = [2, 3, 4]\n").0, GridLayout { cells: [2, 3, 4], ..grid });
     assert_eq!(read("[render]\nphotons = 77\n"), (grid, Settings { photons: 77, ..settings }));
-    assert_eq!(read("[render]\nerror = 0.5\n"), (grid, Settings { error: 0.5, ..settings }));
-    assert_eq!(read("[render]\nmax_radius = 3\n"), (grid, Settings { max_radius: 3.0, ..settings }));
+    let with = |schedule| (grid, Settings { schedule, ..settings });
+    assert_eq!(read("[render]\nerror = 0.5\n"), with(Schedule { error: 0.5, ..settings.schedule }));
+    assert_eq!(read("[render]\nmax_radius = 3\n"), with(Schedule { max_radius: 3.0, ..settings.schedule }));
     // As many beams a pixel take fewer paths.
-    let (same, wide) = read(&format!("[render]\nradius = {}\n", 4.0 * settings.radius));
-    assert_eq!((same, wide.radius), (grid, 4.0 * settings.radius));
-    assert!(wide.photons < settings.photons && wide.max_radius == settings.max_radius, "{wide:?}");
+    let (same, wide) = read(&format!("[render]\nradius = {}\n", 4.0 * settings.schedule.radius));
+    assert_eq!((same, wide.schedule.radius), (grid, 4.0 * settings.schedule.radius));
+    assert!(
+        wide.photons < settings.photons && wide.schedule.max_radius == settings.schedule.max_radius,
+        "{wide:?}"
+    );
 }
 
 /// (text in `VALID`, what replaces it, line of the error after that of the text, field, part of what is expected)

@@ -102,15 +102,15 @@ pub(super) struct Bvh {
 }
 
 impl Bvh {
-    /// - `ceiling`: largest radius that it is asked about \[m\].
+    /// - `max_radius`: largest radius that it is asked about \[m\].
     pub(super) fn new(
         beams: &[Beam],
         cut: &Cut,
         codes: &[MortonCode],
-        ceiling: f32,
+        max_radius: f32,
         poll: &mut Poll,
     ) -> Result<Self, Stop> {
-        let reach = ceiling * ROOM;
+        let reach = max_radius * ROOM;
         BinaryBvh::new(beams, cut, codes, reach, poll)?.widen(reach, poll)
     }
 }

@@ -5,7 +5,7 @@ use super::simd::{Floats, Vec3x8, Vectors, exp, load};
 use super::sub_beams::SubBeam;
 use crate::beam::{BLOCK, Beam, BeamBlock, EyeRay, Gathered, PARALLEL_SINE, inside};
 use crate::grid::FluenceGrid;
-use crate::kernel::{Kernel, KernelRadius};
+use crate::kernel::{Kernel, KernelShape};
 use crate::medium::{Medium, PhaseFunction, PhaseKind};
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x8};
 use glam::{Vec3, Vec4};
@@ -100,7 +100,7 @@ impl<'a, S: Simd> Pairs<'a, S> {
         ray: &Ray<S>,
         block: &'a Block,
         beams: &[Beam],
-        radius: &KernelRadius,
+        kernel: &Kernel,
     ) -> Option<Self> {
         let lines = &block.lines;
         let direction = Vec3x8::load(simd, &lines.direction);
@@ -113,7 +113,7 @@ impl<'a, S: Simd> Pairs<'a, S> {
         let along_beam = offset.cross(ray.direction).dot(normal);
 
         // As `BeamBlock::test`: without a division, and wider than what is asked exactly below by more than rounding.
-        let wide = radius.ceiling * ROOM;
+        let wide = kernel.max_radius * ROOM;
         let near = (triple * triple).simd_le(sin2 * (wide * wide));
         let on_ray = along_ray.simd_ge(sin2 * -wide) & along_ray.simd_le(sin2 * (ray.length + wide));
         let on_beam = along_beam.simd_ge((from - wide) * sin2) & along_beam.simd_le((to + wide) * sin2);
@@ -134,13 +134,13 @@ impl<'a, S: Simd> Pairs<'a, S> {
             & sin2.simd_ge(f32x8::splat(simd, PARALLEL_SINE * PARALLEL_SINE))
             & ray_distance.simd_ge(zero)
             & ray_distance.simd_le(f32x8::splat(simd, ray.length))
-            & gap.simd_lt(f32x8::splat(simd, radius.ceiling));
+            & gap.simd_lt(f32x8::splat(simd, kernel.max_radius));
 
-        let (reach, sigma) = match &radius.grid {
-            None => (f32x8::splat(simd, radius.progressive), zero),
+        let (reach, sigma) = match &kernel.grid {
+            None => (f32x8::splat(simd, kernel.min_radius), zero),
             Some(grid) => {
                 let near = near.to_bitmask() as u32;
-                radii(simd, radius, grid, position, normal * inverse_sin, near)
+                radii(simd, kernel, grid, position, normal * inverse_sin, near)
             }
         };
 
@@ -169,38 +169,38 @@ impl<'a, S: Simd> Pairs<'a, S> {
             ray_distance,
             beam_distance,
             cos_theta: -direction.dot(ray.direction),
-            kernel: kernel(simd, radius.kernel, gap, reach) / sin_theta,
+            kernel: evaluate(simd, kernel.shape, gap, reach) / sin_theta,
             radius: reach,
             sigma,
         })
     }
 }
 
-/// [`Kernel::evaluate`] where |distance| < radius, bit for bit.
+/// [`KernelShape::evaluate`] where |distance| < radius, bit for bit.
 #[inline(always)]
-fn kernel<S: Simd>(simd: S, kernel: Kernel, distance: f32x8<S>, radius: f32x8<S>) -> f32x8<S> {
+fn evaluate<S: Simd>(simd: S, shape: KernelShape, distance: f32x8<S>, radius: f32x8<S>) -> f32x8<S> {
     let q = distance / radius;
     let bump = 1.0 - q * q;
-    let shape = match kernel {
-        Kernel::Box => f32x8::splat(simd, 0.5),
-        Kernel::Epanechnikov => bump * 0.75,
-        Kernel::Biweight => bump * 0.9375 * bump,
+    let height = match shape {
+        KernelShape::Box => f32x8::splat(simd, 0.5),
+        KernelShape::Epanechnikov => bump * 0.75,
+        KernelShape::Biweight => bump * 0.9375 * bump,
     };
-    shape / radius
+    height / radius
 }
 
-/// [`KernelRadius::at`] in the lanes of `mask`, bit for bit: radius, and σ along the kernel's axis.
+/// [`Kernel::radius_at`] in the lanes of `mask`, bit for bit: radius, and σ along the kernel's axis.
 #[inline(always)]
 fn radii<S: Simd>(
     simd: S,
-    radius: &KernelRadius,
+    kernel: &Kernel,
     grid: &FluenceGrid,
     position: Vec3x8<S>,
     axis: Vec3x8<S>,
     mask: u32,
 ) -> (f32x8<S>, f32x8<S>) {
     let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
-    let progressive = f32x8::splat(simd, radius.progressive);
+    let min_radius = f32x8::splat(simd, kernel.min_radius);
     let voxels = &grid.voxels;
     let layout = &voxels.layout;
     let (min, max) = (Vec3x8::splat(simd, layout.min), Vec3x8::splat(simd, layout.max));
@@ -212,7 +212,7 @@ fn radii<S: Simd>(
         & position.z.simd_le(max.z);
     let mask = mask & contained.to_bitmask() as u32;
     if mask == 0 {
-        return (progressive, zero);
+        return (min_radius, zero);
     }
     let [scale, last] = [voxels.scale, voxels.last];
     let (bx, hx) = cell(simd, (position.x - min.x) * scale.x - 0.5, last.x);
@@ -274,12 +274,12 @@ fn radii<S: Simd>(
     let dimmest = share_sum / inverse;
     let dimmest = dimmest.simd_lt(flux).select(dimmest, flux);
     let variance = along * (flux / dimmest);
-    let wanted = (f32x8::splat(simd, radius.kernel.error_over_moment(radius.error)) / variance).sqrt();
-    let ceiling = f32x8::splat(simd, radius.ceiling);
-    let wanted = wanted.simd_lt(ceiling).select(wanted, ceiling);
-    let wanted = wanted.simd_gt(progressive).select(wanted, progressive);
+    let wanted = (f32x8::splat(simd, kernel.shape.error_over_moment(kernel.error)) / variance).sqrt();
+    let max_radius = f32x8::splat(simd, kernel.max_radius);
+    let wanted = wanted.simd_lt(max_radius).select(wanted, max_radius);
+    let wanted = wanted.simd_gt(min_radius).select(wanted, min_radius);
     let lit = flux.simd_gt(zero);
-    (lit.select(wanted, progressive), lit.select(variance.sqrt(), zero))
+    (lit.select(wanted, min_radius), lit.select(variance.sqrt(), zero))
 }
 
 /// Of one coordinate in voxels: the lower of the two around it, and the share of the upper one.

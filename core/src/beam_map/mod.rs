@@ -14,7 +14,7 @@ mod sub_beams;
 pub use cancel::Stop;
 
 use crate::beam::{Beam, EyeRay, Gathered};
-use crate::kernel::KernelRadius;
+use crate::kernel::Kernel;
 use crate::medium::{Density, Medium};
 use bvh::{Bvh, WideNode};
 use cancel::Poll;
@@ -45,7 +45,7 @@ pub struct BeamMap {
     beams: Vec<Beam>,
     bvh: Bvh,
     columns: BeamColumns,
-    ceiling: f32,
+    max_radius: f32,
 }
 
 /// Beams that did not become a [`BeamMap`].
@@ -70,7 +70,7 @@ pub struct Contact {
     /// Distance of the position from the start of the eye ray \[m\], in \[0, length\].
     pub ray_distance: f32,
     /// Distance along the beam of its point closest to the eye ray \[m\]: within the beam, or out of it by less than
-    /// `radius` at an end that a surface cuts at a slant.
+    /// the kernel radius at an end that a surface cuts at a slant.
     pub beam_distance: f32,
     /// dot(propagation of the beam's light, propagation of light to the eye): forward is +1. What
     /// [`crate::PhaseFunction::evaluate`] takes; rounding may carry it past ±1.
@@ -99,14 +99,14 @@ impl BeamMap {
     ///
     /// # Panics
     /// If there are more than [`MAX_BEAMS`] beams, or memory cannot be had.
-    pub fn build(beams: Vec<Beam>, ceiling: f32, medium: &Medium, density: &Density) -> Self {
-        match Self::build_while(beams, ceiling, medium, density, &mut || true) {
+    pub fn build(beams: Vec<Beam>, max_radius: f32, medium: &Medium, density: &Density) -> Self {
+        match Self::build_while(beams, max_radius, medium, density, &mut || true) {
             Ok(map) => map,
             Err(unfinished) => panic!("a map of {} beams: {}", unfinished.beams.len(), unfinished.reason),
         }
     }
 
-    /// Builds the hierarchy over `beams`, to be gathered with kernels no wider than `ceiling` \[m\], and the columns along
+    /// Builds the hierarchy over `beams`, to be gathered with kernels no wider than `max_radius` \[m\], and the columns along
     /// them, as long as `go_on` says so.
     ///
     /// - `medium`, `density`: what the beams are in, and will be gathered in.
@@ -119,7 +119,7 @@ impl BeamMap {
     /// Errors: stopped, out of memory, or more than [`MAX_BEAMS`] beams; the beams come back as they were given.
     pub fn build_while(
         beams: Vec<Beam>,
-        ceiling: f32,
+        max_radius: f32,
         medium: &Medium,
         density: &Density,
         go_on: &mut dyn FnMut() -> bool,
@@ -130,12 +130,12 @@ impl BeamMap {
             }
             let mut poll = Poll::new(go_on)?;
             let (cut, codes) = morton_codes(&beams, &mut poll)?;
-            let bvh = Bvh::new(&beams, &cut, &codes, ceiling, &mut poll)?;
+            let bvh = Bvh::new(&beams, &cut, &codes, max_radius, &mut poll)?;
             drop(codes);
             Ok((bvh, BeamColumns::new(&beams, medium, density, &mut poll)?))
         };
         match parts() {
-            Ok((bvh, columns)) => Ok(Self { beams, bvh, columns, ceiling }),
+            Ok((bvh, columns)) => Ok(Self { beams, bvh, columns, max_radius }),
             Err(reason) => Err(Unfinished { beams, reason }),
         }
     }
@@ -146,8 +146,8 @@ impl BeamMap {
     }
 
     /// The kernel radius \[m\] that the map was built for.
-    pub fn ceiling(&self) -> f32 {
-        self.ceiling
+    pub fn max_radius(&self) -> f32 {
+        self.max_radius
     }
 
     /// The beams, all of them and in the order they were given, for their memory to be used again.
@@ -172,11 +172,11 @@ impl BeamMap {
         rays: &[EyeRay],
         medium: &Medium,
         density: &Density,
-        radius: &KernelRadius,
+        kernel: &Kernel,
         gathered: &mut [Gathered],
         scratch: &mut GatherScratch,
     ) {
-        self.gather_while(rays, medium, density, radius, gathered, scratch, &mut || true);
+        self.gather_while(rays, medium, density, kernel, gathered, scratch, &mut || true);
     }
 
     /// Adds to `gathered[i]` what ray `rays[i]` gathers from all beams (see [`crate::gather_pair`]), as long as `go_on` says so.
@@ -186,7 +186,7 @@ impl BeamMap {
     ///   together (the rays of a tile of pixels). Any rays are gathered correctly.
     /// - `medium`, `density`: those given to [`BeamMap::build`]. In a density grid each ray's column is tabulated, to 5e-4
     ///   of the transmittance.
-    /// - `radius`: its `ceiling` must not exceed the one given to [`BeamMap::build`]; a larger one is cut to it, with a smaller one fewer beams are
+    /// - `kernel`: its `max_radius` must not exceed the one given to [`BeamMap::build`]; a larger one is cut to it, with a smaller one fewer beams are
     ///   tested.
     /// - `gathered`: one for each ray. Stopped, it holds part of the sums: to be thrown away.
     /// - `go_on`: asked at the start and about once in a millisecond; false stops. The work between two questions is
@@ -200,7 +200,7 @@ impl BeamMap {
         rays: &[EyeRay],
         medium: &Medium,
         density: &Density,
-        radius: &KernelRadius,
+        kernel: &Kernel,
         gathered: &mut [Gathered],
         scratch: &mut GatherScratch,
         go_on: &mut dyn FnMut() -> bool,
@@ -210,13 +210,13 @@ impl BeamMap {
         tables.clear();
         let mut shade =
             OurMedium { beams: &self.beams, columns: &self.columns, rays, medium, density, gathered, tables };
-        self.search(rays, radius, search, go_on, &mut shade)
+        self.search(rays, kernel, search, go_on, &mut shade)
     }
 
     /// Adds to `gathered[i]` what ray `rays[i]` gathers from all beams in a medium that only the host knows. Returns
     /// whether it came to the end.
     ///
-    /// The pairs, their order and their radii are those of [`BeamMap::gather_while`], as are `rays`, `radius`, `gathered` and
+    /// The pairs, their order and their radii are those of [`BeamMap::gather_while`], as are `rays`, `kernel`, `gathered` and
     /// `go_on`; the medium given to [`BeamMap::build`] plays no part. Each pair adds
     /// `product * beam.power * contact.kernel`; one whose contribution is not finite is skipped.
     ///
@@ -233,7 +233,7 @@ impl BeamMap {
     pub fn gather_contacts(
         &self,
         rays: &[EyeRay],
-        radius: &KernelRadius,
+        kernel: &Kernel,
         gathered: &mut [Gathered],
         scratch: &mut GatherScratch,
         shade: &mut dyn FnMut(&[Contact], &mut [Vec3]) -> bool,
@@ -243,21 +243,21 @@ impl BeamMap {
         let GatherScratch { search, contacts, products, .. } = scratch;
         contacts.clear();
         let mut shade = HostMedium { beams: &self.beams, shade, gathered, contacts, products };
-        self.search(rays, radius, search, go_on, &mut shade)
+        self.search(rays, kernel, search, go_on, &mut shade)
     }
 
     /// Finds all pairs and has them settled, ray after ray within a packet. Returns whether it came to the end.
     fn search(
         &self,
         rays: &[EyeRay],
-        radius: &KernelRadius,
+        kernel: &Kernel,
         search: &mut Search,
         go_on: &mut dyn FnMut() -> bool,
         shade: &mut impl Shade,
     ) -> bool {
-        let radius = KernelRadius { ceiling: radius.ceiling.min(self.ceiling), ..*radius };
+        let kernel = Kernel { max_radius: kernel.max_radius.min(self.max_radius), ..*kernel };
         let found = Poll::new(go_on)
-            .and_then(|mut poll| search.all(&self.beams, &self.bvh, rays, &radius, &mut poll, shade));
+            .and_then(|mut poll| search.all(&self.beams, &self.bvh, rays, &kernel, &mut poll, shade));
         found.is_ok()
     }
 }

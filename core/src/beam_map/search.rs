@@ -7,7 +7,7 @@ use super::eight::{Block, LANES, Pairs, Ray, bits, fill};
 use super::packet::{Packet, ROOM};
 use super::sub_beams::SubBeam;
 use crate::beam::{Beam, BeamBlock, EyeRay};
-use crate::kernel::KernelRadius;
+use crate::kernel::Kernel;
 use core::ops::Range;
 use fearless_simd::{Level, Simd, dispatch};
 use std::vec::Vec;
@@ -46,7 +46,7 @@ struct Query<'a> {
     beams: &'a [Beam],
     bvh: &'a Bvh,
     rays: &'a [EyeRay],
-    radius: &'a KernelRadius<'a>,
+    kernel: &'a Kernel<'a>,
 }
 
 impl Search {
@@ -56,14 +56,14 @@ impl Search {
         beams: &[Beam],
         bvh: &Bvh,
         rays: &[EyeRay],
-        radius: &KernelRadius,
+        kernel: &Kernel,
         poll: &mut Poll,
         shade: &mut impl Shade,
     ) -> Result<(), Stop> {
         if bvh.nodes.is_empty() {
             return Ok(());
         }
-        let query = Query { level: Level::new(), beams, bvh, rays, radius };
+        let query = Query { level: Level::new(), beams, bvh, rays, kernel };
         for first in (0..rays.len()).step_by(PACKET) {
             self.packet(&query, first..(first + PACKET).min(rays.len()), poll, shade)?;
             shade.packet(poll)?;
@@ -102,7 +102,7 @@ impl Search {
     fn collect(&mut self, query: &Query, packet: &Packet, poll: &mut Poll) -> Result<(), Stop> {
         let Self { stack, sub_beams, .. } = self;
         sub_beams.clear();
-        let (bvh, radius) = (query.bvh, query.radius.ceiling);
+        let (bvh, radius) = (query.bvh, query.kernel.max_radius);
         let visits = dispatch!(query.level, simd => walk(simd, bvh, packet, radius, stack, sub_beams, poll))?;
         poll.spend(visits + sub_beams.len(), 20)
     }
@@ -138,7 +138,7 @@ impl Search {
     fn append_touched(&mut self, query: &Query, packet: &Packet, from: Range<usize>) {
         let sub_beams = &mut self.sub_beams;
         sub_beams.reserve(from.len());
-        dispatch!(query.level, simd => append_touched(simd, packet, query.radius.ceiling, sub_beams, from));
+        dispatch!(query.level, simd => append_touched(simd, packet, query.kernel.max_radius, sub_beams, from));
     }
 
     /// Each of a few rays tests each sub-beam from `first` on.
@@ -242,7 +242,7 @@ fn meet<S: Simd>(
         let ray = Ray::new(simd, &query.rays[index]);
         let mut met = 0;
         for block in blocks {
-            if let Some(pairs) = Pairs::new(simd, &ray, block, query.beams, query.radius) {
+            if let Some(pairs) = Pairs::new(simd, &ray, block, query.beams, query.kernel) {
                 met += 1;
                 shade.pairs(simd, index, &pairs, poll)?;
             }

@@ -41,6 +41,10 @@ const SHARP: f64 = (1u64 << 50) as f64;
 /// limit, by 2¹³⁰ in a thousand bounces.
 const UNBOUNDED: f64 = (1u128 << 100) as f64;
 
+/// Angular variance of the emission of a lamp that shines evenly \[cycles²/rad²\]: its light falls off as 1/d², a relative curvature of
+/// 2/d² across its rays, so that 2/(4π²).
+pub const EVEN_LAMP: f32 = (2.0 / (4.0 * PI * PI)) as f32;
+
 /// Square root of the covariance of a local light field's spectrum, with the frame it is expressed in.
 ///
 /// Guarantee of every operator: the covariance stays positive semi-definite (it is L Lᵀ), nothing becomes NaN
@@ -72,8 +76,8 @@ impl LightField {
     /// Spectrum: infinitely wide in space (root 2⁵⁰ cycles/m), `angular_variance` along u and v.
     ///
     /// - `direction`: of propagation, any length; +z is taken if it has none.
-    /// - `angular_variance` \[cycles²/rad²\] >= 0: of the lamp's emission: 2/(4π²) for one that shines evenly, whose light
-    ///   falls off as 1/d² (a relative curvature of 2/d² across its rays); infinity for a single direction; negative or NaN count as 0.
+    /// - `angular_variance` \[cycles²/rad²\] >= 0: of the lamp's emission: [`EVEN_LAMP`] for one that shines evenly; infinity for a single
+    ///   direction; negative or NaN count as 0.
     ///
     /// Source: thesis 5.3.1.
     ///

@@ -12,7 +12,7 @@ from covbeam import light_field
 
 FOG = cb.Medium(scattering=0.2)
 LAYOUT = cb.GridLayout((-2, -2, -2), (2, 2, 2), (8, 8, 8))
-KERNEL = cb.Kernel(cb.KernelShape.EPANECHNIKOV, progressive=0.02, ceiling=0.1, error=0.01)
+KERNEL = cb.Kernel(cb.KernelShape.EPANECHNIKOV, min_radius=0.02, max_radius=0.1, error=0.01)
 
 #: After this long a user wonders whether the program has heard [s].
 PATIENCE = 0.2
@@ -28,7 +28,7 @@ def lamp_map(count=2000):
     beams["direction"], beams["length"], beams["power"] = directions(count), 4, 1 / count
     beam_map = cb.BeamMap(FOG)
     beam_map.add(beams)
-    beam_map.commit(KERNEL.ceiling)
+    beam_map.commit(KERNEL.max_radius)
     return beam_map
 
 
@@ -159,12 +159,12 @@ class Threads(unittest.TestCase):
 class Cancel(unittest.TestCase):
     def test_a_gather_stops_soon_after_it_is_told_to_and_can_be_used_again(self):
         # One task, and thousands: one alone must stop, too. Every ray meets most beams: seconds of work.
-        wide = cb.Kernel(cb.KernelShape.BOX, progressive=1.0, ceiling=1.0, error=0.01)
+        wide = cb.Kernel(cb.KernelShape.BOX, min_radius=1.0, max_radius=1.0, error=0.01)
         beams = np.zeros(200_000, cb.BEAM)
         beams["direction"], beams["length"], beams["power"] = directions(len(beams)), 4, 1
         beam_map = cb.BeamMap(FOG)
         beam_map.add(beams)
-        beam_map.commit(wide.ceiling)
+        beam_map.commit(wide.max_radius)
         eyes, gather = eye_rays(20_000), rays.Gather()
         for starts in (np.array([0, len(eyes)]), np.arange(0, len(eyes) + 1, 16)):
             poll = Stop()
@@ -277,7 +277,7 @@ class Errors(unittest.TestCase):
         self.assertIs(gather.gather(beam_map, KERNEL, None, eyes, [0, 10], out=out), out)
 
     def test_one_gatherer_does_one_thing_at_a_time(self):
-        wide = cb.Kernel(cb.KernelShape.BOX, progressive=1.0, ceiling=1.0, error=0.01)
+        wide = cb.Kernel(cb.KernelShape.BOX, min_radius=1.0, max_radius=1.0, error=0.01)
         beams = np.zeros(100_000, cb.BEAM)
         beams["direction"], beams["length"], beams["power"] = directions(len(beams)), 4, 1
         beam_map = cb.BeamMap(FOG)

@@ -7,7 +7,7 @@
 use crate::mesh::MAX_COORDINATE;
 use crate::scene::{Scene, Settings};
 use crate::survey::Survey;
-use covbeam::{GridLayout, Kernel};
+use covbeam::{GridLayout, KernelShape, Schedule};
 use glam::Vec3;
 
 /// Voxels of the grid. Few and wide: beside a shadow the dimmest voxel around bounds what a kernel may leak, and it must be seen from afar.
@@ -103,12 +103,14 @@ pub(crate) fn settings() -> Settings {
         passes: 64,
         photons: 5000,
         seed: 1,
-        radius: 1.0,
-        alpha: ALPHA,
-        error: 0.01,
-        max_radius: 1.0,
+        schedule: Schedule {
+            shape: KernelShape::Epanechnikov,
+            radius: 1.0,
+            alpha: ALPHA,
+            max_radius: 1.0,
+            error: 0.01,
+        },
         light_field_share: 0.1,
-        kernel: Kernel::Epanechnikov,
     }
 }
 
@@ -163,9 +165,9 @@ mod tests {
             let scaled = fog(scale, Vec3::ZERO, true);
             assert_eq!((scaled.grid.min, scaled.grid.max), (scale * unit.grid.min, scale * unit.grid.max));
             assert_eq!(scaled.grid.cells, unit.grid.cells);
-            let Settings { radius, max_radius, .. } = unit.settings;
-            let expected =
-                Settings { radius: scale * radius, max_radius: scale * max_radius, ..unit.settings };
+            let mut expected = unit.settings;
+            expected.schedule.radius *= scale;
+            expected.schedule.max_radius *= scale;
             assert_eq!(scaled.settings, expected);
         }
     }
@@ -183,7 +185,7 @@ mod tests {
         }
         // Of 2048 paths and 576 eye rays few differ; photons are given to two digits.
         let ratio = |of: fn(&Settings) -> f64| of(&moved.settings) / of(&still.settings);
-        assert!((ratio(|settings| settings.radius.into()) - 1.0).abs() < 0.01);
+        assert!((ratio(|settings| settings.schedule.radius.into()) - 1.0).abs() < 0.01);
         assert!((ratio(|settings| settings.photons.into()) - 1.0).abs() < 0.05);
     }
 
@@ -256,8 +258,11 @@ mod tests {
                 let Scene { grid, settings, .. } = scene(&text);
                 let voxel = (grid.max - grid.min) / Vec3::from(grid.cells.map(|n| n as f32));
                 assert!(grid.min.is_finite() && voxel.min_element() > 0.0, "{text}: {grid:?}");
-                assert!(settings.radius > 0.0 && settings.radius.is_finite(), "{text}: {settings:?}");
-                assert!(settings.max_radius > 0.0, "{text}: {settings:?}");
+                assert!(
+                    settings.schedule.radius > 0.0 && settings.schedule.radius.is_finite(),
+                    "{text}: {settings:?}"
+                );
+                assert!(settings.schedule.max_radius > 0.0, "{text}: {settings:?}");
                 assert!((1000..=10_000).contains(&settings.photons), "{text}: {settings:?}");
             }
         }

@@ -2,15 +2,9 @@
 
 use crate::random::{PathSampler, Random};
 use crate::scene::Light;
-use covbeam::LightField;
+use covbeam::{EVEN_LAMP, LightField};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
-
-/// Angular variance of an isotropic point light's field \[cycles²/rad²\].
-///
-/// The fluence of a point light falls as 1/d²: a relative curvature of 2/d² across the ray, which a slice of
-/// `variance / d²` reproduces with variance = 2/(4π²).
-pub const POINT_ANGULAR_VARIANCE: f32 = 2.0 / (4.0 * PI * PI);
 
 /// Angular variance of a diffuse emitter: the relative curvature of cos θ/d² across the ray is 3/d², in the plane of the
 /// normal and across it alike.
@@ -42,7 +36,7 @@ fn spot_falloff(cos_theta: f32, inner: f32, outer: f32) -> f32 {
 /// inflection the gradient speaks.
 fn spot_angular_variance(theta: f32, inner: f32, outer: f32) -> [f32; 2] {
     if theta <= inner || theta >= outer {
-        return [POINT_ANGULAR_VARIANCE; 2];
+        return [EVEN_LAMP; 2];
     }
     let width = outer - inner;
     let q = (outer - theta) / width;
@@ -109,7 +103,7 @@ impl Light {
     /// The light field around a photon that [`Light::emit`] drew.
     pub fn light_field(&self, photon: &EmittedPhoton) -> LightField {
         match *self {
-            Light::Point { .. } => LightField::point(photon.direction, POINT_ANGULAR_VARIANCE),
+            Light::Point { .. } => LightField::point(photon.direction, EVEN_LAMP),
             Light::Spot { direction: axis, inner_angle, outer_angle, .. } => {
                 let theta = photon.direction.angle_between(axis);
                 let variance = spot_angular_variance(theta, inner_angle, outer_angle);

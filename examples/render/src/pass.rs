@@ -14,8 +14,7 @@ use crate::scene::Scene;
 use crate::surface::SurfaceMap;
 use crate::view::{View, pixel_offset};
 use covbeam::{
-    Beam, BeamMap, CovarianceGrid, FluenceCell, FluenceGrid, GridCell, ImageSpectrum, KernelRadius,
-    error_bound, progressive_radius,
+    Beam, BeamMap, CovarianceGrid, FluenceCell, FluenceGrid, GridCell, ImageSpectrum, error_bound,
 };
 use glam::Vec3;
 use rayon::prelude::*;
@@ -293,7 +292,7 @@ impl<'a> Renderer<'a> {
         let Some(mut radii) = self.radii.take() else { return Some(()) };
         let counted = self.count_beams(index, record, &mut radii.beams, cancelled);
         let settings = &self.scene.settings;
-        radii.resolve(&self.resolved, settings.kernel, settings.error);
+        radii.resolve(&self.resolved, settings.schedule.shape, settings.schedule.error);
         self.radii = Some(radii);
         counted
     }
@@ -380,23 +379,20 @@ impl<'a> Renderer<'a> {
         }
         times.grid = start.elapsed().as_secs_f64();
         self.energy = record.energy;
-        let error = error_bound(settings.error, index);
+        let mut kernel = settings.schedule.kernel(index, None);
         let start = Instant::now();
-        let plan = if has_spectra { self.plan(index, error, self.photons) } else { None };
+        let plan = if has_spectra { self.plan(index, kernel.error, self.photons) } else { None };
         times.plan = start.elapsed().as_secs_f64();
 
         let layout = self.scene.grid;
         let lookup = |cells| FluenceGrid::new(layout, cells).expect(FITS);
-        let progressive = progressive_radius(settings.radius, settings.alpha, index);
-        let wide_enough = settings.max_radius > WORTH_LOOKING_UP * progressive;
+        let wide_enough = kernel.max_radius > WORTH_LOOKING_UP * kernel.min_radius;
         let widens = adaptive && (wide_enough || self.surfaces.is_none() || self.radii.is_some());
-        let radius = KernelRadius {
-            kernel: settings.kernel,
-            progressive,
-            ceiling: if widens { settings.max_radius.max(progressive) } else { progressive },
-            error,
-            grid: widens.then(|| lookup(self.radii.as_ref().map_or(&self.resolved, |radii| &radii.cells))),
-        };
+        if widens {
+            kernel.grid = Some(lookup(self.radii.as_ref().map_or(&self.resolved, |radii| &radii.cells)));
+        } else {
+            kernel.max_radius = kernel.min_radius;
+        }
         let start = Instant::now();
         let mut by_medium = vec![Vec::new(); self.scene.media.len()];
         for (medium, beam) in record.beams.drain(..) {
@@ -405,12 +401,12 @@ impl<'a> Renderer<'a> {
         let build = |beams: Vec<Vec<Beam>>| -> Vec<BeamMap> {
             let beams = beams.into_iter().zip(&self.fogs);
             beams
-                .map(|(beams, fog)| BeamMap::build(beams, radius.ceiling, fog.medium, &fog.density))
+                .map(|(beams, fog)| BeamMap::build(beams, kernel.max_radius, fog.medium, &fog.density))
                 .collect()
         };
         // A photon's disk shrinks in area as a beam's kernel shrinks in width: r² ~ 1D schedule.
-        let shrink = (progressive / settings.radius).sqrt();
-        let radius_on_surfaces = settings.radius * shrink;
+        let shrink = (kernel.min_radius / settings.schedule.radius).sqrt();
+        let radius_on_surfaces = settings.schedule.radius * shrink;
         let photons = std::mem::take(&mut record.surface);
         times.build = start.elapsed().as_secs_f64();
         let ((maps, of_beams), (surfaces, of_photons)) = rayon::join(
@@ -430,7 +426,7 @@ impl<'a> Renderer<'a> {
             fogs: &self.fogs,
             tracer,
             maps: &maps,
-            radius: &radius,
+            kernel: &kernel,
             seed: self.seed,
             pass: index,
             plan,
@@ -468,7 +464,7 @@ impl<'a> Renderer<'a> {
         let scene = self.scene;
         let key = [self.seed, index];
         let start = Instant::now();
-        let error = error_bound(scene.settings.error, index);
+        let error = error_bound(scene.settings.schedule.error, index);
         let plan = if adaptive { self.plan(index, error, 0) } else { None };
         let guide = adaptive.then(|| {
             let grid = FluenceGrid::new(scene.grid, &self.resolved).expect(FITS);

@@ -1,6 +1,6 @@
 //! What kernel radii are taken from: the thesis' bound on the bias, and its rivals, which count beams.
 //!
-//! **Least error.** A radius r costs a relative bias of a r² σ², a = 2π² μ₂ (as [`Kernel::radius_from_error`] has it), and a relative
+//! **Least error.** A radius r costs a relative bias of a r² σ², a = 2π² μ₂ (as [`KernelShape::radius_from_error`] has it), and a relative
 //! variance. Beams of density ν (length per volume) at an angle θ cross a strip of length l along an eye ray and width w in ν l w sin θ places;
 //! each adds K_r(d)/sin θ. So over one pass the variance is R/(m r), with R = ∫K_1² and m = ν l/⟨1/sin θ⟩ = (2/π) ν l beams a
 //! metre where light comes from everywhere. The least sum of squared bias and variance is at r⁵ = R/(4 a² σ⁴ m).
@@ -12,12 +12,12 @@
 //! **Beam density.** A ball of radius r is crossed by π r² ν beams: r is such that there are always as many, but for i^(-1/5).
 
 use crate::fog::Fog;
-use covbeam::{Beam, FluenceCell, FluenceSpectrum, GridLayout, Kernel};
+use covbeam::{Beam, FluenceCell, FluenceSpectrum, GridLayout, KernelShape};
 use glam::Vec3;
 use std::f64::consts::PI;
 
 /// What the adaptive method takes the radii of its kernels from. All stay between the scene's radius, which falls with the passes, and its
-/// largest one; all narrow them beside the dark ([`covbeam::KernelRadius::at`]).
+/// largest one; all narrow them beside the dark ([`covbeam::Kernel::radius_at`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RadiusRule {
     /// A bound on the relative bias, from spectra (thesis 5.3.4). Plain kernels where no light field has been.
@@ -50,7 +50,7 @@ const DIMMEST: f64 = 1e-30;
 /// - `beams` m: independent ones, of equal power, a metre along that axis > 0.
 ///
 /// Source: derived, see the module; the classical optimum of a density estimate (E. Parzen 1962) with a curvature of 4π²σ².
-pub fn least_error_radius(kernel: Kernel, variance: f64, beams: f64) -> f64 {
+pub fn least_error_radius(kernel: KernelShape, variance: f64, beams: f64) -> f64 {
     let bias = bias_factor(kernel);
     (roughness(kernel) / (4.0 * bias * bias * variance * variance * beams)).powf(0.2)
 }
@@ -68,16 +68,16 @@ pub fn crowd_radius(density: f64) -> f64 {
 }
 
 /// a: a r² σ² is a kernel's relative bias.
-fn bias_factor(kernel: Kernel) -> f64 {
+fn bias_factor(kernel: KernelShape) -> f64 {
     2.0 * PI * PI * f64::from(kernel.second_moment())
 }
 
 /// R = ∫K_1².
-fn roughness(kernel: Kernel) -> f64 {
+fn roughness(kernel: KernelShape) -> f64 {
     match kernel {
-        Kernel::Box => 1.0 / 2.0,
-        Kernel::Epanechnikov => 3.0 / 5.0,
-        Kernel::Biweight => 5.0 / 7.0,
+        KernelShape::Box => 1.0 / 2.0,
+        KernelShape::Epanechnikov => 3.0 / 5.0,
+        KernelShape::Biweight => 5.0 / 7.0,
     }
 }
 
@@ -185,7 +185,7 @@ impl Radii {
     }
 
     /// Finds `cells`. `error`: the bound of pass 1; that of later ones falls so that these radii fall as i^(-1/5).
-    pub(crate) fn resolve(&mut self, spectra: &[FluenceCell], kernel: Kernel, error: f32) {
+    pub(crate) fn resolve(&mut self, spectra: &[FluenceCell], kernel: KernelShape, error: f32) {
         // The variance for which the bound gives a radius.
         let bound = f64::from(error) / bias_factor(kernel);
         let variance = |radius: f64| bound / (radius * radius);

@@ -177,16 +177,8 @@ pub struct Settings {
     pub photons: u32,
     /// Seed.
     pub seed: u32,
-    /// Initial kernel radius r_1 [scene unit] of beams and of surface photons.
-    pub radius: f32,
-    /// α of progressive photon beams, in (0, 1).
-    pub alpha: f32,
-    /// ε_1: accepted relative bias of the adaptive radius in the first pass.
-    pub error: f32,
-    /// Largest radius that a spectrum may ask for [scene unit]; passes whose own radius is larger keep that.
-    pub max_radius: f32,
+    /// Kernels of the passes, of beams and (their smallest radius) of surface photons [scene unit].
+    pub schedule: covbeam::Schedule,
     /// Share of the photons that carry a light field, in (0, 1].
     pub light_field_share: f32,
-    /// Kernel shape.
-    pub kernel: covbeam::Kernel,
 }

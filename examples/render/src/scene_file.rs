@@ -6,7 +6,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use covbeam::{GridLayout, Kernel};
+use covbeam::{GridLayout, KernelShape, Schedule};
 use glam::{Quat, Vec3};
 
 use crate::camera::Camera;
@@ -364,10 +364,11 @@ fn read_settings(root: &Table) -> Result<GivenSettings, SceneError> {
         given.radius = Some(field.size()?);
     }
     if let Some(field) = table.optional("alpha") {
-        settings.alpha = field.number("a number between 0 and 1, both excluded", |a| a > 0.0 && a < 1.0)?;
+        settings.schedule.alpha =
+            field.number("a number between 0 and 1, both excluded", |a| a > 0.0 && a < 1.0)?;
     }
     if let Some(field) = table.optional("error") {
-        settings.error = field.number("a number in 0.000001..=1", |e| (1e-6..=1.0).contains(&e))?;
+        settings.schedule.error = field.number("a number in 0.000001..=1", |e| (1e-6..=1.0).contains(&e))?;
     }
     if let Some(field) = table.optional("max_radius") {
         given.max_radius = Some(field.size()?);
@@ -377,10 +378,10 @@ fn read_settings(root: &Table) -> Result<GivenSettings, SceneError> {
     }
     if let Some(field) = table.optional("kernel") {
         let expected = "\"box\", \"epanechnikov\" or \"biweight\"";
-        settings.kernel = match field.text(expected)? {
-            "box" => Kernel::Box,
-            "epanechnikov" => Kernel::Epanechnikov,
-            "biweight" => Kernel::Biweight,
+        settings.schedule.shape = match field.text(expected)? {
+            "box" => KernelShape::Box,
+            "epanechnikov" => KernelShape::Epanechnikov,
+            "biweight" => KernelShape::Biweight,
             _ => return Err(field.refuse(expected)),
         };
     }
@@ -398,6 +399,7 @@ fn complete(scene: &mut Scene, (grid, given): (GivenGrid, GivenSettings)) -> Res
     let radius = given.radius.unwrap_or_else(|| defaults::radius(&survey()));
     let max_radius = given.max_radius.unwrap_or_else(|| defaults::max_radius(&scene.grid));
     let photons = given.photons.unwrap_or_else(|| defaults::photons(scene, &survey(), radius));
-    scene.settings = Settings { photons, radius, max_radius, ..given.settings };
+    let schedule = Schedule { radius, max_radius, ..given.settings.schedule };
+    scene.settings = Settings { photons, schedule, ..given.settings };
     Ok(())
 }

@@ -6,7 +6,7 @@ use crate::fog::Fog;
 use crate::plan::{Plan, Wanted};
 use crate::random::Random;
 use crate::scene::Scene;
-use covbeam::{BeamMap, EyeRay, GatherScratch, Gathered, KernelRadius};
+use covbeam::{BeamMap, EyeRay, GatherScratch, Gathered, Kernel};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::Mutex;
@@ -22,7 +22,7 @@ pub(crate) struct View<'a> {
     pub(crate) tracer: EyeTracer<'a>,
     /// Beams by medium.
     pub(crate) maps: &'a [BeamMap],
-    pub(crate) radius: &'a KernelRadius<'a>,
+    pub(crate) kernel: &'a Kernel<'a>,
     pub(crate) seed: u32,
     pub(crate) pass: u32,
     /// Eye rays where the plan wants them; None: one through every pixel.
@@ -97,7 +97,7 @@ impl View<'_> {
         }
         // Paths that met the same surfaces run side by side.
         segments.sort_by_key(|segment| (segment.medium, segment.signature, segment.pixel));
-        let narrow = KernelRadius { ceiling: self.radius.progressive, grid: None, ..*self.radius };
+        let narrow = Kernel { max_radius: self.kernel.min_radius, grid: None, ..*self.kernel };
         let mut pairs = 0;
         for group in segments.chunk_by(|a, b| (a.medium, a.signature) == (b.medium, b.signature)) {
             let medium = group[0].medium as usize;
@@ -108,8 +108,8 @@ impl View<'_> {
             let fog = &self.fogs[medium];
             // Wide kernels cost more than they are worth to rays that no filter thins out.
             let planned = self.plan.is_some() && !group[0].is_first();
-            let radius = if planned { &narrow } else { self.radius };
-            self.maps[medium].gather(rays, fog.medium, &fog.density, radius, gathered, gather);
+            let kernel = if planned { &narrow } else { self.kernel };
+            self.maps[medium].gather(rays, fog.medium, &fog.density, kernel, gathered, gather);
             for (segment, gathered) in group.iter().zip(gathered.iter()) {
                 let seen = &mut seen[segment.pixel as usize];
                 let radiance = segment.throughput * gathered.radiance;

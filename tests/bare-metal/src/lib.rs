@@ -7,8 +7,8 @@
 use core::{ptr, slice};
 
 use covbeam::{
-    Beam, CovarianceGrid, EyeRay, FluenceCell, FluenceGrid, Gathered, GridCell, GridLayout, Kernel,
-    KernelRadius, LightField, Medium, Passage, Vec3, gather_pair,
+    Beam, CovarianceGrid, EyeRay, FluenceCell, FluenceGrid, Gathered, GridCell, GridLayout, KernelShape,
+    Kernel, LightField, Medium, Passage, Vec3, gather_pair,
 };
 
 unsafe extern "C" {
@@ -97,10 +97,10 @@ fn chain(
     let grid = FluenceGrid::new(LAYOUT, means).ok()?;
     let found = grid.look_up(middle)?;
 
-    let radius = KernelRadius {
-        kernel: Kernel::Epanechnikov,
-        progressive: 0.01,
-        ceiling: 1.0,
+    let kernel = Kernel {
+        shape: KernelShape::Epanechnikov,
+        min_radius: 0.01,
+        max_radius: 1.0,
         error: 0.05,
         grid: Some(grid),
     };
@@ -116,13 +116,13 @@ fn chain(
     // Straight across the beam, past it by nothing: K(0) = 3/(4r).
     let ray = EyeRay { origin: Vec3::new(0.0, -1.0, 4.0), direction: Vec3::Y, length: 5.0 };
     let mut gathered = Gathered::default();
-    if !gather_pair(&ray, &beam, 0.0, beam.length, &Passage::homogeneous(&medium), &radius, &mut gathered) {
+    if !gather_pair(&ray, &beam, 0.0, beam.length, &Passage::homogeneous(&medium), &kernel, &mut gathered) {
         return None;
     }
     Some(Results {
         occluded: fluence.variance_along(Vec3::X),
         looked_up: found.variance_along(Vec3::X),
-        radius: radius.at(middle, Vec3::X).0,
+        radius: kernel.radius_at(middle, Vec3::X).0,
         radiance: gathered.radiance.y,
     })
 }

@@ -313,7 +313,7 @@ static void pointer_argument(struct prepared *call, int index, const struct faul
         call->unsure = true;
     }
     if (is(p->type, "schedule") && !call->tame) call->unsure = true;
-    if (is(p->type, "kernel")) memcpy(&call->ceiling, b->first + 12, 4);
+    if (is(p->type, "kernel")) memcpy(&call->max_radius, b->first + 12, 4);
 }
 
 /* The arrays of the call must have so many elements; now and then they have one more. */
@@ -378,7 +378,7 @@ void prepare(struct prepared *call, const struct function *function, const struc
                 call->tame = false;
                 if (!number_fits(rule, a->number)) must(call, COVBEAM_INVALID_VALUE);
             }
-            if (rule == '+') call->ceiling = a->number;
+            if (rule == '+') call->max_radius = a->number;
             break;
         }
         case '#':
@@ -443,7 +443,7 @@ void prepare(struct prepared *call, const struct function *function, const struc
         if (call->whole && function->parameters[i].kind == 'n' && call->arguments[i].size != call->count)
             must(call, COVBEAM_SHORT_BUFFER);
     const int map = call->handles[0];
-    if (map >= 0 && function->parameters[0].committed && pool[map].committed && call->ceiling > pool[map].ceiling)
+    if (map >= 0 && function->parameters[0].committed && pool[map].committed && call->max_radius > pool[map].max_radius)
         must(call, COVBEAM_MISMATCH);
 }
 

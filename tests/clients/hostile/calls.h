@@ -25,7 +25,7 @@ CALL(covbeam_beam_map_add,
     "map !map.adding; count n; beams <beam; beam_stride s",
     POINTER(0), SIZE(1), POINTER(2), SIZE(3))
 CALL(covbeam_beam_map_commit,
-    "map !map.adding; ceiling $+; poll poll; user user",
+    "map !map.adding; max_radius $+; poll poll; user user",
     POINTER(0), NUMBER(1), POLL(2), POINTER(3))
 CALL(covbeam_beam_map_get_count,
     "map @map; count >size",
@@ -342,7 +342,7 @@ CALL(covbeam_gather_pairs,
     POINTER(0), SIZE(1), POINTER(2), SIZE(3), POINTER(4), SIZE(5), POINTER(6), SIZE(7), POINTER(8),
     POINTER(9), POINTER(10), SIZE(11), POINTER(12), POINTER(13), POINTER(14), POINTER(15), SIZE(16))
 CALL(covbeam_filter_beams,
-    "ray <ray; count n; beams <beam; beam_stride s; ceiling $+; masks >flag; mask_stride s",
+    "ray <ray; count n; beams <beam; beam_stride s; max_radius $+; masks >flag; mask_stride s",
     POINTER(0), SIZE(1), POINTER(2), SIZE(3), NUMBER(4), POINTER(5), SIZE(6))
 CALL(covbeam_phase_evaluate,
     "phase <phase; cos_theta $c; value >f:q",

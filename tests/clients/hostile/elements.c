@@ -69,7 +69,7 @@ void sound_element(struct prepared *call, const struct parameter *p, unsigned ch
         words[3] = bits_of(fmaxf(narrow, wide));
         const int map = call->handles[0];
         if (map >= 0 && pool[map].committed && !chance(4))
-            for (int i = 2; i < 4; i++) words[i] = bits_of(fminf(float_of(words[i]), pool[map].ceiling));
+            for (int i = 2; i < 4; i++) words[i] = bits_of(fminf(float_of(words[i]), pool[map].max_radius));
     } else if (is(type, "field") || is(type, "segment")) {
         memcpy(words + (is(type, "field") ? 0 : 6), &fields[below(16)], sizeof *fields);
     }

@@ -113,8 +113,8 @@ static uint64_t map_digest(const struct slot *slot) {
     size_t count = 0, bytes = 0;
     if (covbeam_beam_map_get_count(slot->handle, &count) != COVBEAM_OK) abort();
     uint64_t state = hash(0xcbf29ce484222325u, &count, sizeof count);
-    /* Any ceiling above that of the commit would be refused, which is a state too. */
-    const float widest = slot->committed ? slot->ceiling : 1;
+    /* Any max_radius above that of the commit would be refused, which is a state too. */
+    const float widest = slot->committed ? slot->max_radius : 1;
     const covbeam_kernel kernel = { sizeof kernel, COVBEAM_KERNEL_BIWEIGHT, widest, widest, 0.1f };
     const covbeam_eye_ray probes[2] = { { { 0.5f, 0.5f, -1 }, { 0, 0, 1 }, 9 }, { { -1, 0.3f, 0.4f }, { 1, 0, 0 }, 3 } };
     covbeam_gathered gathered[2];

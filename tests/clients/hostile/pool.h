@@ -12,7 +12,7 @@ struct slot {
     void *handle;
     bool resolved, committed, tame, scribbled;
     covbeam_grid_layout layout;
-    float ceiling;
+    float max_radius;
     uint32_t width, height; /* of a picture */
     covbeam_grid_cell *cells;   /* memory of the host's, or NULL */
     covbeam_fluence_cell *means;

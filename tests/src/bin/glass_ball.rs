@@ -4,11 +4,11 @@
 //! scene is rendered as often, at that size, with seeds of its own and at equal work. Fails where the mean radiance
 //! of a region differs (Welch's t-test).
 
-use covbeam::GridLayout;
+use covbeam::{GridLayout, Schedule};
 use covbeam_render::film::Film;
 use covbeam_render::pass::{Method, Renderer};
 use covbeam_render::render::{Goal, render};
-use covbeam_render::scene::{Scene, Settings};
+use covbeam_render::scene::Scene;
 use covbeam_tests::statistics::{Sample, sidak, welch};
 use glam::Vec3;
 use std::convert::Infallible;
@@ -71,7 +71,8 @@ fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     (scene.camera.width, scene.camera.height) = (size as u32, size as u32);
     // VOXELS and SCHEDULE of the C program: other kernels have another bias.
     scene.grid = GridLayout { min: Vec3::new(-3.0, -3.0, -4.0), max: Vec3::splat(3.0), cells: [32; 3] };
-    scene.settings = Settings { radius: 0.05, alpha: 0.5, max_radius: 0.1, error: 0.01, ..scene.settings };
+    let shape = scene.settings.schedule.shape;
+    scene.settings.schedule = Schedule { shape, radius: 0.05, alpha: 0.5, max_radius: 0.1, error: 0.01 };
     let seeds = 1001..=1000 + host.len() as u32;
     let rust: Vec<Grey> =
         seeds.map(|seed| picture(&scene, passes, photons, seed)).collect::<Result<_, _>>()?;

@@ -24,7 +24,7 @@ const FOG_SHARE: f64 = 0.15;
 pub(super) fn shows_something(scene: &Scene) -> bool {
     let mut scene = scene.clone();
     (scene.camera.width, scene.camera.height) = (SIDE, SIDE);
-    scene.settings.radius *= 4.0;
+    scene.settings.schedule.radius *= 4.0;
     let (first, second) = (picture(&scene, 1), picture(&scene, 2));
     let (count, sum) = (first.len() as f64, first.iter().sum::<f64>());
     let product = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };

@@ -48,7 +48,7 @@ impl Estimator {
 /// than what is held against them has.
 pub fn narrow(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
-    scene.settings.radius *= 0.5;
+    scene.settings.schedule.radius *= 0.5;
     scene
 }
 

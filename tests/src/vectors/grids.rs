@@ -5,8 +5,8 @@ use super::kernels::{SHAPES, spectrum};
 use super::media::medium;
 use super::words::{Script, Words, fnv};
 use covbeam::{
-    Attenuation, CovarianceGrid, FluenceCell, FluenceGrid, FluenceSpectrum, GridCell, GridLayout,
-    KernelRadius, LightField, Vec3,
+    Attenuation, CovarianceGrid, FluenceCell, FluenceGrid, FluenceSpectrum, GridCell, GridLayout, Kernel,
+    LightField, Vec3,
 };
 
 /// A grid with what it has collected and what look-ups see.
@@ -169,18 +169,18 @@ fn look_ups(script: &mut Script, hard: &mut Hard, grid: &Grid) {
     positions.extend((0..8).map(|_| hard.point(2.5)));
     grid.look_up(script, &positions);
     for use_grid in [true, true, true, false] {
-        let progressive = hard.decades(-4.0, 0.0);
-        let kernel = KernelRadius {
-            kernel: SHAPES[hard.below(3) as usize],
-            progressive,
-            ceiling: progressive * hard.decades(0.0, 4.0),
+        let min_radius = hard.decades(-4.0, 0.0);
+        let kernel = Kernel {
+            shape: SHAPES[hard.below(3) as usize],
+            min_radius,
+            max_radius: min_radius * hard.decades(0.0, 4.0),
             error: hard.decades(-3.0, 0.0),
             grid: use_grid.then(|| grid.fluence()),
         };
         // Neighbours share the kernel, so that clients ask for both at once.
         for _ in 0..2 {
             let (position, axis) = (hard.point(2.0), hard.unit());
-            let (radius, sigma) = kernel.at(position, axis);
+            let (radius, sigma) = kernel.radius_at(position, axis);
             script.call("kernel_radius_at", &[&use_grid, &kernel, &position, &axis], &[&radius, &sigma]);
         }
     }

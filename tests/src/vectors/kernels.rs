@@ -3,10 +3,11 @@
 use super::hard::Hard;
 use super::words::Script;
 use covbeam::{
-    FluenceSpectrum, Kernel, KernelRadius, PhaseFunction, PhaseKind, error_bound, progressive_radius,
+    FluenceSpectrum, Kernel, KernelShape, PhaseFunction, PhaseKind, error_bound, progressive_radius,
 };
 
-pub(super) const SHAPES: [Kernel; 3] = [Kernel::Box, Kernel::Epanechnikov, Kernel::Biweight];
+pub(super) const SHAPES: [KernelShape; 3] =
+    [KernelShape::Box, KernelShape::Epanechnikov, KernelShape::Biweight];
 
 pub(super) fn write(script: &mut Script) {
     let hard = &mut Hard::new(2);
@@ -76,12 +77,12 @@ fn kernels(script: &mut Script, hard: &mut Hard) {
     let alpha = if hard.chance(0.2) { 1.0 } else { hard.between(0.01, 1.0) };
     // Beyond 4096 passes the radius is found in another way.
     let pass = hard.decades(0.0, 7.0) as u32;
-    let progressive = progressive_radius(radius, alpha, pass);
-    script.call("progressive_radius", &[&radius, &alpha, &pass], &[&progressive]);
+    let min_radius = progressive_radius(radius, alpha, pass);
+    script.call("progressive_radius", &[&radius, &alpha, &pass], &[&min_radius]);
     let bound = error_bound(error, pass);
     script.call("error_bound", &[&error, &pass], &[&bound]);
     let max_radius = radius * hard.decades(-2.0, 2.0);
-    let ceiling = if max_radius > progressive { max_radius } else { progressive };
-    let kernel = KernelRadius { kernel: shape, progressive, ceiling, error: bound, grid: None };
+    let max_radius = if max_radius > min_radius { max_radius } else { min_radius };
+    let kernel = Kernel { shape, min_radius, max_radius, error: bound, grid: None };
     script.call("schedule_kernel", &[&shape, &radius, &alpha, &max_radius, &error, &pass], &[&kernel]);
 }

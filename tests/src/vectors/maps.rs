@@ -6,8 +6,8 @@ use super::kernels::SHAPES;
 use super::media::medium;
 use super::words::{Script, Words};
 use covbeam::{
-    BLOCK, Beam, BeamBlock, BeamMap, Crossing, EyeRay, GatherScratch, Gathered, GridLayout, KernelRadius,
-    Passage, Vec3, cross, gather_pair,
+    BLOCK, Beam, BeamBlock, BeamMap, Crossing, EyeRay, GatherScratch, Gathered, GridLayout, Kernel, Passage,
+    Vec3, cross, gather_pair,
 };
 
 pub(super) fn write(script: &mut Script) {
@@ -91,11 +91,11 @@ fn tile(hard: &mut Hard, side: u32) -> Vec<EyeRay> {
         .collect()
 }
 
-fn kernel<'a>(hard: &mut Hard, grid: Option<&'a Grid>, ceiling: f32) -> KernelRadius<'a> {
-    KernelRadius {
-        kernel: SHAPES[hard.below(3) as usize],
-        progressive: ceiling * hard.decades(-1.5, 0.0),
-        ceiling,
+fn kernel<'a>(hard: &mut Hard, grid: Option<&'a Grid>, max_radius: f32) -> Kernel<'a> {
+    Kernel {
+        shape: SHAPES[hard.below(3) as usize],
+        min_radius: max_radius * hard.decades(-1.5, 0.0),
+        max_radius,
         error: hard.decades(-2.5, 0.0),
         grid: grid.map(Grid::fluence),
     }
@@ -136,18 +136,18 @@ fn pairs(script: &mut Script, hard: &mut Hard, grid: &Grid, fog: &Fog) {
     }
     for count in [1, 7, 8, 20] {
         let beams: Vec<Beam> = (0..count).map(|_| beam(hard)).collect();
-        let (ray, ceiling) = (ray_near(hard, &beams[0], 0.2), hard.decades(-2.0, 0.0));
-        let masks: Vec<u32> = beams.chunks(BLOCK).flat_map(|beams| filter(&ray, beams, ceiling)).collect();
-        script.call("filter_beams", &[&ray, &beams, &ceiling], &[&masks]);
+        let (ray, max_radius) = (ray_near(hard, &beams[0], 0.2), hard.decades(-2.0, 0.0));
+        let masks: Vec<u32> = beams.chunks(BLOCK).flat_map(|beams| filter(&ray, beams, max_radius)).collect();
+        script.call("filter_beams", &[&ray, &beams, &max_radius], &[&masks]);
     }
 }
 
-fn filter(ray: &EyeRay, beams: &[Beam], ceiling: f32) -> Vec<u32> {
+fn filter(ray: &EyeRay, beams: &[Beam], max_radius: f32) -> Vec<u32> {
     let mut block = BeamBlock::EMPTY;
     for (slot, beam) in beams.iter().enumerate() {
         block.set(slot, beam, 0.0, beam.length);
     }
-    let hit = block.test(ray, ceiling);
+    let hit = block.test(ray, max_radius);
     (0..beams.len()).map(|slot| hit >> slot & 1).collect()
 }
 
@@ -163,9 +163,9 @@ fn maps(script: &mut Script, hard: &mut Hard, grid: &Grid, fog: &Fog) {
         for batch in beams.chunks(47) {
             script.call("beam_map_add", &[&batch.to_vec()], &[]);
         }
-        let ceiling = 0.4;
-        script.call("beam_map_commit", &[&ceiling], &[]);
-        let map = BeamMap::build(beams.clone(), ceiling, &fog.medium, &fog.density());
+        let max_radius = 0.4;
+        script.call("beam_map_commit", &[&max_radius], &[]);
+        let map = BeamMap::build(beams.clone(), max_radius, &fog.medium, &fog.density());
         let looks: Vec<Vec<EyeRay>> = if count > 1 {
             vec![tile(hard, 1), tile(hard, 8), (0..200).map(|_| ray(hard)).collect()]
         } else {
@@ -179,7 +179,7 @@ fn maps(script: &mut Script, hard: &mut Hard, grid: &Grid, fog: &Fog) {
         };
         for rays in looks {
             for use_grid in [false, true] {
-                let radius = kernel(hard, use_grid.then_some(grid), ceiling);
+                let radius = kernel(hard, use_grid.then_some(grid), max_radius);
                 let mut gathered = vec![Gathered::default(); rays.len()];
                 let scratch = &mut GatherScratch::default();
                 map.gather(&rays, &fog.medium, &fog.density(), &radius, &mut gathered, scratch);

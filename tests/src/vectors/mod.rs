@@ -12,18 +12,18 @@
 //!
 //! ```text
 //! medium      scattering[3] absorption[3] phase.kind phase.asymmetry density origin[3] up[3] scale_height
-//! kernel      shape progressive ceiling error        schedule  shape radius alpha max_radius error
+//! kernel      shape min_radius max_radius error        schedule  shape radius alpha max_radius error
 //! segment     origin[3] length power unscattered field[16], without knots
 //! density_new layout[9] value... ->                  grid_new layout[9] ->
 //! grid_deposit medium segment... ->                  grid_deposit_spectra position[3] spectrum[6] weight ->
 //! grid_resolve ->                                    grid_look_up position[3]... -> (found spectrum[6])...
 //! grid_save -> size (16 digits) FNV-1a of the bytes (16 digits)
 //! beam_map_new medium ->                             beam_map_add beam[16]... ->
-//! beam_map_commit ceiling ->                         beam_map_clear ->
+//! beam_map_commit max_radius ->                         beam_map_clear ->
 //! beam_map_gather use_grid kernel ray[7]... -> gathered[7]...
 //! gather_pair use_grid medium kernel from to ray[7] beam[16] -> accepted gathered[7], from zero, columns NULL
 //! kernel_radius_at use_grid kernel position[3] axis[3] -> radius sigma
-//! cross ray[7] beam[16] -> crosses crossing[7]       filter_beams ray[7] beam[16]... ceiling -> mask...
+//! cross ray[7] beam[16] -> crosses crossing[7]       filter_beams ray[7] beam[16]... max_radius -> mask...
 //! medium_knots medium origin[3] direction[3] length error most -> knot[2]...
 //! medium_tabulate medium origin[3] direction[3] length -> knot[2]...
 //! image_spectrum_along medium ray[7] steps[12] -> spectrum[4]

@@ -2,8 +2,8 @@
 
 use covbeam::{
     Beam, Crossing, Curvature, Derivatives, EyeRay, FilmPixel, FluenceSpectrum, Gathered, GridLayout,
-    ImageFilter, ImageSpectrum, Kernel, KernelRadius, Knot, LightField, MarchKnot, MarchSample,
-    PhaseFunction, PhaseKind, PixelStep, Vec3,
+    ImageFilter, ImageSpectrum, Kernel, KernelShape, Knot, LightField, MarchKnot, MarchSample, PhaseFunction,
+    PhaseKind, PixelStep, Vec3,
 };
 use std::fmt::Write;
 
@@ -116,21 +116,21 @@ impl Words for GridLayout {
     }
 }
 
-impl Words for Kernel {
+impl Words for KernelShape {
     fn append(&self, line: &mut String) {
         let shape: u32 = match self {
-            Kernel::Box => 0,
-            Kernel::Epanechnikov => 1,
-            Kernel::Biweight => 2,
+            KernelShape::Box => 0,
+            KernelShape::Epanechnikov => 1,
+            KernelShape::Biweight => 2,
         };
         shape.append(line);
     }
 }
 
 /// A `covbeam_kernel`; whether its grid is passed is a word of its own.
-impl Words for KernelRadius<'_> {
+impl Words for Kernel<'_> {
     fn append(&self, line: &mut String) {
-        append_all(&[&self.kernel, &self.progressive, &self.ceiling, &self.error], line);
+        append_all(&[&self.shape, &self.min_radius, &self.max_radius, &self.error], line);
     }
 }
 

@@ -170,7 +170,7 @@ class _Point(_Light):
         return _Starts(center + radius * normal, direction, power, normal)
 
     def fields(self, direction, normal):
-        return self._widened(direction, light_field.EVEN)
+        return self._widened(direction, light_field.EVEN_LAMP)
 
     def _widened(self, direction, variances):
         """A ball looks the same from all sides: a disk across the ray."""

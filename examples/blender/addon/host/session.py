@@ -155,7 +155,7 @@ class Session:
             for record in records:
                 for beams in record.beams.get(region, ()):
                     beam_map.add(beams)
-            beam_map.commit(kernel.ceiling, poll=poll)
+            beam_map.commit(kernel.max_radius, poll=poll)
         clock.lap("beams")
         density = self._film.plan(number, kernel.error, photons, self._grids, poll)
         first, beyond = wanted(density, self._view, number, settings.seed)
@@ -211,7 +211,7 @@ class Session:
         """Radiance before and beyond the first surface, (2, pixels, 3), and the former's gather sums (pixels, 3)."""
         pixels = len(self._view.pixels)
         seen, sums = np.zeros((2, pixels, 3)), np.zeros((pixels, 3))
-        narrow = covbeam.Kernel(kernel.shape, kernel.progressive, kernel.progressive, kernel.error)
+        narrow = covbeam.Kernel(kernel.shape, kernel.min_radius, kernel.min_radius, kernel.error)
         for segments in pieces:
             ask(poll)
             order = np.lexsort((self._view.curve[segments.eye], segments.signature, segments.region))

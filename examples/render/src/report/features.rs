@@ -37,7 +37,7 @@ const VARIANTS: [(&str, &str, Method, bool, Change); 9] = [
         "a tenth of the light paths carry a light field into the grid; each pair looks it up, but no kernel grows",
         Method::Adaptive,
         false,
-        |scene| scene.settings.max_radius = 0.0,
+        |scene| scene.settings.schedule.max_radius = 0.0,
     ),
     (
         "+ adaptive kernels",
@@ -128,17 +128,17 @@ pub(super) fn memory(scene: &Scene) -> Memory {
     let mut record = PhotonRecord::default();
     let paths = scene.settings.photons;
     (0..paths).for_each(|path| tracer.trace(0, path, paths, Record::Beams, &mut record));
-    let map = |ceiling: f32| -> usize {
+    let map = |max_radius: f32| -> usize {
         let of_medium = |(medium, fog): (usize, &Fog)| {
             let beams = record.beams.iter().filter(|(of, _)| *of as usize == medium).map(|(_, beam)| *beam);
-            BeamMap::build(beams.collect(), ceiling, fog.medium, &fog.density).memory()
+            BeamMap::build(beams.collect(), max_radius, fog.medium, &fog.density).memory()
         };
         Fog::all(scene).iter().enumerate().map(of_medium).sum()
     };
     Memory {
         beams: record.beams.len(),
-        plain_map: map(scene.settings.radius),
-        adaptive_map: map(scene.settings.max_radius.max(scene.settings.radius)),
+        plain_map: map(scene.settings.schedule.radius),
+        adaptive_map: map(scene.settings.schedule.max_radius.max(scene.settings.schedule.radius)),
         grid: scene.grid.cell_count() * (size_of::<GridCell>() + size_of::<FluenceCell>()),
     }
 }

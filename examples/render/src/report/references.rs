@@ -252,8 +252,8 @@ impl Reference {
         watch: &Watch,
     ) -> Result<Option<Self>, ReferenceError> {
         let mut scene = scene.clone();
-        scene.settings.radius *= RADIUS_SHARE;
-        scene.settings.error *= ERROR_SHARE;
+        scene.settings.schedule.radius *= RADIUS_SHARE;
+        scene.settings.schedule.error *= ERROR_SHARE;
         let mut runs = Vec::new();
         for (number, seed) in SEEDS.into_iter().enumerate() {
             watch.begin(format!("{name}: reference, run {} of 2", number + 1), budget);

@@ -44,8 +44,8 @@ class Kernel(ctypes.Structure):
     _fields_ = [
         ("struct_size", ctypes.c_uint32),
         ("shape", ctypes.c_uint32),
-        ("progressive", ctypes.c_float),
-        ("ceiling", ctypes.c_float),
+        ("min_radius", ctypes.c_float),
+        ("max_radius", ctypes.c_float),
         ("error", ctypes.c_float),
     ]
 

@@ -37,15 +37,15 @@ class BeamMap(Object):
         with using(changed=self) as [handle]:
             elementwise(lib.covbeam_beam_map_add, handle, COUNT, given("beams", beams, Kind(BEAM)))
 
-    def commit(self, ceiling, *, poll=None):
+    def commit(self, max_radius, *, poll=None):
         """Builds the hierarchy over the beams: about 1 us a beam. Stopped, the map is as before.
 
-        - ceiling: largest kernel radius that it will be gathered with [m] > 0: Kernel.ceiling.
+        - max_radius: largest kernel radius that it will be gathered with [m] > 0: Kernel.max_radius.
         - poll: a function asked every few milliseconds: True to go on, False raises Cancelled; what it raises ends the call.
         """
         call = Call(poll)
         with using(changed=self) as [beams]:
-            call.check(lib.covbeam_beam_map_commit(beams, ceiling, call.poll, None))
+            call.check(lib.covbeam_beam_map_commit(beams, max_radius, call.poll, None))
 
     @property
     def count(self):
@@ -66,8 +66,8 @@ class BeamMap(Object):
     def gather(self, kernel, grid, rays, *, out=None, scratch=None, poll=None):
         """Gathers the light that beams scatter into eye rays: GATHERED. Stopped or failed, nothing is written.
 
-        - kernel: a Kernel; its ceiling at most that of commit.
-        - grid: a Grid that has been resolved, for kernels as wide as the light's bandwidth allows. None: kernel.progressive.
+        - kernel: a Kernel; its max_radius at most that of commit.
+        - grid: a Grid that has been resolved, for kernels as wide as the light's bandwidth allows. None: kernel.min_radius.
         - rays: EYE_RAY of shape () or (n,), all in the map's medium. Each 64 that follow each other share one walk through the
           hierarchy: give those of a tile of 8x8 pixels together.
         - scratch: a Scratch; None allocates for this call.

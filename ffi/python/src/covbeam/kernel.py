@@ -18,24 +18,24 @@ class KernelShape(IntEnum):
 
 
 class Kernel:
-    """How wide the pairs of one pass are gathered: within max(progressive, min(ceiling, what the spectrum allows)).
+    """How wide the pairs of one pass are gathered: within max(min_radius, min(max_radius, what the spectrum allows)).
 
     - shape: a KernelShape.
-    - progressive: radius where the grid knows nothing, and the smallest one [m] > 0.
-    - ceiling: the largest radius [m] >= progressive.
+    - min_radius: radius where the grid knows nothing, and the smallest one [m] > 0.
+    - max_radius: the largest radius [m] >= min_radius.
     - error: accepted relative bias of a pair > 0; without a grid it has no effect.
     """
 
-    def __init__(self, shape, progressive, ceiling, error):
-        self._struct = _abi.Kernel(ctypes.sizeof(_abi.Kernel), KernelShape(shape), progressive, ceiling, error)
+    def __init__(self, shape, min_radius, max_radius, error):
+        self._struct = _abi.Kernel(ctypes.sizeof(_abi.Kernel), KernelShape(shape), min_radius, max_radius, error)
 
     shape = property(lambda self: KernelShape(self._struct.shape))
-    progressive = property(lambda self: self._struct.progressive)
-    ceiling = property(lambda self: self._struct.ceiling)
+    min_radius = property(lambda self: self._struct.min_radius)
+    max_radius = property(lambda self: self._struct.max_radius)
     error = property(lambda self: self._struct.error)
 
     def __repr__(self):
-        return f"Kernel({self.shape!s}, {self.progressive}, {self.ceiling}, {self.error})"
+        return f"Kernel({self.shape!s}, {self.min_radius}, {self.max_radius}, {self.error})"
 
     def radius_at(self, grid, positions, axes, *, out=None):
         """Kernel radii [m] of pairs, and the deviations [cycles/m] of the spectrum along their axes (0 where the grid knows

@@ -20,14 +20,14 @@ from .media import Medium
 _FIELD = Kind(LIGHT_FIELD)
 
 #: Angular variance of a point that shines evenly: 1/d^2 has a relative curvature of 2/d^2 across its rays.
-EVEN = 2 / (4 * pi**2)
+EVEN_LAMP = 2 / (4 * pi**2)
 
 
-def point(directions, angular_variances=EVEN, *, out=None):
+def point(directions, angular_variances=EVEN_LAMP, *, out=None):
     """Light of an exact point source.
 
     - directions: of propagation, any length but 0.
-    - angular_variances: of the emission [cycles^2/rad^2] >= 0; EVEN for a lamp that shines evenly,
+    - angular_variances: of the emission [cycles^2/rad^2] >= 0; EVEN_LAMP for a lamp that shines evenly,
       because of the fall-off with the square of the distance; more where its intensity changes with the angle.
     """
     return elementwise(

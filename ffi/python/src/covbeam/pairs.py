@@ -82,12 +82,12 @@ def _columns(columns):
     return argument
 
 
-def filter_beams(ray, beams, ceiling, *, out=None):
+def filter_beams(ray, beams, max_radius, *, out=None):
     """Which beams an eye ray may be paired with, without looking at grid or surfaces: bool. Errs towards accepting.
 
     - ray: one EYE_RAY.
     - beams: BEAM, each as a whole.
-    - ceiling: largest kernel radius [m] > 0: Kernel.ceiling.
+    - max_radius: largest kernel radius [m] > 0: Kernel.max_radius.
     """
     ray = single("ray", ray, Kind(EYE_RAY))
     return elementwise(
@@ -95,6 +95,6 @@ def filter_beams(ray, beams, ceiling, *, out=None):
         ray.address,
         COUNT,
         given("beams", beams, Kind(BEAM)),
-        ceiling,
+        max_radius,
         made("out", out, FLAG),
     )

@@ -7,7 +7,7 @@ use std::path::Path;
 
 pub(crate) fn run(path: &Path, passes: u32, size: Size) -> Outcome<()> {
     let mut scene = load(path, size)?;
-    let wide = scene.settings.radius;
+    let wide = scene.settings.schedule.radius;
     println!(
         "{:9} {:>6}  core-milliseconds a pass: trace | light fields | grid | build | gather",
         "method", "radius"
@@ -17,8 +17,8 @@ pub(crate) fn run(path: &Path, passes: u32, size: Size) -> Outcome<()> {
         [("ppb", Method::Ppb, wide), ("ppb", Method::Ppb, narrow), ("adaptive", Method::Adaptive, wide)]
     {
         // The radius stays (almost) where it is: α near 1.
-        scene.settings.radius = radius;
-        scene.settings.alpha = 0.999;
+        scene.settings.schedule.radius = radius;
+        scene.settings.schedule.alpha = 0.999;
         let (_, times) = Run::new(&scene, method, 1, passes).picture()?;
         let part = |seconds: f64| 1e3 * seconds / f64::from(passes);
         let fields = times.light_fields + times.grid;

@@ -20,8 +20,8 @@ pub(crate) fn run(path: &Path, out: &Path, passes: u32, photons: u32, size: Size
     check_writable(out)?;
     check_writable(&first_run(out))?;
     let mut scene = load(path, size)?;
-    scene.settings.radius *= RADIUS_FACTOR;
-    scene.settings.error = ERROR;
+    scene.settings.schedule.radius *= RADIUS_FACTOR;
+    scene.settings.schedule.error = ERROR;
     let mut pictures = Vec::new();
     for seed in SEEDS {
         let run = Run { photons, ..Run::new(&scene, Method::Adaptive, seed, passes) };

@@ -70,7 +70,8 @@ pub(crate) fn run(
             let mut scene = scene.clone();
             if label == ONE_RADIUS {
                 // Photons on surfaces get wider kernels too.
-                (scene.settings.radius, scene.settings.alpha) = (scene.settings.max_radius, 0.8);
+                (scene.settings.schedule.radius, scene.settings.schedule.alpha) =
+                    (scene.settings.schedule.max_radius, 0.8);
             }
             let mut means = vec![Point::default(); stops.passes.len() + stops.seconds.len()];
             for seed in 1..=seeds {

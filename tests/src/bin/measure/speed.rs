@@ -2,7 +2,7 @@
 
 use crate::Outcome;
 use covbeam::{
-    Beam, BeamMap, Density, EyeRay, GatherScratch, Gathered, Kernel, KernelRadius, Medium, PhaseFunction,
+    Beam, BeamMap, Density, EyeRay, GatherScratch, Gathered, Kernel, KernelShape, Medium, PhaseFunction,
     Vec3, cross,
 };
 use covbeam_render::random::Random;
@@ -28,7 +28,7 @@ const HITS: f32 = 60.0;
 const SIDE: u32 = 256;
 const TILE: u32 = 32;
 
-/// Operations on numbers in a test of one ray against one piece: `Lanes::new` of core/src/beam_map/lanes.rs up to `candidates`,
+/// Operations on numbers in a test of one ray against one sub-beam: `Pairs::new` of core/src/beam_map/eight.rs up to `candidates`,
 /// sums, differences and products each counted as one. Normal 9, its square 5, offset 3, triple product 5, both distances 14 each, and the
 /// bounds: near 2, on the ray 2, on the beam 4. (And 5 comparisons, not counted.)
 const FLOPS_OF_A_TEST: f64 = 58.0;
@@ -113,18 +113,18 @@ fn ceilings() -> [f64; 2] {
     [eight, sixteen]
 }
 
-fn plain(radius: f32) -> KernelRadius<'static> {
-    KernelRadius {
-        kernel: Kernel::Epanechnikov,
-        progressive: radius,
-        ceiling: radius,
+fn plain(radius: f32) -> Kernel<'static> {
+    Kernel {
+        shape: KernelShape::Epanechnikov,
+        min_radius: radius,
+        max_radius: radius,
         error: 0.01,
         grid: None,
     }
 }
 
 fn gather(map: &BeamMap, rays: &[EyeRay], gathered: &mut [Gathered], scratch: &mut GatherScratch) {
-    map.gather(rays, &FOG, &Density::Uniform, &plain(map.ceiling()), gathered, scratch);
+    map.gather(rays, &FOG, &Density::Uniform, &plain(map.max_radius()), gathered, scratch);
 }
 
 /// Accepted pairs of some rays.
@@ -162,7 +162,7 @@ fn tests(ceilings: [f64; 2]) {
     const SPACING: f32 = 0.002;
     let random = &mut Random::new([6, 6, 6, 6]);
     println!(
-        "\ntests: {BEAMS} beams, one piece of each across the cone of the rays; a test counts as {FLOPS_OF_A_TEST} flops, without \
+        "\ntests: {BEAMS} beams, one sub-beam of each across the cone of the rays; a test counts as {FLOPS_OF_A_TEST} flops, without \
          comparisons"
     );
     println!("rays                  radius [m]   hits    tests/core-second   of FMA ceiling: 8 lanes | 16");
@@ -283,7 +283,7 @@ struct Case {
 fn growth(name: &str, half_width: impl Fn(f32) -> f32) -> Case {
     println!("\ngather of {SIDE} x {SIDE} rays, {name}");
     println!(
-        "beams     radius [m]   hits/ray   core-ns/ray   core-ns/hit   growth   bytes/beam   bytes/piece"
+        "beams     radius [m]   hits/ray   core-ns/ray   core-ns/hit   growth   bytes/beam   bytes/sub-beam"
     );
     let mut first = None;
     let mut kept = None;
