@@ -2,7 +2,7 @@
 
 use crate::kernel::Kernel;
 use crate::math::sqrt;
-use crate::medium::{Column, Density, Medium};
+use crate::medium::{Column, Medium};
 use glam::Vec3;
 
 /// Pairs whose directions differ by less than this sine are skipped.
@@ -43,26 +43,6 @@ pub struct EyeRay {
     pub direction: Vec3,
     /// Length \[m\] to the next surface; infinity allowed.
     pub length: f32,
-}
-
-/// What lies between the light, the crossing and the eye: the medium that a pair is in, and the columns along both.
-#[derive(Clone, Copy, Debug)]
-pub struct Passage<'a> {
-    /// Coefficients at density 1, and the phase function.
-    pub medium: &'a Medium,
-    /// How the density varies.
-    pub density: Density<'a>,
-    /// Along the eye ray, from its start.
-    pub ray: Column<'a>,
-    /// Along the beam, from its start.
-    pub beam: Column<'a>,
-}
-
-impl<'a> Passage<'a> {
-    /// That of a homogeneous medium.
-    pub const fn homogeneous(medium: &'a Medium) -> Self {
-        Self { medium, density: Density::Uniform, ray: Column::Uniform, beam: Column::Uniform }
-    }
 }
 
 /// Closest approach of an eye ray's line and a beam's line.
@@ -205,14 +185,8 @@ pub(crate) fn along_beam(column: &Column, distance: f32) -> f32 {
 /// - `cos_theta`: as [`crate::PhaseFunction::evaluate`] takes it.
 /// - `column` \[m\]: along the beam and the eye ray together.
 #[inline(always)]
-pub(crate) fn product(
-    medium: &Medium,
-    density: &Density,
-    position: Vec3,
-    cos_theta: f32,
-    column: f32,
-) -> Vec3 {
-    let scale = density.at(position) * medium.phase.evaluate(cos_theta);
+pub(crate) fn product(medium: &Medium, position: Vec3, cos_theta: f32, column: f32) -> Vec3 {
+    let scale = medium.density.at(position) * medium.phase.evaluate(cos_theta);
     medium.scattering * medium.transmittance(column) * scale
 }
 
@@ -223,9 +197,10 @@ pub(crate) fn product(
 /// point on the *eye ray*.
 ///
 /// - `ray`, `beam`: see there; NaN anywhere makes the pair be skipped.
-/// - `from`, `to`: part of the beam that counts \[m\]; `0` and `beam.length` for the whole beam. Cutting a beam into
+/// - `[from, to]`: part of the beam that counts \[m\]; `[0, beam.length]` for the whole beam. Cutting a beam into
 ///   adjoining parts changes nothing.
-/// - `passage`: the medium that both lie in; its density is taken at the point on the *eye ray*.
+/// - `medium`: what both lie in; its density is taken at the point on the *eye ray*.
+/// - `[ray_column, beam_column]`: the columns from the start of both, [`crate::Density::column`].
 /// - `kernel`: its shape, and how wide it may be.
 ///
 /// Differs from the thesis at surfaces: a beam that starts or ends on a surface is cut there by the surface's tangent
@@ -234,17 +209,17 @@ pub(crate) fn product(
 pub fn gather_pair(
     ray: &EyeRay,
     beam: &Beam,
-    from: f32,
-    to: f32,
-    passage: &Passage,
+    [from, to]: [f32; 2],
+    medium: &Medium,
+    [ray_column, beam_column]: &[Column; 2],
     kernel: &Kernel,
     gathered: &mut Gathered,
 ) -> bool {
     let Some(meeting) = meet(ray, beam, from, to, kernel) else { return false };
     let Crossing { ray_distance: t, beam_distance: s, gap, sin_theta, .. } = meeting.crossing;
-    let column = along_beam(&passage.beam, s) + passage.ray.at(t);
+    let column = along_beam(beam_column, s) + ray_column.at(t);
     let cos_theta = -beam.direction.dot(ray.direction);
-    let product = product(passage.medium, &passage.density, meeting.point, cos_theta, column);
+    let product = product(medium, meeting.point, cos_theta, column);
     let height = kernel.shape.evaluate(gap, meeting.radius) / sin_theta;
     gathered.add(product * beam.power * height, meeting.radius, meeting.sigma)
 }

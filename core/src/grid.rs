@@ -5,7 +5,7 @@
 
 use crate::light_field::medium::DepthShape;
 use crate::light_field::{FluenceSpectrum, LightField};
-use crate::medium::{Column, Density};
+use crate::medium::{Column, Density, Medium};
 use crate::voxels::{Dda, GridError, GridLayout, Lattice, Trilinear};
 use glam::Vec3;
 use libm::expf;
@@ -33,22 +33,22 @@ pub struct FluenceCell {
     pub weight: f32,
 }
 
-/// What attenuates light along one segment.
+/// A straight stretch of a light path through a medium, with the light field at its start.
 #[derive(Clone, Copy, Debug)]
-pub struct Attenuation<'a> {
-    /// Extinction \[1/m\] >= 0 where the density is 1; one number for all channels, such as their mean.
-    pub extinction: f32,
-    /// How the density varies around the segment.
-    pub density: Density<'a>,
-    /// The column from the segment's start.
+pub struct Segment<'a> {
+    /// Where it starts \[m\], in or out of the grid's box. It runs along `field.direction`.
+    pub origin: Vec3,
+    /// Length \[m\] > 0; infinity reaches the end of the box.
+    pub length: f32,
+    /// Power \[W\] > 0 at `origin`.
+    pub power: f32,
+    /// Whether the light comes from its source without scattering in the medium or on a diffuse surface: then its
+    /// [`LightField::variance_along_ray`] counts too.
+    pub unscattered: bool,
+    /// The light field at `origin`.
+    pub field: LightField,
+    /// The column from `origin`: [`Density::column`] of the medium.
     pub column: Column<'a>,
-}
-
-impl Attenuation<'_> {
-    /// That of a homogeneous medium: the transmittance is exp(-`extinction` s).
-    pub const fn homogeneous(extinction: f32) -> Self {
-        Self { extinction, density: Density::Uniform, column: Column::Uniform }
-    }
 }
 
 /// The accumulating side of a grid, over the caller's cells. One per thread; merge them in a fixed order and the
@@ -81,7 +81,7 @@ impl<'a> CovarianceGrid<'a> {
     /// Guarantee: cells never become NaN; sums are f64, so 10⁹ equal deposits keep their mean to 1e-7.
     ///
     /// Source: thesis 5.3.1, Eq 5.14 and 5.15.
-    pub fn deposit(&mut self, position: Vec3, spectrum: &FluenceSpectrum, weight: f32) {
+    pub fn deposit_spectrum(&mut self, position: Vec3, spectrum: &FluenceSpectrum, weight: f32) {
         if !self.layout.contains(position) {
             return;
         }
@@ -91,24 +91,19 @@ impl<'a> CovarianceGrid<'a> {
         add(&mut self.cells[index], spectrum, weight);
     }
 
-    /// Adds the spectra along a segment of a beam: to each voxel on the way, the spectrum at the middle of the piece
+    /// Adds the spectra along a segment of a light path: to each voxel on the way, the spectrum at the middle of the stretch
     /// inside it.
     ///
     /// The spectrum is that of [`LightField::fluence_within`] up to the voxels' Nyquist frequency, half a cycle over their
-    /// smallest side. The weight in a voxel is `power` x ∫ transmittance ds over that piece, from `origin`. In a medium whose density
-    /// varies, the field is attenuated on its way as well ([`LightField::attenuate`]); in a homogeneous one that costs nothing.
+    /// smallest side. The weight in a voxel is `power` x ∫ transmittance ds over that stretch, from `origin`, of the mean channel.
+    /// In a medium whose density varies, the field is attenuated on its way as well ([`LightField::attenuate`]); in a homogeneous
+    /// one that costs nothing.
     ///
-    /// - `origin` \[m\]: where the segment starts, in or out of the box. It runs along `field.direction`.
-    /// - `length` \[m\] > 0; infinity reaches the end of the box.
-    /// - `field`: the light field at `origin`; it is travelled from there.
-    /// - `power` \[W\] > 0 at `origin`.
-    /// - `unscattered`: whether the light comes from its source without scattering in the medium or on a diffuse surface: then
-    ///   its [`LightField::variance_along_ray`] counts too.
-    /// - `attenuation`: of the segment; no extinction costs no exponential.
+    /// - `medium`: what the segment is in.
     ///
     /// Anything not finite, or out of range, deposits nothing.
     ///
-    /// Guarantee: the pieces partition the part of the segment inside the box, so the weights add up to the closed
+    /// Guarantee: the stretches partition the part of the segment inside the box, so the weights add up to the closed
     /// form over it. Error: 1e-5 over hundreds of voxels (test
     /// `the_weights_of_a_segment_add_up_to_the_closed_form_over_it`); where the density varies, the transmittance inside a
     /// voxel is taken as an exponential between its two ends. Cost: 0.2 µs a voxel, nearly all of it travel and slice; about
@@ -117,25 +112,20 @@ impl<'a> CovarianceGrid<'a> {
     /// Source: thesis 5.3.1, Eq 5.14 and 5.15.
     ///
     /// ```
-    /// use covbeam::{Attenuation, CovarianceGrid, GridCell, GridLayout, LightField, Vec3};
+    /// use covbeam::{Column, CovarianceGrid, GridCell, GridLayout, LightField, Medium, Segment, Vec3};
     /// let layout = GridLayout { min: Vec3::ZERO, max: Vec3::ONE, cells: [1, 1, 2] };
     /// let mut cells = [GridCell::default(); 2];
     /// let mut grid = CovarianceGrid::new(layout, &mut cells)?;
-    /// let lamp = LightField::point(Vec3::Z, 0.1);
-    /// grid.deposit_segment(Vec3::new(0.5, 0.5, -1.0), 1.75, &lamp, 4.0, true, &Attenuation::homogeneous(0.0));
+    /// let field = LightField::point(Vec3::Z, 0.1);
+    /// let origin = Vec3::new(0.5, 0.5, -1.0);
+    /// let column = Column::Uniform;
+    /// grid.deposit(&Medium::default(), &Segment { origin, length: 1.75, power: 4.0, unscattered: true, field, column });
     /// assert_eq!([cells[0].weight, cells[1].weight], [2.0, 1.0]);
     /// # Ok::<(), covbeam::GridError>(())
     /// ```
-    pub fn deposit_segment(
-        &mut self,
-        origin: Vec3,
-        length: f32,
-        field: &LightField,
-        power: f32,
-        unscattered: bool,
-        attenuation: &Attenuation,
-    ) {
-        let Attenuation { extinction, density, column } = *attenuation;
+    pub fn deposit(&mut self, medium: &Medium, segment: &Segment) {
+        let Segment { origin, length, power, unscattered, ref field, ref column } = *segment;
+        let extinction = medium.mean_extinction();
         let sound = origin.is_finite()
             && field.direction.is_finite()
             && field.direction != Vec3::ZERO
@@ -150,7 +140,7 @@ impl<'a> CovarianceGrid<'a> {
             return;
         };
         let uniform_column = matches!(column, Column::Uniform);
-        let uniform_density = matches!(density, Density::Uniform);
+        let uniform_density = matches!(medium.density, Density::Uniform);
         // Half a cycle a voxel.
         let finest = 0.5 * self.scale.max_element();
         let mut here = *field;
@@ -165,7 +155,7 @@ impl<'a> CovarianceGrid<'a> {
                 here.travel((middle - reached) as f32);
             } else {
                 let stretch = [reached as f32, middle as f32];
-                shape.add(&density, (origin, field.direction), stretch, extinction);
+                shape.add(medium, (origin, field.direction), stretch);
                 here = shape.carried(field, middle as f32);
             }
             reached = middle;

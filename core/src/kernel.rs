@@ -201,10 +201,10 @@ impl Schedule {
     /// ```
     /// use covbeam::{KernelShape, Schedule};
     /// let shape = KernelShape::Epanechnikov;
-    /// let schedule = Schedule { shape, radius: 0.08, alpha: 0.5, max_radius: 0.06, error: 0.02 };
+    /// let schedule = Schedule { shape, radius: 0.5, alpha: 0.5, max_radius: 0.375, error: 0.02 };
     /// let kernels = [1, 3].map(|pass| schedule.kernel(pass, None));
-    /// assert_eq!(kernels.map(|kernel| kernel.min_radius), [0.08, 0.05]);
-    /// assert_eq!(kernels.map(|kernel| kernel.max_radius), [0.08, 0.06]);
+    /// assert_eq!(kernels.map(|kernel| kernel.min_radius), [0.5, 0.3125]);
+    /// assert_eq!(kernels.map(|kernel| kernel.max_radius), [0.5, 0.375]);
     /// ```
     pub fn kernel<'a>(&self, pass: u32, grid: Option<FluenceGrid<'a>>) -> Kernel<'a> {
         let Self { shape, radius, alpha, max_radius, error } = *self;

@@ -1,5 +1,38 @@
 //! Frequency-aware photon beams.
 //!
+//! Where light is smooth, kernels and filters may be wide; the covariance of the light's local spectrum says how wide.
+//!
+#![cfg_attr(feature = "bvh", doc = "```")]
+#![cfg_attr(not(feature = "bvh"), doc = "```ignore")]
+//! use covbeam::*;
+//!
+//! // A grid of fluence spectra over the scene; the memory is yours.
+//! let layout = GridLayout { min: Vec3::splat(-2.0), max: Vec3::splat(2.0), cells: [32, 32, 32] };
+//! let mut sums = vec![GridCell::default(); layout.cell_count()];
+//! let fog = Medium::homogeneous(0.2, 0.02);
+//!
+//! // For each photon segment that your tracer makes: its light field goes into the grid, its beam into a list.
+//! let (origin, direction, length, power) = (Vec3::new(0.0, 2.0, 0.0), Vec3::NEG_Y, 3.0, 1.0);
+//! let mut field = LightField::point(direction, EVEN_LAMP);
+//! let mut grid = CovarianceGrid::new(layout, &mut sums)?;
+//! let column = Column::Uniform; // of a homogeneous medium
+//! grid.deposit(&fog, &Segment { origin, length, power, unscattered: true, field, column });
+//! field.travel_through(&fog, origin, 1.2); // on to the next event: scatter, refract, reflect, occlude …
+//! let beams = vec![Beam { origin, direction, length, power: Vec3::splat(power), ..Beam::default() }];
+//!
+//! // After the photons of a pass: resolve the grid, build the map, gather a tile of eye rays.
+//! let mut means = vec![FluenceCell::default(); layout.cell_count()];
+//! grid.resolve(&mut means)?;
+//! let schedule = Schedule { shape: KernelShape::Epanechnikov, radius: 0.05, alpha: 0.8, max_radius: 0.2, error: 0.01 };
+//! let kernel = schedule.kernel(1, Some(FluenceGrid::new(layout, &means)?)); // first pass
+//! let map = BeamMap::build(beams, kernel.max_radius, &fog);
+//! let rays = [EyeRay { origin: Vec3::new(0.03, 0.5, -5.0), direction: Vec3::Z, length: 10.0 }];
+//! let mut gathered = [Gathered::default(); 1];
+//! map.gather(&fog, &rays, &kernel, &mut gathered, &mut GatherScratch::default())?;
+//! assert!(gathered[0].radiance.x > 0.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! # Conventions
 //!
 //! - **Local light field** around a central ray: `l(x, y, u, v)`. `x, y` are offsets perpendicular to the ray
@@ -13,6 +46,16 @@
 //!
 //! Section and equation numbers without a source refer to L. Belcour, *A Frequency Analysis of Light Transport:
 //! from Theory to Implementation* (2012).
+//!
+//! # Where to read
+//!
+//! | thesis | what | type |
+//! |---|---|---|
+//! | 5.3.1 | light fields, their events, the slice of their spectrum (Eq 5.14) | [`LightField`], [`FluenceSpectrum`] |
+//! | 5.3.1, Eq 5.15 | the covariance grid | [`CovarianceGrid`], [`FluenceGrid`] |
+//! | 5.3.2 | few eye rays and a filter: image space | [`ImageSpectrum`], [`FilmFilters`], [`Reconstruction`] |
+//! | 5.3.3 | shadow rays along an eye ray | [`March`] |
+//! | 5.3.4 | kernels as wide as the light allows, and the gather | [`Kernel`], [`gather_pair`], `BeamMap` |
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
@@ -35,12 +78,10 @@ mod voxels;
 
 pub use glam::{Vec2, Vec3};
 
-pub use beam::{
-    BLOCK, Beam, BeamBlock, Crossing, EyeRay, Gathered, PARALLEL_SINE, Passage, cross, gather_pair,
-};
+pub use beam::{BLOCK, Beam, BeamBlock, Crossing, EyeRay, Gathered, PARALLEL_SINE, cross, gather_pair};
 #[cfg(feature = "bvh")]
 pub use beam_map::{BeamMap, Contact, GatherScratch, MAX_BEAMS, Stop, Unfinished};
-pub use grid::{Attenuation, CovarianceGrid, FluenceCell, FluenceGrid, GridCell};
+pub use grid::{CovarianceGrid, FluenceCell, FluenceGrid, GridCell, Segment};
 pub use image::{
     FILM_TILE, FILM_TILE_PIXELS, FilmEvidence, FilmFilterNode, FilmFilters, FilmLattice, FilmNode, FilmPixel,
     FilmSample, FilmSizeError, FilmSums, FilmUnit, ImageFilter, ImageSpectrum, PixelStep, Reconstruction,

@@ -94,7 +94,7 @@ impl GridLayout {
     /// let layout = GridLayout { min: Vec3::ZERO, max: Vec3::ONE, cells: [1, 1, 2] };
     /// let mut cells = [GridCell::default(); 2];
     /// let mut grid = CovarianceGrid::new(layout, &mut cells)?;
-    /// grid.deposit(Vec3::splat(0.2), &FluenceSpectrum { xx: 4.0, ..FluenceSpectrum::default() }, 0.5);
+    /// grid.deposit_spectrum(Vec3::splat(0.2), &FluenceSpectrum { xx: 4.0, ..FluenceSpectrum::default() }, 0.5);
     /// let mut bytes = [0; 168];
     /// layout.save(&cells, &mut bytes)?;
     ///

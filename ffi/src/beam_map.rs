@@ -4,7 +4,7 @@ use crate::check::positive;
 use crate::grid::covbeam_grid;
 use crate::handle::{Opaque, free, handle_to, run_on, shared};
 use crate::kernel::{self, covbeam_kernel};
-use crate::medium::{KeptMedium, MediumView, covbeam_medium};
+use crate::medium::{KeptMedium, covbeam_medium};
 use crate::memory::{Element, Slot, inputs, outputs};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
 use crate::types::*;
@@ -113,7 +113,7 @@ pub unsafe extern "C" fn covbeam_beam_map_new(
     run(|| {
         let out = Slot::new(out, "out")?;
         // SAFETY: by the caller's promise.
-        let medium = unsafe { MediumView::read(medium, "medium") }?.kept();
+        let medium = unsafe { KeptMedium::read(medium, "medium") }?;
         out.set(handle_to(Beams { medium, state: State::Adding(Vec::new()) }));
         Ok(())
     })
@@ -208,9 +208,7 @@ pub unsafe extern "C" fn covbeam_beam_map_commit(
     let commit = |map: &mut Beams| {
         let max_radius = positive(Element::single(max_radius, "max_radius"))?;
         let beams = take(map.adding()?);
-        let KeptMedium { medium, .. } = &map.medium;
-        let density = map.medium.density();
-        match BeamMap::build_while(beams, max_radius, medium, &density, &mut go_on(poll, user)) {
+        match BeamMap::build_while(beams, max_radius, &map.medium.view(), &mut go_on(poll, user)) {
             Ok(built) => {
                 map.state = State::Committed(built);
                 Ok(())
@@ -220,6 +218,7 @@ pub unsafe extern "C" fn covbeam_beam_map_commit(
                 Err(match unfinished.reason {
                     Stop::Cancelled => cancelled(),
                     Stop::TooMany => unreachable!("covbeam_beam_map_add takes no more than MAX_BEAMS"),
+                    Stop::OtherMedium => unreachable!("no medium was there before"),
                     Stop::OutOfMemory => fail(
                         COVBEAM_OUT_OF_MEMORY,
                         format_args!("no memory for the hierarchy over the beams"),
@@ -374,15 +373,13 @@ pub unsafe extern "C" fn covbeam_beam_map_gather(
     user: *mut c_void,
 ) -> covbeam_status {
     let body = |beams: &Beams, built: &BeamMap, kernel: &Kernel, scratch: &mut Scratch| {
-        let KeptMedium { medium, .. } = &beams.medium;
-        let density = beams.medium.density();
         let Scratch { core, rays, gathered } = scratch;
         let mut go_on = go_on(poll, user);
-        if built.gather_while(rays, medium, &density, kernel, gathered, core, &mut go_on) {
-            Ok(())
-        } else {
-            Err(cancelled())
-        }
+        let medium = beams.medium.view();
+        built.gather_while(&medium, rays, kernel, gathered, core, &mut go_on).map_err(|reason| match reason {
+            Stop::Cancelled => cancelled(),
+            other => unreachable!("a gather in the map's own medium ends with {other}"),
+        })
     };
     // SAFETY: by the caller's promise.
     unsafe { gather(map, kernel, grid, count, rays, ray_stride, gathered, gathered_stride, scratch, body) }
@@ -426,7 +423,8 @@ pub unsafe extern "C" fn covbeam_beam_map_gather_shaded(
                 unsafe { shade(user, contacts.as_ptr().cast(), contacts.len(), values.as_mut_ptr().cast()) };
             returned == 0
         };
-        if built.gather_contacts(rays, kernel, gathered, core, &mut shade, &mut go_on(poll, user)) {
+        let found = built.gather_contacts(rays, kernel, gathered, core, &mut shade, &mut go_on(poll, user));
+        if found.is_ok() {
             Ok(())
         } else if returned != 0 {
             Err(fail(COVBEAM_CALLBACK_FAILED, format_args!("shade: returned {returned}")))

@@ -2,7 +2,7 @@
 
 use crate::arrays::write;
 use crate::check::{finite_not_negative, not_negative, positive_or_infinite, unit, vector};
-use crate::medium::{MediumView, covbeam_density_kind, covbeam_medium};
+use crate::medium::{self, covbeam_density_kind, covbeam_medium};
 use crate::memory::{Element, Inputs, Outputs, Slot, inputs, outputs, read};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
 use crate::types::covbeam_knot;
@@ -174,7 +174,7 @@ pub unsafe extern "C" fn covbeam_medium_knots(
 ) -> covbeam_status {
     run(|| {
         // SAFETY: by the caller's promise.
-        let medium = unsafe { MediumView::read(medium, "medium") }?;
+        let medium = unsafe { medium::read(medium, "medium") }?;
         // SAFETY: by the caller's promise.
         let (origin, direction) = unsafe { ray(origin, direction) }?;
         let length = not_negative(Element::single(length, "length"))?;
@@ -212,16 +212,12 @@ pub unsafe extern "C" fn covbeam_medium_tabulate(
 ) -> covbeam_status {
     run(|| {
         // SAFETY: by the caller's promise.
-        let medium = unsafe { MediumView::read(medium, "medium") }?;
+        let medium = unsafe { medium::read(medium, "medium") }?;
         // SAFETY: by the caller's promise.
         let (origin, direction) = unsafe { ray(origin, direction) }?;
         let length = not_negative(Element::single(length, "length"))?;
         // SAFETY: by the caller's promise.
-        unsafe {
-            fill(knots, capacity, count, |knot| {
-                medium.density.tabulate(&medium.medium, origin, direction, length, knot)
-            })
-        }
+        unsafe { fill(knots, capacity, count, |knot| medium.tabulate(origin, direction, length, knot)) }
     })
 }
 
@@ -248,7 +244,7 @@ pub unsafe extern "C" fn covbeam_medium_column(
     run(|| {
         let column = Slot::new(column, "column")?;
         // SAFETY: by the caller's promise.
-        let medium = unsafe { MediumView::read(medium, "medium") }?;
+        let medium = unsafe { medium::read(medium, "medium") }?;
         // SAFETY: by the caller's promise.
         let (origin, direction) = unsafe { ray(origin, direction) }?;
         let knots: &[Knot] = if let covbeam_core::Density::Grid(_) = medium.density {

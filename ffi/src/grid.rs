@@ -4,15 +4,15 @@ use crate::check::{finite_not_negative, positive, positive_or_infinite, vector};
 use crate::column::ordered_table;
 use crate::density::reserved;
 use crate::handle::{Opaque, free, handle_to, run_on, shared};
-use crate::medium::{MediumView, covbeam_medium};
+use crate::medium::{self, covbeam_medium};
 use crate::memory::{Element, Inputs, Outputs, Slot, aligned, inputs, outputs, read};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
 use crate::types::*;
 use core::ffi::c_void;
 use core::slice;
 use covbeam_core::{
-    Attenuation, Column, CovarianceGrid, FluenceCell, FluenceGrid, FluenceSpectrum, GridCell, GridError,
-    GridLayout, Knot, LightField,
+    Column, CovarianceGrid, FluenceCell, FluenceGrid, FluenceSpectrum, GridCell, GridError, GridLayout, Knot,
+    LightField, Segment,
 };
 
 /// A grid of fluence spectra. It collects (covbeam_grid_deposit), adds up (covbeam_grid_merge), is resolved
@@ -269,22 +269,21 @@ pub unsafe extern "C" fn covbeam_grid_deposit(
 ) -> covbeam_status {
     let deposit = |grid: &mut Grid| {
         // SAFETY: by the caller's promise.
-        let medium = unsafe { MediumView::read(medium, "medium") }?;
+        let medium = unsafe { medium::read(medium, "medium") }?;
         inputs!(count, segments, segment_stride);
         for i in 0..count {
             segment(segments.get(i))?;
         }
-        let extinction = medium.mean_extinction();
         let (mut grid, knots) = grid.collecting();
         for i in 0..count {
             let (field, table) = segment(segments.get(i))?;
             let covbeam_segment { origin, length, power, unscattered, .. } = segments.get(i).value;
             let column = match table {
                 Some(table) => Column::Knots(table),
-                None => medium.tabulated(origin.into(), field.direction, length, knots),
+                None => medium::tabulated(&medium, origin.into(), field.direction, length, knots),
             };
-            let attenuation = Attenuation { extinction, density: medium.density, column };
-            grid.deposit_segment(origin.into(), length, &field, power, unscattered == 1, &attenuation);
+            let (origin, unscattered) = (origin.into(), unscattered == 1);
+            grid.deposit(&medium, &Segment { origin, length, power, unscattered, field, column });
         }
         Ok(())
     };
@@ -324,7 +323,7 @@ pub unsafe extern "C" fn covbeam_grid_deposit_spectra(
         let (mut grid, _) = grid.collecting();
         for i in 0..count {
             let (position, spectrum, weight) = deposit(i)?;
-            grid.deposit(position, &spectrum, weight);
+            grid.deposit_spectrum(position, &spectrum, weight);
         }
         Ok(())
     };

@@ -4,7 +4,7 @@ use crate::arrays::write;
 use crate::check::positive;
 use crate::grid::{covbeam_grid, resolved};
 use crate::handle::shared;
-use crate::medium::{MediumView, covbeam_medium};
+use crate::medium::{self, covbeam_medium};
 use crate::memory::{inputs, outputs};
 use crate::status::{covbeam_status, run};
 use crate::types::*;
@@ -59,7 +59,7 @@ pub unsafe extern "C" fn covbeam_image_spectra_along(
         // SAFETY: by the caller's promise.
         let grid = resolved(unsafe { shared(grid, "grid") }?)?;
         // SAFETY: by the caller's promise.
-        let medium = unsafe { MediumView::read(medium, "medium") }?;
+        let medium = unsafe { medium::read(medium, "medium") }?;
         inputs!(count, rays, ray_stride);
         inputs!(count, steps: [covbeam_pixel_step; 2], step_stride);
         outputs!(count, spectra, spectrum_stride);
@@ -73,8 +73,8 @@ pub unsafe extern "C" fn covbeam_image_spectra_along(
         let mut knots = Vec::new();
         for i in 0..count {
             let (ray, steps) = arguments(i)?;
-            let column = medium.tabulated(ray.origin, ray.direction, ray.length, &mut knots);
-            let found = ImageSpectrum::along(&ray, &steps, &grid, &medium.medium, &medium.density, &column);
+            let column = medium::tabulated(&medium, ray.origin, ray.direction, ray.length, &mut knots);
+            let found = ImageSpectrum::along(&ray, &steps, &grid, &medium, &column);
             spectra.set(i, found.into());
         }
         Ok(())

@@ -6,7 +6,7 @@ use crate::check::{
     direction, finite, finite_each, finite_not_negative, not_negative, not_negative_each, positive,
     positive_or_infinite, vector,
 };
-use crate::medium::{MediumView, covbeam_medium};
+use crate::medium::{self, covbeam_medium};
 use crate::memory::{Inputs, Outputs, inputs, outputs};
 use crate::status::{covbeam_status, run};
 use crate::types::{covbeam_curvature, covbeam_light_field, covbeam_spectrum, curvature, light_field};
@@ -204,14 +204,13 @@ pub unsafe extern "C" fn covbeam_light_fields_carry(
     run(|| {
         outputs!(count, fields, field_stride);
         // SAFETY: by the caller's promise.
-        let medium = unsafe { MediumView::read(medium, "medium") }?;
+        let medium = unsafe { medium::read(medium, "medium") }?;
         inputs!(count, origins: [f32; 3], origin_stride);
         inputs!(count, distances, distance_stride);
-        let extinction = medium.mean_extinction();
         update(
             fields,
             |i| Ok((vector(origins.get(i))?, finite_not_negative(distances.get(i))?)),
-            |_, field, (origin, distance)| medium.density.carry(field, origin, distance, extinction),
+            |_, field, (origin, distance)| field.travel_through(&medium, origin, distance),
         )
     })
 }

@@ -56,86 +56,75 @@ fn normalized(vector: Vec3) -> Vec3 {
     (vector / vector.abs().max_element()).normalize()
 }
 
-/// A medium that has been checked.
-pub(crate) struct MediumView<'a> {
-    pub(crate) medium: Medium,
-    pub(crate) density: Density<'a>,
-    voxels: Option<&'a Arc<Volume>>,
+/// A medium as core takes it.
+///
+/// # Safety
+/// `pointer` is NULL or readable, and its density alive while the result is.
+pub(crate) unsafe fn read<'a>(pointer: *const covbeam_medium, name: &'a str) -> Result<Medium<'a>, Failure> {
+    // SAFETY: by this function's contract.
+    unsafe { read_with_voxels(pointer, name) }.map(|(medium, _)| medium)
 }
 
-impl<'a> MediumView<'a> {
-    /// # Safety
-    /// `pointer` is NULL or readable, and its density alive while the view is.
-    pub(crate) unsafe fn read(pointer: *const covbeam_medium, name: &'a str) -> Result<Self, Failure> {
-        // SAFETY: by this function's contract.
-        let options = unsafe { read_options(pointer, offset_of!(covbeam_medium, density), name) }?;
-        let whole = Element::single(options, name);
-        for coefficient in options.scattering.into_iter().chain(options.absorption) {
-            finite_not_negative(whole.part(|_| coefficient))?;
+/// A medium, and what its density is a view of.
+///
+/// # Safety
+/// As `read`.
+unsafe fn read_with_voxels<'a>(
+    pointer: *const covbeam_medium,
+    name: &'a str,
+) -> Result<(Medium<'a>, Option<&'a Arc<Volume>>), Failure> {
+    // SAFETY: by this function's contract.
+    let options = unsafe { read_options(pointer, offset_of!(covbeam_medium, density), name) }?;
+    let whole = Element::single(options, name);
+    for coefficient in options.scattering.into_iter().chain(options.absorption) {
+        finite_not_negative(whole.part(|_| coefficient))?;
+    }
+    let mut medium = Medium {
+        scattering: options.scattering.into(),
+        absorption: options.absorption.into(),
+        phase: phase(whole.part(|m| m.phase))?,
+        density: Density::Uniform,
+    };
+    if !medium.extinction().element_sum().is_finite() {
+        return Err(whole.is(format_args!("scattering and absorption add up to more than a float can be")));
+    }
+    let mut voxels = None;
+    medium.density = match options.density {
+        d if d == covbeam_density_kind::COVBEAM_DENSITY_UNIFORM as u32 => Density::Uniform,
+        d if d == covbeam_density_kind::COVBEAM_DENSITY_EXPONENTIAL as u32 => {
+            Density::Exponential(ExponentialDensity {
+                origin: vector(whole.part(|m| m.origin))?,
+                up: normalized(direction(whole.part(|m| m.up))?),
+                scale_height: positive(whole.part(|m| m.scale_height))?,
+            })
         }
-        let medium = Medium {
-            scattering: options.scattering.into(),
-            absorption: options.absorption.into(),
-            phase: phase(whole.part(|m| m.phase))?,
-        };
-        if !medium.extinction().element_sum().is_finite() {
-            return Err(
-                whole.is(format_args!("scattering and absorption add up to more than a float can be"))
-            );
+        d if d == covbeam_density_kind::COVBEAM_DENSITY_VOXELS as u32 => {
+            // SAFETY: by this function's contract.
+            let volume = unsafe { shared(options.voxels, "voxels of the medium") }?;
+            voxels = Some(volume);
+            volume.density()
         }
-        let mut voxels = None;
-        let density = match options.density {
-            d if d == covbeam_density_kind::COVBEAM_DENSITY_UNIFORM as u32 => Density::Uniform,
-            d if d == covbeam_density_kind::COVBEAM_DENSITY_EXPONENTIAL as u32 => {
-                Density::Exponential(ExponentialDensity {
-                    origin: vector(whole.part(|m| m.origin))?,
-                    up: normalized(direction(whole.part(|m| m.up))?),
-                    scale_height: positive(whole.part(|m| m.scale_height))?,
-                })
-            }
-            d if d == covbeam_density_kind::COVBEAM_DENSITY_VOXELS as u32 => {
-                // SAFETY: by this function's contract.
-                let volume = unsafe { shared(options.voxels, "voxels of the medium") }?;
-                voxels = Some(volume);
-                volume.density()
-            }
-            unknown => return Err(whole.is(format_args!("{unknown} is no covbeam_density_kind"))),
-        };
-        Ok(Self { medium, density, voxels })
-    }
+        unknown => return Err(whole.is(format_args!("{unknown} is no covbeam_density_kind"))),
+    };
+    Ok((medium, voxels))
+}
 
-    /// Mean of the channels [1/m].
-    pub(crate) fn mean_extinction(&self) -> f32 {
-        self.medium.extinction().element_sum() / 3.0
-    }
-
-    /// The column along a ray, as a gather wants it; `knots` is the memory of its table, used by voxels only.
-    pub(crate) fn tabulated<'k>(
-        &self,
-        origin: Vec3,
-        direction: Vec3,
-        length: f32,
-        knots: &'k mut Vec<Knot>,
-    ) -> Column<'k> {
-        knots.clear();
-        self.density.tabulate(&self.medium, origin, direction, length, &mut |knot| knots.push(knot));
-        self.density.column(origin, direction, knots)
-    }
-
-    /// A copy that lives as long as it is kept.
-    pub(crate) fn kept(&self) -> KeptMedium {
-        let density = match (self.voxels, self.density) {
-            (Some(volume), _) => KeptDensity::Voxels(Arc::clone(volume)),
-            (None, Density::Exponential(exponential)) => KeptDensity::Exponential(exponential),
-            (None, _) => KeptDensity::Uniform,
-        };
-        KeptMedium { medium: self.medium, density }
-    }
+/// The column along a ray, as a gather wants it; `knots` is the memory of its table, used by voxels only.
+pub(crate) fn tabulated<'k>(
+    medium: &Medium,
+    origin: Vec3,
+    direction: Vec3,
+    length: f32,
+    knots: &'k mut Vec<Knot>,
+) -> Column<'k> {
+    knots.clear();
+    medium.tabulate(origin, direction, length, &mut |knot| knots.push(knot));
+    medium.density.column(origin, direction, knots)
 }
 
 /// A medium that an object holds.
 pub(crate) struct KeptMedium {
-    pub(crate) medium: Medium,
+    coefficients: Medium<'static>,
     density: KeptDensity,
 }
 
@@ -146,12 +135,33 @@ enum KeptDensity {
 }
 
 impl KeptMedium {
-    pub(crate) fn density(&self) -> Density<'_> {
-        match &self.density {
+    /// A copy that lives as long as it is kept.
+    ///
+    /// # Safety
+    /// `pointer` is NULL or readable, and its density alive during the call.
+    pub(crate) unsafe fn read(pointer: *const covbeam_medium, name: &str) -> Result<Self, Failure> {
+        // SAFETY: by this function's contract.
+        let (medium, voxels) = unsafe { read_with_voxels(pointer, name) }?;
+        let density = match (voxels, medium.density) {
+            (Some(volume), _) => KeptDensity::Voxels(Arc::clone(volume)),
+            (None, Density::Exponential(exponential)) => KeptDensity::Exponential(exponential),
+            (None, _) => KeptDensity::Uniform,
+        };
+        let Medium { scattering, absorption, phase, .. } = medium;
+        Ok(Self {
+            coefficients: Medium { scattering, absorption, phase, density: Density::Uniform },
+            density,
+        })
+    }
+
+    /// As core takes it.
+    pub(crate) fn view(&self) -> Medium<'_> {
+        let density = match &self.density {
             KeptDensity::Uniform => Density::Uniform,
             KeptDensity::Exponential(exponential) => Density::Exponential(*exponential),
             KeptDensity::Voxels(volume) => volume.density(),
-        }
+        };
+        Medium { density, ..self.coefficients }
     }
 }
 
@@ -222,7 +232,7 @@ mod tests {
     /// The density one metre up, if the medium is taken.
     fn density_above(medium: &covbeam_medium) -> Result<f32, covbeam_status> {
         // SAFETY: a medium without voxels, which outlives the view.
-        let view = unsafe { MediumView::read(medium, "medium") };
+        let view = unsafe { read(medium, "medium") };
         view.map(|view| view.density.at(Vec3::Y)).map_err(|failure| failure.0)
     }
 

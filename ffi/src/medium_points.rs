@@ -2,7 +2,7 @@
 
 use crate::arrays::write;
 use crate::check::vector;
-use crate::medium::{MediumView, covbeam_medium};
+use crate::medium::{self, covbeam_medium};
 use crate::memory::{Slot, inputs, outputs};
 use crate::status::{covbeam_status, run};
 use crate::types::covbeam_derivatives;
@@ -41,7 +41,7 @@ pub unsafe extern "C" fn covbeam_medium_density_at_many(
 ) -> covbeam_status {
     run(|| {
         // SAFETY: by the caller's promise.
-        let medium = unsafe { MediumView::read(medium, "medium") }?;
+        let medium = unsafe { medium::read(medium, "medium") }?;
         inputs!(count, positions: [f32; 3], position_stride);
         outputs!(count, densities, density_stride);
         write(densities, |i| vector(positions.get(i)), |position| medium.density.at(position))
@@ -82,7 +82,7 @@ pub unsafe extern "C" fn covbeam_medium_derivatives_at_many(
 ) -> covbeam_status {
     run(|| {
         // SAFETY: by the caller's promise.
-        let medium = unsafe { MediumView::read(medium, "medium") }?;
+        let medium = unsafe { medium::read(medium, "medium") }?;
         inputs!(count, positions: [f32; 3], position_stride);
         outputs!(count, derivatives, derivative_stride);
         write(
@@ -107,7 +107,7 @@ pub unsafe extern "C" fn covbeam_medium_step(
     run(|| {
         let step = Slot::new(step, "step")?;
         // SAFETY: by the caller's promise.
-        let medium = unsafe { MediumView::read(medium, "medium") }?;
+        let medium = unsafe { medium::read(medium, "medium") }?;
         step.set(medium.density.step());
         Ok(())
     })

@@ -2,7 +2,7 @@
 
 use crate::arrays::write;
 use crate::check::{not_negative, unit, vector};
-use crate::medium::{MediumView, covbeam_medium};
+use crate::medium::{self, covbeam_medium};
 use crate::memory::{Inputs, Slot, inputs, outputs};
 use crate::status::{Failure, covbeam_status, run};
 use covbeam_core::{Column, Density, Knot};
@@ -115,7 +115,7 @@ pub unsafe extern "C" fn covbeam_medium_column_at_many(
 ) -> covbeam_status {
     run(|| {
         // SAFETY: by the caller's promise.
-        let medium = unsafe { MediumView::read(medium, "medium") }?;
+        let medium = unsafe { medium::read(medium, "medium") }?;
         // SAFETY: by the caller's promise.
         let rays = unsafe { Rays::new(count, origins, origin_stride, directions, direction_stride) }?;
         inputs!(count, distances, distance_stride);
@@ -183,7 +183,7 @@ pub unsafe extern "C" fn covbeam_medium_distance_at_many(
 ) -> covbeam_status {
     run(|| {
         // SAFETY: by the caller's promise.
-        let medium = unsafe { MediumView::read(medium, "medium") }?;
+        let medium = unsafe { medium::read(medium, "medium") }?;
         // SAFETY: by the caller's promise.
         let rays = unsafe { Rays::new(count, origins, origin_stride, directions, direction_stride) }?;
         inputs!(count, lengths, length_stride);
@@ -244,7 +244,7 @@ pub unsafe extern "C" fn covbeam_medium_transmittance_many(
 ) -> covbeam_status {
     run(|| {
         // SAFETY: by the caller's promise.
-        let medium = unsafe { MediumView::read(medium, "medium") }?;
+        let medium = unsafe { medium::read(medium, "medium") }?;
         // SAFETY: by the caller's promise.
         let rays = unsafe { Rays::new(count, origins, origin_stride, directions, direction_stride) }?;
         inputs!(count, distances, distance_stride);
@@ -254,7 +254,7 @@ pub unsafe extern "C" fn covbeam_medium_transmittance_many(
             |i| Ok((rays.get(i)?, not_negative(distances.get(i))?)),
             |((origin, direction), distance)| {
                 let column = column_at(&medium.density, origin, direction, distance);
-                medium.medium.transmittance(column).into()
+                medium.transmittance(column).into()
             },
         )
     })
@@ -292,14 +292,10 @@ pub unsafe extern "C" fn covbeam_medium_column_transmittance_many(
 ) -> covbeam_status {
     run(|| {
         // SAFETY: by the caller's promise.
-        let medium = unsafe { MediumView::read(medium, "medium") }?;
+        let medium = unsafe { medium::read(medium, "medium") }?;
         inputs!(count, columns, column_stride);
         outputs!(count, transmittances: [f32; 3], transmittance_stride);
-        write(
-            transmittances,
-            |i| not_negative(columns.get(i)),
-            |column| medium.medium.transmittance(column).into(),
-        )
+        write(transmittances, |i| not_negative(columns.get(i)), |column| medium.transmittance(column).into())
     })
 }
 
@@ -316,8 +312,8 @@ pub unsafe extern "C" fn covbeam_medium_opaque_column(
     run(|| {
         let column = Slot::new(column, "column")?;
         // SAFETY: by the caller's promise.
-        let medium = unsafe { MediumView::read(medium, "medium") }?;
-        column.set(medium.medium.opaque_column());
+        let medium = unsafe { medium::read(medium, "medium") }?;
+        column.set(medium.opaque_column());
         Ok(())
     })
 }
@@ -362,21 +358,21 @@ pub unsafe extern "C" fn covbeam_medium_reach_many(
 ) -> covbeam_status {
     run(|| {
         // SAFETY: by the caller's promise.
-        let medium = unsafe { MediumView::read(medium, "medium") }?;
+        let medium = unsafe { medium::read(medium, "medium") }?;
         // SAFETY: by the caller's promise.
         let rays = unsafe { Rays::new(count, origins, origin_stride, directions, direction_stride) }?;
         outputs!(count, distances, distance_stride);
-        let opaque = medium.medium.opaque_column();
+        let opaque = medium.opaque_column();
         write(
             distances,
             |i| rays.get(i),
             |(origin, direction)| {
                 // Of the table only the end is looked at.
                 let mut last = None;
-                medium.density.tabulate(&medium.medium, origin, direction, f32::INFINITY, &mut |knot| {
+                medium.tabulate(origin, direction, f32::INFINITY, &mut |knot| {
                     last = Some(knot);
                 });
-                medium.density.reach(origin, direction, opaque, last.as_slice())
+                medium.density.opaque_distance(origin, direction, opaque, last.as_slice())
             },
         )
     })
@@ -539,7 +535,7 @@ mod tests {
     #[test]
     fn the_two_knots_kept_give_the_distance_that_the_whole_table_gives() {
         let smoke = smoke();
-        let view = unsafe { MediumView::read(&smoke.medium, "medium") }.unwrap();
+        let view = unsafe { medium::read(&smoke.medium, "medium") }.unwrap();
         let (origin, direction) = (Vec3::new(0.2, 0.1, -0.3), Vec3::new(0.36, 0.48, 0.8));
         for step in 0..60 {
             let column = 0.03 * step as f32;

@@ -6,7 +6,7 @@ use crate::kernel::covbeam_kernel;
 use crate::medium::covbeam_medium;
 use crate::status::covbeam_status::COVBEAM_OK;
 use crate::types::*;
-use covbeam_core::{Beam, BeamMap, Density, EyeRay, GatherScratch, Gathered, Kernel, KernelShape, Medium};
+use covbeam_core::{Beam, BeamMap, EyeRay, GatherScratch, Gathered, Kernel, KernelShape, Medium};
 use glam::Vec3;
 use std::ptr::{null, null_mut};
 use std::time::Instant;
@@ -55,14 +55,14 @@ fn overhead_of_a_gather() {
         error: 0.01,
         grid: None,
     };
-    let map = BeamMap::build(beams(), RADIUS, &fog, &Density::Uniform);
+    let map = BeamMap::build(beams(), RADIUS, &fog);
     let mut scratch = GatherScratch::default();
     let mut rust = move |out: &mut Vec<Gathered>| {
         out.clear();
         let start = Instant::now();
         for rays in &tiles {
             let mut gathered = [Gathered::default(); 64];
-            map.gather(rays, &fog, &Density::Uniform, &kernel, &mut gathered, &mut scratch);
+            map.gather(&fog, rays, &kernel, &mut gathered, &mut scratch).unwrap();
             out.extend(gathered);
         }
         start.elapsed().as_secs_f64()

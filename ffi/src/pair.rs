@@ -4,14 +4,14 @@ use crate::check::{not_negative, positive};
 use crate::column::{column, covbeam_column};
 use crate::grid::covbeam_grid;
 use crate::kernel::{self, covbeam_kernel};
-use crate::medium::{MediumView, covbeam_medium};
+use crate::medium::{self, covbeam_medium};
 use crate::memory::{Element, Inputs, Slot, inputs, outputs, read};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
 use crate::types::{
     beam, covbeam_beam, covbeam_crossing, covbeam_eye_ray, covbeam_gathered, eye_ray, gathered,
 };
 use core::ptr;
-use covbeam_core::{BLOCK, BeamBlock, Column, Density, EyeRay, Gathered, Passage, cross, gather_pair};
+use covbeam_core::{BLOCK, BeamBlock, Column, Density, EyeRay, Gathered, cross, gather_pair};
 use glam::Vec3;
 
 unsafe fn read_ray(pointer: *const covbeam_eye_ray) -> Result<EyeRay, Failure> {
@@ -185,7 +185,7 @@ pub unsafe extern "C" fn covbeam_gather_pairs(
         inputs!(count, froms, from_stride);
         inputs!(count, tos, to_stride);
         // SAFETY: by the caller's promise.
-        let medium = unsafe { MediumView::read(medium, "medium") }?;
+        let medium = unsafe { medium::read(medium, "medium") }?;
         // SAFETY: by the caller's promise.
         let kernel = unsafe { kernel::read(kernel, grid) }?;
         // SAFETY: by the caller's promise.
@@ -224,9 +224,9 @@ pub unsafe extern "C" fn covbeam_gather_pairs(
         }
         for i in 0..count {
             let (beam, from, to, along) = arguments(i)?;
-            let passage =
-                Passage { medium: &medium.medium, density: medium.density, ray: ray_column, beam: along };
-            accepted.set(i, u8::from(gather_pair(&ray, &beam, from, to, &passage, &kernel, &mut sum)));
+            let columns = [ray_column, along];
+            let found = gather_pair(&ray, &beam, [from, to], &medium, &columns, &kernel, &mut sum);
+            accepted.set(i, u8::from(found));
         }
         out.set(sum.into());
         Ok(())

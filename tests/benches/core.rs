@@ -21,11 +21,11 @@
 //! - nodes of a picture: 20 bytes a pixel read, a third as many written: 1.3 ns a pixel.
 
 use covbeam::{
-    Attenuation, Beam, BeamMap, Contact, CovarianceGrid, Curvature, Density, DensityGrid, ExponentialDensity,
+    Beam, BeamMap, Column, Contact, CovarianceGrid, Curvature, Density, DensityGrid, ExponentialDensity,
     EyeRay, FilmNode, FilmSample, FluenceCell, FluenceGrid, FluenceSpectrum, GatherScratch, Gathered,
     GridCell, GridLayout, ImageFilter, ImageSpectrum, Kernel, KernelShape, LightField, MARCH_KNOTS, March,
-    MarchCell, MarchKnot, MarchSample, Medium, Passage, PhaseFunction, PixelStep, Reconstruction, Vec3,
-    gather_pair, pixel_threshold,
+    MarchCell, MarchKnot, MarchSample, Medium, PixelStep, Reconstruction, Segment, Vec3, gather_pair,
+    pixel_threshold,
 };
 use covbeam_render::random::Random;
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
@@ -44,8 +44,7 @@ fn point(random: &mut Random) -> Vec3 {
 
 const LAYOUT: GridLayout = GridLayout { min: Vec3::splat(-4.0), max: Vec3::splat(4.0), cells: [32, 32, 32] };
 
-const FOG: Medium =
-    Medium { scattering: Vec3::splat(0.2), absorption: Vec3::splat(0.02), phase: PhaseFunction::ISOTROPIC };
+const FOG: Medium = Medium::homogeneous(0.2, 0.02);
 
 fn cells() -> Vec<FluenceCell> {
     let mut random = Random::new([1, 1, 1, 1]);
@@ -113,13 +112,16 @@ fn grid(c: &mut Criterion) {
     group.throughput(Throughput::Elements(1));
     group.bench_function("deposit_segment of length 6", |b| {
         b.iter(|| {
-            accumulator.deposit_segment(
-                Vec3::splat(-2.0),
-                6.0,
-                black_box(&field),
-                1.0,
-                true,
-                &Attenuation::homogeneous(0.2),
+            accumulator.deposit(
+                &Medium::homogeneous(0.0, 0.2),
+                &Segment {
+                    origin: Vec3::splat(-2.0),
+                    length: 6.0,
+                    power: 1.0,
+                    unscattered: true,
+                    field: *black_box(&field),
+                    column: Column::Uniform,
+                },
             )
         });
     });
@@ -215,7 +217,7 @@ fn gather(c: &mut Criterion) {
         group.bench_with_input(BenchmarkId::from_parameter(count), &beams, |b, beams| {
             b.iter_batched(
                 || beams.clone(),
-                |beams| BeamMap::build(beams, 0.01, &FOG, &Density::Uniform),
+                |beams| BeamMap::build(beams, 0.01, &FOG),
                 BatchSize::PerIteration,
             );
         });
@@ -230,15 +232,15 @@ fn gather(c: &mut Criterion) {
             ("plain 0.004", plain(0.004)),
             ("adaptive", Kernel { max_radius: 0.2, grid: Some(view), ..plain(0.004) }),
         ] {
-            let map = BeamMap::build(beams(count), kernel.max_radius, &FOG, &Density::Uniform);
+            let map = BeamMap::build(beams(count), kernel.max_radius, &FOG);
             let mut scratch = GatherScratch::default();
             let mut gathered = vec![Gathered::default(); rays.len()];
-            map.gather(&rays, &FOG, &Density::Uniform, &kernel, &mut gathered, &mut scratch);
+            map.gather(&FOG, &rays, &kernel, &mut gathered, &mut scratch).unwrap();
             let pairs: u64 = gathered.iter().map(|g| u64::from(g.pairs)).sum();
             println!("{name}/{count}: {:.1} pairs a ray", pairs as f64 / rays.len() as f64);
             group.throughput(Throughput::Elements(pairs.max(1)));
             group.bench_function(BenchmarkId::new(name, count), |b| {
-                b.iter(|| map.gather(&rays, &FOG, &Density::Uniform, &kernel, &mut gathered, &mut scratch));
+                b.iter(|| map.gather(&FOG, &rays, &kernel, &mut gathered, &mut scratch).unwrap());
             });
         }
     }
@@ -249,22 +251,23 @@ fn gather(c: &mut Criterion) {
         ("exponential", Density::Exponential(air)),
         ("voxels", Density::Grid(DensityGrid::new(layout, &values).unwrap())),
     ] {
-        let map = BeamMap::build(beams(10_000), 0.05, &FOG, &density);
+        let medium = Medium { density, ..FOG };
+        let map = BeamMap::build(beams(10_000), 0.05, &medium);
         println!("{name}: {:.0} bytes a beam", map.memory() as f64 / 10_000.0);
         let mut scratch = GatherScratch::default();
         let mut gathered = vec![Gathered::default(); rays.len()];
-        map.gather(&rays, &FOG, &density, &plain(0.05), &mut gathered, &mut scratch);
+        map.gather(&medium, &rays, &plain(0.05), &mut gathered, &mut scratch).unwrap();
         let pairs: u64 = gathered.iter().map(|g| u64::from(g.pairs)).sum();
         group.throughput(Throughput::Elements(pairs));
         group.bench_function(BenchmarkId::new("medium", name), |b| {
-            b.iter(|| map.gather(&rays, &FOG, &density, &plain(0.05), &mut gathered, &mut scratch));
+            b.iter(|| map.gather(&medium, &rays, &plain(0.05), &mut gathered, &mut scratch).unwrap());
         });
     }
     // The homogeneous medium again, as a host's own: what the way through its callback costs.
-    let map = BeamMap::build(beams(10_000), 0.05, &FOG, &Density::Uniform);
+    let map = BeamMap::build(beams(10_000), 0.05, &FOG);
     let mut scratch = GatherScratch::default();
     let mut gathered = vec![Gathered::default(); rays.len()];
-    map.gather(&rays, &FOG, &Density::Uniform, &plain(0.05), &mut gathered, &mut scratch);
+    map.gather(&FOG, &rays, &plain(0.05), &mut gathered, &mut scratch).unwrap();
     let pairs: u64 = gathered.iter().map(|g| u64::from(g.pairs)).sum();
     let mut shade = |contacts: &[Contact], products: &mut [Vec3]| {
         for (contact, product) in contacts.iter().zip(products) {
@@ -294,9 +297,9 @@ fn gather(c: &mut Criterion) {
             gather_pair(
                 black_box(&rays[0]),
                 &beam,
-                0.0,
-                2.0,
-                &Passage::homogeneous(&FOG),
+                [0.0, 2.0],
+                &FOG,
+                &[Column::Uniform; 2],
                 &radius,
                 &mut gathered,
             )
@@ -335,10 +338,11 @@ fn film(c: &mut Criterion) {
         ("voxels", Density::Grid(DensityGrid::new(layout, &values).unwrap())),
     ] {
         let mut knots = Vec::new();
-        density.tabulate(&FOG, ray.origin, ray.direction, ray.length, &mut |knot| knots.push(knot));
+        let medium = Medium { density, ..FOG };
+        medium.tabulate(ray.origin, ray.direction, ray.length, &mut |knot| knots.push(knot));
         let column = density.column(ray.origin, ray.direction, &knots);
         group.bench_function(BenchmarkId::new("spectrum", name), |b| {
-            b.iter(|| ImageSpectrum::along(black_box(&ray), &steps, &view, &FOG, &density, &column));
+            b.iter(|| ImageSpectrum::along(black_box(&ray), &steps, &view, &medium, &column));
         });
     }
 

@@ -4,13 +4,13 @@ use std::hint::black_box;
 
 use allocation_counter::measure;
 use covbeam::{
-    Attenuation, Beam, BeamBlock, Column, CovarianceGrid, Curvature, Density, DensityGrid,
-    ExponentialDensity, EyeRay, FILM_TILE_PIXELS, FilmFilterNode, FilmFilters, FilmLattice, FilmNode,
-    FilmPixel, FilmSample, FilmSums, FilmUnit, FluenceCell, FluenceGrid, FluenceSpectrum, Gathered, GridCell,
-    GridError, GridLayout, ImageFilter, ImageSpectrum, Kernel, KernelShape, Knot, LightField, March,
-    MarchCell, MarchKnot, MarchSample, Medium, Passage, PhaseFunction, PhaseKind, PixelStep, Reconstruction,
-    Vec2, Vec3, cross, error_bound, film_regions, gather_pair, pixel_threshold, progressive_radius,
-    standard_errors, verify_filters,
+    Beam, BeamBlock, Column, CovarianceGrid, Curvature, Density, DensityGrid, ExponentialDensity, EyeRay,
+    FILM_TILE_PIXELS, FilmFilterNode, FilmFilters, FilmLattice, FilmNode, FilmPixel, FilmSample, FilmSums,
+    FilmUnit, FluenceCell, FluenceGrid, FluenceSpectrum, Gathered, GridCell, GridError, GridLayout,
+    ImageFilter, ImageSpectrum, Kernel, KernelShape, Knot, LightField, March, MarchCell, MarchKnot,
+    MarchSample, Medium, PhaseFunction, PhaseKind, PixelStep, Reconstruction, Segment, Vec2, Vec3, cross,
+    error_bound, film_regions, gather_pair, pixel_threshold, progressive_radius, standard_errors,
+    verify_filters,
 };
 
 const LAYOUT: GridLayout = GridLayout { min: Vec3::splat(-2.0), max: Vec3::splat(2.0), cells: [8, 8, 8] };
@@ -68,18 +68,21 @@ fn the_grid_does_not_allocate() {
     let mut found = None;
     let count = allocations(|| {
         let mut grid = CovarianceGrid::new(LAYOUT, &mut cells).unwrap();
-        grid.deposit(Vec3::ZERO, &FluenceSpectrum::from_array([1.0; 6]), 1.0);
+        grid.deposit_spectrum(Vec3::ZERO, &FluenceSpectrum::from_array([1.0; 6]), 1.0);
         let field = LightField::point(Vec3::X, 0.1);
         let mut spectrum = field.fluence();
         spectrum.add_along(Vec3::X, 0.1);
         black_box(spectrum);
-        grid.deposit_segment(
-            Vec3::new(-3.0, 0.1, 0.1),
-            9.0,
-            &field,
-            1.0,
-            true,
-            &Attenuation::homogeneous(0.4),
+        grid.deposit(
+            &Medium::homogeneous(0.0, 0.4),
+            &Segment {
+                origin: Vec3::new(-3.0, 0.1, 0.1),
+                length: 9.0,
+                power: 1.0,
+                unscattered: true,
+                field,
+                column: Column::Uniform,
+            },
         );
         grid.merge(&more).unwrap();
         grid.resolve(&mut means).unwrap();
@@ -99,7 +102,8 @@ fn media_and_kernels_do_not_allocate() {
     let count = allocations(|| {
         for kind in [PhaseKind::Isotropic, PhaseKind::HenyeyGreenstein, PhaseKind::Rayleigh] {
             let phase = PhaseFunction { kind, asymmetry: 0.6 };
-            let medium = Medium { scattering: Vec3::new(0.1, 0.2, 0.3), absorption: Vec3::ONE, phase };
+            let scattering = Vec3::new(0.1, 0.2, 0.3);
+            let medium = Medium { scattering, phase, ..Medium::homogeneous(0.0, 1.0) };
             black_box((medium.extinction(), medium.opaque_column(), medium.transmittance(2.0)));
             black_box((phase.evaluate(0.3), phase.sample_cosine(0.7), phase.angular_variance()));
             black_box(phase.sample(Vec3::Y, Vec2::new(0.3, 0.7).to_array()));
@@ -130,12 +134,13 @@ fn densities_do_not_allocate() {
                 knots[used] = knot;
                 used += 1;
             });
-            density.tabulate(&Medium::default(), Vec3::ZERO, Vec3::X, 1.0, &mut |_| ());
+            let medium = Medium { density, ..Medium::homogeneous(0.1, 0.1) };
+            medium.tabulate(Vec3::ZERO, Vec3::X, 1.0, &mut |_| ());
             let column: Column = density.column(Vec3::splat(-0.1), Vec3::X, &knots[..used]);
             black_box((column.at(0.3), column.distance_at(0.2)));
-            black_box(density.reach(Vec3::ZERO, Vec3::X, 9.0, &knots[..used]));
+            black_box(density.opaque_distance(Vec3::ZERO, Vec3::X, 9.0, &knots[..used]));
             black_box((density.at(Vec3::ZERO), density.derivatives(Vec3::ZERO), density.step()));
-            density.carry(&mut LightField::point(Vec3::X, 0.1), Vec3::ZERO, 1.0, 0.2);
+            LightField::point(Vec3::X, 0.1).travel_through(&medium, Vec3::ZERO, 1.0);
         }
     });
     assert!(used > 1);
@@ -162,7 +167,7 @@ fn the_gather_does_not_allocate() {
         let grid = FluenceGrid::new(LAYOUT, &means).ok();
         let kernel = Kernel { shape: KernelShape::Box, min_radius: 0.02, max_radius: 0.1, error: 0.01, grid };
         black_box((cross(&ray, &beam), kernel.radius_at(Vec3::ZERO, Vec3::X)));
-        gather_pair(&ray, &beam, 0.0, beam.length, &Passage::homogeneous(&medium), &kernel, &mut gathered);
+        gather_pair(&ray, &beam, [0.0, beam.length], &medium, &[Column::Uniform; 2], &kernel, &mut gathered);
         let mut block = BeamBlock::EMPTY;
         block.set(0, &beam, 0.0, beam.length);
         block.clear_from(1);
@@ -184,11 +189,11 @@ fn image_space_does_not_allocate() {
         let ray = EyeRay { origin: Vec3::splat(-1.0), direction: Vec3::Z, length: f32::INFINITY };
         let steps =
             [Vec3::X, Vec3::NEG_Y].map(|step| PixelStep { origin: Vec3::ZERO, direction: 0.01 * step });
-        let medium = Medium { scattering: Vec3::ONE, ..Medium::default() };
         let air = ExponentialDensity { origin: Vec3::ZERO, up: Vec3::Y, scale_height: 2.0 };
         let density = Density::Exponential(air);
+        let medium = Medium { density, ..Medium::homogeneous(1.0, 0.0) };
         let column = density.column(ray.origin, ray.direction, &[]);
-        let found = ImageSpectrum::along(&ray, &steps, &grid, &medium, &density, &column);
+        let found = ImageSpectrum::along(&ray, &steps, &grid, &medium, &column);
         let filter: ImageFilter = found.filter(0.04, 16.0);
         for i in 0..33 * 17 {
             if pixel_threshold(i % 33, i / 33, 1, 0) < filter.density() {

@@ -1,8 +1,8 @@
 //! Beams against the naive twin: every pair tested, in double precision.
 
 use covbeam::{
-    BLOCK, Beam, BeamBlock, BeamMap, Density, EyeRay, GatherScratch, Gathered, Kernel, KernelShape, Medium,
-    Passage, PhaseFunction, Vec3, cross, gather_pair,
+    BLOCK, Beam, BeamBlock, BeamMap, Column, EyeRay, GatherScratch, Gathered, Kernel, KernelShape, Medium,
+    Vec3, cross, gather_pair,
 };
 use covbeam_render::random::Random;
 use glam::DVec3;
@@ -24,7 +24,7 @@ fn point(random: &mut Random) -> Vec3 {
 const FOG: Medium = Medium {
     scattering: Vec3::new(0.2, 0.15, 0.1),
     absorption: Vec3::new(0.02, 0.03, 0.0),
-    phase: PhaseFunction::ISOTROPIC,
+    ..Medium::homogeneous(0.0, 0.0)
 };
 
 fn plain(radius: f32) -> Kernel<'static> {
@@ -85,9 +85,9 @@ fn one_pair_agrees_with_the_textbook_estimator_in_double_precision() {
         let accepted = gather_pair(
             &ray,
             &beam,
-            0.0,
-            beam.length,
-            &Passage::homogeneous(&FOG),
+            [0.0, beam.length],
+            &FOG,
+            &[Column::Uniform; 2],
             &plain(0.3),
             &mut gathered,
         );
@@ -134,7 +134,7 @@ fn the_map_accepts_the_same_pairs_as_testing_every_beam() {
     let mut random = Random::new([9, 9, 9, 9]);
     for (count, radius) in [(1, 0.3), (7, 0.5), (500, 0.2), (3000, 0.02), (3000, 0.6)] {
         let beams = random_beams(count, &mut random);
-        let map = BeamMap::build(beams.clone(), radius, &FOG, &Density::Uniform);
+        let map = BeamMap::build(beams.clone(), radius, &FOG);
         assert_eq!(map.beams().len(), count);
         let mut scratch = GatherScratch::default();
         for spread in [0.0, 0.02, 0.3, 3.0] {
@@ -148,16 +148,16 @@ fn the_map_accepts_the_same_pairs_as_testing_every_beam() {
                 })
                 .collect();
             let mut fast = vec![Gathered::default(); rays.len()];
-            map.gather(&rays, &FOG, &Density::Uniform, &plain(radius), &mut fast, &mut scratch);
+            map.gather(&FOG, &rays, &plain(radius), &mut fast, &mut scratch).unwrap();
             for (ray, fast) in rays.iter().zip(&fast) {
                 let mut slow = Gathered::default();
                 for beam in &beams {
                     gather_pair(
                         ray,
                         beam,
-                        0.0,
-                        beam.length,
-                        &Passage::homogeneous(&FOG),
+                        [0.0, beam.length],
+                        &FOG,
+                        &[Column::Uniform; 2],
                         &plain(radius),
                         &mut slow,
                     );
@@ -184,8 +184,7 @@ fn a_wall_neither_takes_nor_gives_light() {
     let wall = Vec3::new(0.3, 0.2, -1.0).normalize();
     let b = Vec3::new(0.3, 0.0, 1.0).normalize();
     let e = Vec3::new(-0.6, 0.0, 1.0).normalize();
-    let clear =
-        Medium { scattering: Vec3::splat(1e-6), absorption: Vec3::ZERO, phase: PhaseFunction::ISOTROPIC };
+    let clear = Medium::homogeneous(1e-6, 0.0);
     // Distance along `direction` from `from` to the wall through the origin.
     let to_wall = |from: Vec3, direction: Vec3| -from.dot(wall) / direction.dot(wall);
     let radius = 0.4;
@@ -212,7 +211,7 @@ fn a_wall_neither_takes_nor_gives_light() {
                 start_normal: Vec3::ZERO,
                 end_normal: wall,
             };
-            gather_pair(&ray, &beam, 0.0, length, &Passage::homogeneous(&clear), &plain(radius), &mut sum);
+            gather_pair(&ray, &beam, [0.0, length], &clear, &[Column::Uniform; 2], &plain(radius), &mut sum);
         }
     }
     let unit = 1e-6 / (4.0 * std::f32::consts::PI) / e.cross(b).length();
@@ -235,10 +234,10 @@ fn worthless_beams_and_rays_change_nothing() {
         Beam { power: Vec3::splat(f32::INFINITY), ..good },
         Beam { origin: Vec3::splat(3e38), direction: Vec3::X, length: 3e38, ..good },
     ];
-    let unsound = BeamMap::build(bad.to_vec(), 0.1, &FOG, &Density::Uniform);
+    let unsound = BeamMap::build(bad.to_vec(), 0.1, &FOG);
     // Kept, so that indices are the caller's, but in no piece.
     assert_eq!((unsound.beams().len(), unsound.memory()), (bad.len(), bad.len() * size_of::<Beam>()));
-    let map = BeamMap::build(vec![good], 0.1, &FOG, &Density::Uniform);
+    let map = BeamMap::build(vec![good], 0.1, &FOG);
     let mut scratch = GatherScratch::default();
     let ray = EyeRay { origin: Vec3::new(0.5, 0.0, -1.0), direction: Vec3::Z, length: 2.0 };
     let rays = [
@@ -251,15 +250,15 @@ fn worthless_beams_and_rays_change_nothing() {
     ];
     for ray in rays {
         let mut gathered = [Gathered::default()];
-        map.gather(&[ray], &FOG, &Density::Uniform, &plain(0.1), &mut gathered, &mut scratch);
+        map.gather(&FOG, &[ray], &plain(0.1), &mut gathered, &mut scratch).unwrap();
         assert_eq!(gathered[0], Gathered::default(), "{ray:?}");
     }
     let mut gathered = [Gathered::default()];
-    map.gather(&[ray], &FOG, &Density::Uniform, &plain(0.1), &mut gathered, &mut scratch);
+    map.gather(&FOG, &[ray], &plain(0.1), &mut gathered, &mut scratch).unwrap();
     assert_eq!(gathered[0].pairs, 1);
     for radius in [0.0, -1.0, nan] {
         let mut gathered = [Gathered::default()];
-        map.gather(&[ray], &FOG, &Density::Uniform, &plain(radius), &mut gathered, &mut scratch);
+        map.gather(&FOG, &[ray], &plain(radius), &mut gathered, &mut scratch).unwrap();
         assert_eq!(gathered[0], Gathered::default(), "radius {radius}");
     }
 }
@@ -281,9 +280,9 @@ fn the_filter_lets_every_accepted_pair_through_and_few_others() {
             if gather_pair(
                 &ray,
                 beam,
-                0.0,
-                beam.length,
-                &Passage::homogeneous(&FOG),
+                [0.0, beam.length],
+                &FOG,
+                &[Column::Uniform; 2],
                 &plain(0.1),
                 &mut gathered,
             ) {
@@ -303,9 +302,7 @@ fn the_filter_lets_every_accepted_pair_through_and_few_others() {
 
 #[test]
 fn a_map_says_what_it_holds() {
-    let map = |count| {
-        BeamMap::build(random_beams(count, &mut Random::new([6, 6, 6, 6])), 0.1, &FOG, &Density::Uniform)
-    };
+    let map = |count| BeamMap::build(random_beams(count, &mut Random::new([6, 6, 6, 6])), 0.1, &FOG);
     let (small, large) = (map(100).memory(), map(10_000).memory());
     let bytes = large as f64 / 10_000.0;
     // 76 bytes a beam, 36 a piece and 32 a node, about four pieces a beam and two nodes or less a piece.

@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use covbeam::{
     Beam, BeamMap, Column, Contact, Density, DensityGrid, ExponentialDensity, EyeRay, GatherScratch,
-    Gathered, GridLayout, Kernel, KernelShape, Knot, MAX_BEAMS, Medium, Passage, PhaseFunction, PhaseKind,
-    Stop, Vec3, gather_pair,
+    Gathered, GridLayout, Kernel, KernelShape, Knot, MAX_BEAMS, Medium, PhaseFunction, PhaseKind, Stop, Vec3,
+    gather_pair,
 };
 use covbeam_tests::random::Stream;
 
@@ -13,7 +13,13 @@ const FOG: Medium = Medium {
     scattering: Vec3::new(0.2, 0.15, 0.1),
     absorption: Vec3::new(0.02, 0.03, 0.0),
     phase: PhaseFunction { kind: PhaseKind::HenyeyGreenstein, asymmetry: 0.6 },
+    density: Density::Uniform,
 };
+
+/// [`FOG`] with a density.
+fn fog(density: Density) -> Medium {
+    Medium { density, ..FOG }
+}
 
 const AIR: Density<'static> =
     Density::Exponential(ExponentialDensity { origin: Vec3::ZERO, up: Vec3::Y, scale_height: 2.0 });
@@ -74,17 +80,16 @@ fn rays(count: usize) -> Vec<EyeRay> {
 
 fn gather(map: &BeamMap, rays: &[EyeRay], density: &Density, kernel: &Kernel) -> Vec<Gathered> {
     let mut gathered = vec![Gathered::default(); rays.len()];
-    map.gather(rays, &FOG, density, kernel, &mut gathered, &mut GatherScratch::default());
+    map.gather(&fog(*density), rays, kernel, &mut gathered, &mut GatherScratch::default()).unwrap();
     gathered
 }
 
 /// Each ray against each beam.
 fn naive(beams: &[Beam], rays: &[EyeRay], kernel: &Kernel) -> Vec<Gathered> {
     let mut gathered = vec![Gathered::default(); rays.len()];
-    let passage = Passage::homogeneous(&FOG);
     for (ray, gathered) in rays.iter().zip(&mut gathered) {
         for beam in beams {
-            gather_pair(ray, beam, 0.0, beam.length, &passage, kernel, gathered);
+            gather_pair(ray, beam, [0.0, beam.length], &FOG, &[Column::Uniform; 2], kernel, gathered);
         }
     }
     gathered
@@ -108,7 +113,7 @@ fn a_map_of_many_chunks_gathers_pair_for_pair_what_every_beam_does() {
     let beams = random_beams(60_000);
     let rays = rays(100);
     for radius in [0.02, 0.1] {
-        let map = BeamMap::build(beams.clone(), radius, &FOG, &Density::Uniform);
+        let map = BeamMap::build(beams.clone(), radius, &FOG);
         let found = gather(&map, &rays, &Density::Uniform, &plain(radius));
         assert!(found.iter().map(|g| g.pairs).sum::<u32>() > 1000);
         // Up to 2000 terms in another order.
@@ -120,8 +125,7 @@ fn a_map_of_many_chunks_gathers_pair_for_pair_what_every_beam_does() {
 fn a_map_built_for_wide_kernels_gathers_with_narrow_ones_what_every_beam_does() {
     let beams = random_beams(60_000);
     let rays = rays(300);
-    let [wide, narrow] =
-        [0.5, 0.02].map(|max_radius| BeamMap::build(beams.clone(), max_radius, &FOG, &Density::Uniform));
+    let [wide, narrow] = [0.5, 0.02].map(|max_radius| BeamMap::build(beams.clone(), max_radius, &FOG));
     let found = gather(&wide, &rays, &Density::Uniform, &plain(0.02));
     assert!(found.iter().map(|g| g.pairs).sum::<u32>() > 1000);
     // Up to 500 terms in another order.
@@ -140,7 +144,7 @@ fn far_from_the_origin_a_map_accepts_what_every_beam_does() {
         random_beams(40_000).into_iter().map(|beam| Beam { origin: moved(beam.origin), ..beam }).collect();
     let rays: Vec<EyeRay> =
         rays(200).into_iter().map(|ray| EyeRay { origin: moved(ray.origin), ..ray }).collect();
-    let map = BeamMap::build(beams.clone(), 0.01, &FOG, &Density::Uniform);
+    let map = BeamMap::build(beams.clone(), 0.01, &FOG);
     let found = gather(&map, &rays, &Density::Uniform, &plain(0.01));
     assert!(found.iter().map(|g| g.pairs).sum::<u32>() > 1000);
     // Up to 500 terms in another order.
@@ -174,7 +178,7 @@ fn a_map_of_beams_on_one_spot_is_built_and_gathers_what_every_beam_does() {
         })
         .collect();
     for (name, beams) in degenerate_beams(50_000) {
-        let map = BeamMap::build(beams.clone(), 0.05, &FOG, &Density::Uniform);
+        let map = BeamMap::build(beams.clone(), 0.05, &FOG);
         // No more than four pieces a beam, however the lengths are spread.
         assert!(map.memory() < 50_000 * (76 + 4 * (36 + 64)) + 10_000, "{name}: {}", map.memory());
         let found = gather(&map, &rays, &Density::Uniform, &plain(0.05));
@@ -183,14 +187,14 @@ fn a_map_of_beams_on_one_spot_is_built_and_gathers_what_every_beam_does() {
         assert_same(&found, &naive(&beams, &rays, &plain(0.05)), 2e-3);
     }
     // One that all rays meet, in many batches of candidates.
-    let map = BeamMap::build(degenerate_beams(50_000)[0].1.clone(), 0.05, &FOG, &Density::Uniform);
+    let map = BeamMap::build(degenerate_beams(50_000)[0].1.clone(), 0.05, &FOG);
     assert_eq!(gather(&map, &rays[..1], &Density::Uniform, &plain(0.05))[0].pairs, 50_000);
 }
 
 #[test]
 fn a_map_gives_back_what_it_was_built_from() {
     let beams = random_beams(2000);
-    let map = BeamMap::build(beams.clone(), 0.125, &FOG, &Density::Uniform);
+    let map = BeamMap::build(beams.clone(), 0.125, &FOG);
     assert_eq!((map.max_radius(), map.beams()), (0.125, &beams[..]));
     assert_eq!(map.into_beams(), beams);
 }
@@ -198,7 +202,7 @@ fn a_map_gives_back_what_it_was_built_from() {
 #[test]
 fn any_number_of_rays_in_one_call_gathers_what_packets_of_64_do_bit_for_bit() {
     let rays = rays(64 * 6 + 17);
-    let map = BeamMap::build(random_beams(20_000), 0.1, &FOG, &AIR);
+    let map = BeamMap::build(random_beams(20_000), 0.1, &fog(AIR));
     let together = gather(&map, &rays, &AIR, &plain(0.1));
     let apart: Vec<Gathered> =
         rays.chunks(64).flat_map(|rays| gather(&map, rays, &AIR, &plain(0.1))).collect();
@@ -215,7 +219,7 @@ fn in_voxels_each_ray_has_the_column_of_its_own() {
     let (beams, rays) = (random_beams(20_000), rays(64 * 2 + 17));
     let table = |origin: Vec3, direction: Vec3, length: f32| {
         let mut knots = Vec::new();
-        density.tabulate(&FOG, origin, direction, length, &mut |knot| knots.push(knot));
+        fog(density).tabulate(origin, direction, length, &mut |knot| knots.push(knot));
         knots
     };
     let beam_tables: Vec<Vec<Knot>> = beams.iter().map(|b| table(b.origin, b.direction, b.length)).collect();
@@ -225,11 +229,11 @@ fn in_voxels_each_ray_has_the_column_of_its_own() {
         let along_ray = table(ray.origin, ray.direction, ray.length);
         for (beam, along_beam) in beams.iter().zip(&beam_tables) {
             let (ray_column, beam_column) = (Column::Knots(&along_ray), Column::Knots(along_beam));
-            let passage = Passage { medium: &FOG, density, ray: ray_column, beam: beam_column };
-            gather_pair(ray, beam, 0.0, beam.length, &passage, &radius, gathered);
+            let columns = [ray_column, beam_column];
+            gather_pair(ray, beam, [0.0, beam.length], &fog(density), &columns, &radius, gathered);
         }
     }
-    let map = BeamMap::build(beams, 0.1, &FOG, &density);
+    let map = BeamMap::build(beams, 0.1, &fog(density));
     let found = gather(&map, &rays, &density, &radius);
     assert!(found.iter().map(|g| g.pairs).sum::<u32>() > 1000);
     // Up to 2000 terms in another order.
@@ -270,7 +274,7 @@ fn a_build_stopped_at_any_question_gives_the_beams_back_as_they_were() {
     beams[8].power = Vec3::splat(f32::INFINITY);
     for density in [Density::Uniform, AIR, voxels] {
         let build =
-            |go_on: &mut dyn FnMut() -> bool| BeamMap::build_while(beams.clone(), 0.1, &FOG, &density, go_on);
+            |go_on: &mut dyn FnMut() -> bool| BeamMap::build_while(beams.clone(), 0.1, &fog(density), go_on);
         let (count, map) = asked(usize::MAX, build);
         assert!(map.is_ok() && count > 8, "{count} questions");
         for last in sample(count) {
@@ -286,23 +290,21 @@ fn a_build_stopped_at_any_question_gives_the_beams_back_as_they_were() {
 #[test]
 fn a_gather_stopped_at_any_question_says_so() {
     let (rays, radius) = (rays(600), plain(0.2));
-    let map = BeamMap::build(random_beams(60_000), 0.2, &FOG, &Density::Uniform);
+    let map = BeamMap::build(random_beams(60_000), 0.2, &FOG);
     let whole = gather(&map, &rays, &Density::Uniform, &radius);
     let scratch = &mut GatherScratch::default();
     let mut sums = vec![Gathered::default(); rays.len()];
     let mut run = |last| {
         sums.fill(Gathered::default());
-        asked(last, |go_on| {
-            map.gather_while(&rays, &FOG, &Density::Uniform, &radius, &mut sums, scratch, go_on)
-        })
+        asked(last, |go_on| map.gather_while(&FOG, &rays, &radius, &mut sums, scratch, go_on))
     };
     let (count, done) = run(usize::MAX);
-    assert!(done && count > 8, "{count} questions");
+    assert!(done.is_ok() && count > 8, "{count} questions");
     for last in sample(count) {
-        assert_eq!(run(last), (last, false));
+        assert_eq!(run(last), (last, Err(Stop::Cancelled)));
     }
     // The scratch of a stopped gather is as good as a new one.
-    assert!(run(usize::MAX).1);
+    assert_eq!(run(usize::MAX).1, Ok(()));
     assert_eq!(sums, whole);
 
     let mut run = |last, shades: usize| {
@@ -317,11 +319,11 @@ fn a_gather_stopped_at_any_question_says_so() {
         })
     };
     let (count, done) = run(usize::MAX, usize::MAX);
-    assert!(done && count > 8, "{count} questions");
+    assert!(done.is_ok() && count > 8, "{count} questions");
     for last in sample(count) {
-        assert_eq!(run(last, usize::MAX), (last, false));
+        assert_eq!(run(last, usize::MAX), (last, Err(Stop::Cancelled)));
     }
-    assert!(!run(usize::MAX, 0).1 && !run(usize::MAX, 5).1);
+    assert_eq!([0, 5].map(|shades| run(usize::MAX, shades).1), [Err(Stop::Cancelled); 2]);
 }
 
 #[test]
@@ -331,7 +333,7 @@ fn a_host_that_shades_as_a_medium_of_ours_gathers_what_we_do() {
     // Left out, but counted: the indices are the host's.
     beams.insert(0, Beam { length: f32::NAN, ..beams[0] });
     for density in [Density::Uniform, AIR] {
-        let map = BeamMap::build(beams.clone(), 0.2, &FOG, &density);
+        let map = BeamMap::build(beams.clone(), 0.2, &fog(density));
         let radius = plain(0.2);
         let wanted = gather(&map, &rays, &density, &radius);
         let mut found = vec![Gathered::default(); rays.len()];
@@ -372,17 +374,46 @@ fn a_host_that_shades_as_a_medium_of_ours_gathers_what_we_do() {
             true
         };
         let scratch = &mut GatherScratch::default();
-        assert!(map.gather_contacts(&rays, &radius, &mut found, scratch, &mut shade, &mut || true));
+        assert_eq!(
+            map.gather_contacts(&rays, &radius, &mut found, scratch, &mut shade, &mut || true),
+            Ok(())
+        );
         assert!(beyond > 10, "no contact at a cut end was tested");
         // The products are rounded in another order, each to a few last digits (6e-8); no more terms than 100.
         assert_same(&found, &wanted, 2e-6);
     }
 }
 
+/// Otherwise a wrong picture: the map's columns are those of its own medium.
+#[test]
+fn a_map_refuses_another_medium_and_gathers_nothing() {
+    let (layout, values) = billows();
+    let copy = values.clone();
+    let voxels = |values| Density::Grid(DensityGrid::new(layout, values).unwrap());
+    let (smoke, other) = (voxels(&values), voxels(&copy));
+    let higher =
+        Density::Exponential(ExponentialDensity { origin: 0.5 * Vec3::Y, up: Vec3::Y, scale_height: 2.0 });
+    let thicker = Medium { scattering: 2.0 * FOG.scattering, ..FOG };
+    let even = Medium { phase: PhaseFunction::ISOTROPIC, ..FOG };
+    let media = [FOG, thicker, even, fog(AIR), fog(higher), fog(smoke), fog(other)];
+    let rays = rays(10);
+    for (of, built) in media.iter().enumerate() {
+        let map = BeamMap::build(random_beams(3000), 0.2, built);
+        for (given, medium) in media.iter().enumerate() {
+            let mut gathered = vec![Gathered::default(); rays.len()];
+            let mut scratch = GatherScratch::default();
+            let found = map.gather(medium, &rays, &plain(0.2), &mut gathered, &mut scratch);
+            let seen = gathered.iter().any(|gathered| gathered.pairs > 0);
+            let expected = if of == given { (Ok(()), true) } else { (Err(Stop::OtherMedium), false) };
+            assert_eq!((found, seen), expected, "built in {of}, gathered in {given}");
+        }
+    }
+}
+
 #[test]
 fn a_product_that_is_no_number_leaves_the_pair_out() {
     let rays = rays(64);
-    let map = BeamMap::build(random_beams(3000), 0.2, &FOG, &Density::Uniform);
+    let map = BeamMap::build(random_beams(3000), 0.2, &FOG);
     let mut found = vec![Gathered::default(); rays.len()];
     let mut odd = [0; 64];
     let mut shade = |contacts: &[Contact], products: &mut [Vec3]| {
@@ -393,7 +424,10 @@ fn a_product_that_is_no_number_leaves_the_pair_out() {
         true
     };
     let scratch = &mut GatherScratch::default();
-    assert!(map.gather_contacts(&rays, &plain(0.2), &mut found, scratch, &mut shade, &mut || true));
+    assert_eq!(
+        map.gather_contacts(&rays, &plain(0.2), &mut found, scratch, &mut shade, &mut || true),
+        Ok(())
+    );
     assert!(odd.iter().sum::<u32>() > 100);
     assert_eq!(found.iter().map(|g| g.pairs).collect::<Vec<_>>(), odd);
     assert!(found.iter().all(|g| g.radiance.is_finite()));
@@ -446,7 +480,7 @@ fn a_no_is_answered_within_fifty_milliseconds_at_a_million_beams() {
         let mut beams = Some(random.clone());
         let figures = latency(|go_on| {
             let given = beams.take().unwrap_or_else(|| random.clone());
-            match BeamMap::build_while(given, 0.01, &FOG, &density, go_on) {
+            match BeamMap::build_while(given, 0.01, &fog(density), go_on) {
                 Ok(map) => Some(map),
                 Err(unfinished) => {
                     beams = Some(unfinished.beams);
@@ -457,22 +491,21 @@ fn a_no_is_answered_within_fifty_milliseconds_at_a_million_beams() {
         report(&format!("build, {name}"), figures);
     }
     for (name, beams) in degenerate_beams(COUNT) {
-        let figures = latency(|go_on| {
-            BeamMap::build_while(beams.clone(), 0.01, &FOG, &Density::Uniform, go_on).map_err(|u| u.beams)
-        });
+        let figures =
+            latency(|go_on| BeamMap::build_while(beams.clone(), 0.01, &FOG, go_on).map_err(|u| u.beams));
         report(&format!("build, {name}"), figures);
     }
     // A wide kernel and a ray that meets every beam, and a tile of them.
     let (_, beams) = degenerate_beams(COUNT).swap_remove(0);
     let ray = EyeRay { origin: Vec3::new(1.0, 0.01, -1.0), direction: Vec3::Z, length: 2.0 };
     for (name, density) in [("homogeneous", Density::Uniform), ("voxels", voxels)] {
-        let map = BeamMap::build(beams.clone(), 0.5, &FOG, &density);
+        let map = BeamMap::build(beams.clone(), 0.5, &fog(density));
         for count in [1, 64] {
             let rays = vec![ray; count];
             let mut sums = vec![Gathered::default(); count];
             let scratch = &mut GatherScratch::default();
             let figures = latency(|go_on| {
-                map.gather_while(&rays, &FOG, &density, &plain(0.5), &mut sums, scratch, go_on)
+                map.gather_while(&fog(density), &rays, &plain(0.5), &mut sums, scratch, go_on)
             });
             report(&format!("gather of {count} rays that meet all, {name}"), figures);
         }
@@ -485,11 +518,9 @@ fn a_no_is_answered_within_fifty_milliseconds_at_a_million_beams() {
             latency(|go_on| map.gather_contacts(&[ray], &plain(0.5), &mut sums, scratch, shade, go_on));
         report(&format!("contacts of a ray that meets all, {name}"), figures);
     }
-    let map = BeamMap::build(random, 0.5, &FOG, &Density::Uniform);
+    let map = BeamMap::build(random, 0.5, &FOG);
     let (rays, scratch) = (rays(64), &mut GatherScratch::default());
     let mut sums = vec![Gathered::default(); 64];
-    let figures = latency(|go_on| {
-        map.gather_while(&rays, &FOG, &Density::Uniform, &plain(0.5), &mut sums, scratch, go_on)
-    });
+    let figures = latency(|go_on| map.gather_while(&FOG, &rays, &plain(0.5), &mut sums, scratch, go_on));
     report("gather of 64 rays across random beams", figures);
 }

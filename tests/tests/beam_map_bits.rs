@@ -2,8 +2,8 @@
 
 use covbeam::{
     Beam, BeamMap, Contact, Density, DensityGrid, ExponentialDensity, EyeRay, FluenceCell, FluenceGrid,
-    FluenceSpectrum, GatherScratch, Gathered, GridLayout, Kernel, KernelShape, Knot, Medium, Passage,
-    PhaseFunction, PhaseKind, Vec3, gather_pair,
+    FluenceSpectrum, GatherScratch, Gathered, GridLayout, Kernel, KernelShape, Knot, Medium, PhaseFunction,
+    PhaseKind, Vec3, gather_pair,
 };
 use covbeam_tests::random::Stream;
 
@@ -29,9 +29,9 @@ const COEFFICIENTS: [[Vec3; 2]; 3] = [
 const AIR: Density<'static> =
     Density::Exponential(ExponentialDensity { origin: Vec3::ZERO, up: Vec3::Y, scale_height: 2.0 });
 
-fn media() -> impl Iterator<Item = Medium> {
-    COEFFICIENTS.into_iter().flat_map(|[scattering, absorption]| {
-        PHASES.into_iter().map(move |phase| Medium { scattering, absorption, phase })
+fn media(density: Density<'_>) -> impl Iterator<Item = Medium<'_>> {
+    COEFFICIENTS.into_iter().flat_map(move |[scattering, absorption]| {
+        PHASES.into_iter().map(move |phase| Medium { scattering, absorption, phase, density })
     })
 }
 
@@ -140,56 +140,35 @@ fn grids(random: &mut Stream) -> Vec<(GridLayout, Vec<FluenceCell>)> {
     layouts().into_iter().map(|layout| (layout, cells(random, &layout))).collect()
 }
 
-fn knots(density: &Density, medium: &Medium, origin: Vec3, direction: Vec3, length: f32) -> Vec<Knot> {
+fn knots(medium: &Medium, origin: Vec3, direction: Vec3, length: f32) -> Vec<Knot> {
     let mut knots = Vec::new();
-    density.tabulate(medium, origin, direction, length, &mut |knot| knots.push(knot));
+    medium.tabulate(origin, direction, length, &mut |knot| knots.push(knot));
     knots
 }
 
 /// What one ray gathers from one beam by the definition of a pair.
-fn defined(
-    ray: &EyeRay,
-    beam: &Beam,
-    medium: &Medium,
-    density: &Density,
-    kernel: &Kernel,
-    gathered: &mut Gathered,
-) {
-    let ray_knots = knots(density, medium, ray.origin, ray.direction, ray.length);
-    let beam_knots = knots(density, medium, beam.origin, beam.direction, beam.length);
-    let passage = Passage {
-        medium,
-        density: *density,
-        ray: density.column(ray.origin, ray.direction, &ray_knots),
-        beam: density.column(beam.origin, beam.direction, &beam_knots),
-    };
-    gather_pair(ray, beam, 0.0, beam.length, &passage, kernel, gathered);
+fn defined(ray: &EyeRay, beam: &Beam, medium: &Medium, kernel: &Kernel, gathered: &mut Gathered) {
+    let ray_knots = knots(medium, ray.origin, ray.direction, ray.length);
+    let beam_knots = knots(medium, beam.origin, beam.direction, beam.length);
+    let columns = [
+        medium.density.column(ray.origin, ray.direction, &ray_knots),
+        medium.density.column(beam.origin, beam.direction, &beam_knots),
+    ];
+    gather_pair(ray, beam, [0.0, beam.length], medium, &columns, kernel, gathered);
 }
 
 /// What each ray gathers in a call of its own.
-fn one_by_one(
-    map: &BeamMap,
-    rays: &[EyeRay],
-    medium: &Medium,
-    density: &Density,
-    kernel: &Kernel,
-) -> Vec<Gathered> {
+fn one_by_one(map: &BeamMap, rays: &[EyeRay], medium: &Medium, kernel: &Kernel) -> Vec<Gathered> {
     let (mut gathered, mut scratch) = (vec![Gathered::default(); rays.len()], GatherScratch::default());
     for (ray, gathered) in rays.chunks(1).zip(gathered.chunks_mut(1)) {
-        map.gather(ray, medium, density, kernel, gathered, &mut scratch);
+        map.gather(medium, ray, kernel, gathered, &mut scratch).unwrap();
     }
     gathered
 }
 
-fn together(
-    map: &BeamMap,
-    rays: &[EyeRay],
-    medium: &Medium,
-    density: &Density,
-    kernel: &Kernel,
-) -> Vec<Gathered> {
+fn together(map: &BeamMap, rays: &[EyeRay], medium: &Medium, kernel: &Kernel) -> Vec<Gathered> {
     let mut gathered = vec![Gathered::default(); rays.len()];
-    map.gather(rays, medium, density, kernel, &mut gathered, &mut GatherScratch::default());
+    map.gather(medium, rays, kernel, &mut gathered, &mut GatherScratch::default()).unwrap();
     gathered
 }
 
@@ -203,15 +182,15 @@ fn check_pairs(density: &Density, seed: u64, beam_count: usize) -> [u32; 2] {
     for (case, beam) in beams(random, beam_count).into_iter().enumerate() {
         let mut rays: Vec<EyeRay> = (0..RAYS).map(|_| ray_past(random, &beam, -5.3)).collect();
         shuffle(random, &mut rays);
-        for medium in media() {
-            let map = BeamMap::build(vec![beam], CEILING, &medium, density);
+        for medium in media(*density) {
+            let map = BeamMap::build(vec![beam], CEILING, &medium);
             for radius in KERNELS.into_iter().flat_map(|kernel| radii(kernel, &grids)) {
                 let mut wanted = vec![Gathered::default(); RAYS];
                 for (ray, gathered) in rays.iter().zip(&mut wanted) {
-                    defined(ray, &beam, &medium, density, &radius, gathered);
+                    defined(ray, &beam, &medium, &radius, gathered);
                 }
-                let alone = one_by_one(&map, &rays, &medium, density, &radius);
-                let packets = together(&map, &rays, &medium, density, &radius);
+                let alone = one_by_one(&map, &rays, &medium, &radius);
+                let packets = together(&map, &rays, &medium, &radius);
                 for (ray, (wanted, (alone, packets))) in
                     rays.iter().zip(wanted.iter().zip(alone.iter().zip(&packets)))
                 {
@@ -281,18 +260,18 @@ fn rays_gather_the_same_bits_alone_and_in_packets_of_any_order() {
     let (layout, values) = billows();
     let voxels = Density::Grid(DensityGrid::new(layout, &values).unwrap());
     for density in [Density::Uniform, AIR, voxels] {
-        for (medium, kernel) in media().step_by(5).zip(KERNELS) {
-            let map = BeamMap::build(beams.clone(), CEILING, &medium, &density);
+        for (medium, kernel) in media(density).step_by(5).zip(KERNELS) {
+            let map = BeamMap::build(beams.clone(), CEILING, &medium);
             for (radius, width) in radii(kernel, &grids).iter().zip([0.01, 0.05, 0.3, 1.0]) {
                 let rays = tile(random, 300, width);
-                let alone = one_by_one(&map, &rays, &medium, &density, radius);
+                let alone = one_by_one(&map, &rays, &medium, radius);
                 pairs += alone.iter().map(|g| g.pairs).sum::<u32>();
-                assert_eq!(all_bits(&together(&map, &rays, &medium, &density, radius)), all_bits(&alone));
+                assert_eq!(all_bits(&together(&map, &rays, &medium, radius)), all_bits(&alone));
                 let mut order: Vec<usize> = (0..rays.len()).collect();
                 shuffle(random, &mut order);
                 let shuffled: Vec<EyeRay> = order.iter().map(|&i| rays[i]).collect();
                 let wanted: Vec<[u32; 7]> = order.iter().map(|&i| bits(&alone[i])).collect();
-                assert_eq!(all_bits(&together(&map, &shuffled, &medium, &density, radius)), wanted);
+                assert_eq!(all_bits(&together(&map, &shuffled, &medium, radius)), wanted);
             }
         }
     }
@@ -304,7 +283,7 @@ fn rays_gather_the_same_bits_alone_and_in_packets_of_any_order() {
 fn a_ray_that_meets_its_first_beam_long_after_its_neighbour_has_its_own_column() {
     let (layout, values) = billows();
     let density = Density::Grid(DensityGrid::new(layout, &values).unwrap());
-    let medium = media().next().unwrap();
+    let medium = media(density).next().unwrap();
     let kernel = Kernel { min_radius: 0.05, max_radius: 0.05, ..plain(KernelShape::Epanechnikov) };
     let ray = |z: f32| EyeRay { origin: Vec3::new(-3.0, 0.0, z), direction: Vec3::X, length: f32::INFINITY };
     let random = &mut Stream::new(15);
@@ -324,7 +303,7 @@ fn a_ray_that_meets_its_first_beam_long_after_its_neighbour_has_its_own_column()
     beams.push(lonely);
     for neighbours in [1, 7, 63] {
         let rays: Vec<EyeRay> = [ray(1.0)].into_iter().chain((0..neighbours).map(|_| ray(-1.0))).collect();
-        let map = BeamMap::build(beams.clone(), 0.05, &medium, &density);
+        let map = BeamMap::build(beams.clone(), 0.05, &medium);
 
         // The rays are given their contacts in order, batch by batch: the first ray gets its only one after others have had many.
         let (mut before, mut met) = (0, 0);
@@ -336,14 +315,14 @@ fn a_ray_that_meets_its_first_beam_long_after_its_neighbour_has_its_own_column()
             true
         };
         let (mut sums, scratch) = (vec![Gathered::default(); rays.len()], &mut GatherScratch::default());
-        assert!(map.gather_contacts(&rays, &kernel, &mut sums, scratch, &mut shade, &mut || true));
+        assert_eq!(map.gather_contacts(&rays, &kernel, &mut sums, scratch, &mut shade, &mut || true), Ok(()));
         assert!(met == 1 && before > 5000, "{met} contacts of the first ray, {before} of others before");
 
-        let found = together(&map, &rays, &medium, &density, &kernel);
+        let found = together(&map, &rays, &medium, &kernel);
         let mut wanted = Gathered::default();
-        defined(&rays[0], &lonely, &medium, &density, &kernel, &mut wanted);
+        defined(&rays[0], &lonely, &medium, &kernel, &mut wanted);
         assert_eq!(bits(&found[0]), bits(&wanted), "{:?} for {wanted:?}", found[0]);
-        assert_eq!(all_bits(&found), all_bits(&one_by_one(&map, &rays, &medium, &density, &kernel)));
+        assert_eq!(all_bits(&found), all_bits(&one_by_one(&map, &rays, &medium, &kernel)));
         assert_eq!(found[1].pairs, 25_000);
     }
 }

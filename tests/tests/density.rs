@@ -197,14 +197,16 @@ fn a_ray_into_thin_air_never_reaches_more_than_its_whole_column() {
     assert_eq!(up.at(f32::INFINITY), 2.0);
     assert_eq!(up.distance_at(2.5), f32::INFINITY);
     // Light is down to 4e-8 of the column after 17 scale heights; below ground it is opaque long before.
-    assert_eq!(density.reach(Vec3::ZERO, Vec3::Y, 100.0, &[]), 34.0);
+    assert_eq!(density.opaque_distance(Vec3::ZERO, Vec3::Y, 100.0, &[]), 34.0);
     let down = density.column(Vec3::ZERO, -Vec3::Y, &[]);
-    assert!((density.reach(Vec3::ZERO, -Vec3::Y, 100.0, &[]) / (2.0 * 51f32.ln()) - 1.0).abs() < 1e-6);
+    assert!(
+        (density.opaque_distance(Vec3::ZERO, -Vec3::Y, 100.0, &[]) / (2.0 * 51f32.ln()) - 1.0).abs() < 1e-6
+    );
     assert_eq!(down.at(f32::INFINITY), f32::MAX);
     assert_eq!(density.column(Vec3::ZERO, Vec3::X, &[]).at(f32::INFINITY), f32::MAX);
     // Beyond e^±80 the density is held.
     assert!(density.at(Vec3::Y * -1e9).is_finite() && density.at(Vec3::Y * 1e9) > 0.0);
-    assert_eq!(Density::Uniform.reach(Vec3::ZERO, Vec3::Y, 7.0, &[]), 7.0);
+    assert_eq!(Density::Uniform.opaque_distance(Vec3::ZERO, Vec3::Y, 7.0, &[]), 7.0);
 }
 
 #[test]
@@ -279,7 +281,7 @@ fn a_field_carried_through_thinning_air_gathers_the_curvature_on_its_way() {
         // Parallel light keeps its spatial frequencies: the variance is the integral.
         let mut field = LightField::collimated(direction, f32::INFINITY);
         let origin = Vec3::new(0.2, 0.1, -0.3);
-        density.carry(&mut field, origin, distance, 0.4);
+        field.travel_through(&Medium { density, ..Medium::homogeneous(0.4, 0.0) }, origin, distance);
         // τ's slope and curvature are τ/H and τ/H² upwards; what counts is how much the axis across the ray leans up.
         let depth = 0.4 * f64::from(density.column(origin, direction, &[]).at(distance));
         let lean = f64::from(direction.x);
@@ -292,7 +294,7 @@ fn a_field_carried_through_thinning_air_gathers_the_curvature_on_its_way() {
     }
     let mut carried = LightField::point(Vec3::Z, 0.05);
     let mut travelled = carried;
-    Density::Uniform.carry(&mut carried, Vec3::ZERO, 3.0, 0.4);
+    carried.travel_through(&Medium::homogeneous(0.4, 0.0), Vec3::ZERO, 3.0);
     travelled.travel(3.0);
     assert_eq!(carried, travelled);
 }

@@ -268,7 +268,7 @@ fn transmittance_is_the_exponential_of_the_optical_depth() {
     let medium = Medium {
         scattering: Vec3::new(0.3, 2.0, 0.0),
         absorption: Vec3::new(0.1, 0.0, 7.0),
-        phase: PhaseFunction::ISOTROPIC,
+        ..Medium::default()
     };
     assert_eq!(medium.extinction(), Vec3::new(0.3 + 0.1, 2.0, 7.0));
     let grey = Medium { scattering: Vec3::splat(0.7), ..Medium::default() };

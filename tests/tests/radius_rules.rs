@@ -4,7 +4,7 @@
 use covbeam::{Beam, GridLayout, KernelShape};
 use covbeam_render::compare::luminance;
 use covbeam_render::film::{Film, Picture};
-use covbeam_render::fog::Fog;
+use covbeam_render::media;
 use covbeam_render::pass::{Method, Renderer};
 use covbeam_render::radius::{
     BeamVoxels, CROWD, RadiusRule, beams_a_metre, crowd_radius, least_error_radius,
@@ -143,7 +143,7 @@ fn a_crowd_crosses_the_ball_of_the_crowd_radius() {
 #[test]
 fn beams_of_unequal_power_are_as_many_as_would_be_as_noisy() {
     let scene = scene(8);
-    let fogs = Fog::all(&scene);
+    let fogs = media::all(&scene);
     let layout = GridLayout { min: Vec3::ZERO, max: Vec3::ONE, cells: [4, 4, 4] };
     let beam = |y: f32, power: f32| {
         let (origin, direction) = (Vec3::new(-1.0, y, 0.6), Vec3::X);

@@ -8,7 +8,7 @@ const INTERVAL: u32 = 1_000_000;
 /// Elements that a loop over a long array handles between two calls of [`Poll::spend`].
 pub(super) const STRETCH: usize = 1 << 12;
 
-/// Why a [`super::BeamMap`] was not built.
+/// Why a [`super::BeamMap`] was not built, or not gathered to the end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
     /// The host said no.
@@ -17,6 +17,8 @@ pub enum Stop {
     OutOfMemory,
     /// More than [`super::MAX_BEAMS`] beams.
     TooMany,
+    /// The map was built in another medium.
+    OtherMedium,
 }
 
 impl core::fmt::Display for Stop {
@@ -25,6 +27,7 @@ impl core::fmt::Display for Stop {
             Stop::Cancelled => "cancelled",
             Stop::OutOfMemory => "out of memory",
             Stop::TooMany => "too many beams for one map",
+            Stop::OtherMedium => "the map was built in another medium",
         })
     }
 }

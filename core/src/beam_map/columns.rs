@@ -2,11 +2,35 @@
 
 use super::cancel::{Poll, STRETCH, Stop, with_room};
 use crate::beam::{Beam, along_beam};
-use crate::medium::{Column, Density, Knot, Medium};
+use crate::medium::{Column, Density, ExponentialDensity, Knot, Medium, PhaseFunction};
+use crate::voxels::GridLayout;
+use glam::Vec3;
 use std::vec::Vec;
 
 /// Beams whose tables lie in one array: so long an array is cheap to move when it grows.
 const BUNCH: usize = 1 << 12;
+
+/// Which medium a map was built in.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) struct MediumKey {
+    coefficients: [Vec3; 2],
+    phase: PhaseFunction,
+    exponential: Option<ExponentialDensity>,
+    voxels: Option<(GridLayout, usize)>,
+}
+
+impl MediumKey {
+    pub(super) fn of(medium: &Medium) -> Self {
+        let (mut exponential, mut voxels) = (None, None);
+        match &medium.density {
+            Density::Uniform => {}
+            Density::Exponential(density) => exponential = Some(*density),
+            Density::Grid(grid) => voxels = Some(grid.identity()),
+        }
+        let coefficients = [medium.scattering, medium.absorption];
+        Self { coefficients, phase: medium.phase, exponential, voxels }
+    }
+}
 
 /// The columns along all beams. A homogeneous medium stores nothing.
 #[derive(Clone)]
@@ -26,13 +50,13 @@ pub(super) struct Bunch {
 }
 
 impl Bunch {
-    fn new(beams: &[Beam], medium: &Medium, density: &Density, poll: &mut Poll) -> Result<Self, Stop> {
+    fn new(beams: &[Beam], medium: &Medium, poll: &mut Poll) -> Result<Self, Stop> {
         let (mut knots, mut first) = (Vec::new(), with_room(beams.len() + 1)?);
         first.push(0);
         for &Beam { origin, direction, length, .. } in beams {
             let before = knots.len();
             let mut room = true;
-            density.tabulate(medium, origin, direction, length, &mut |knot| {
+            medium.tabulate(origin, direction, length, &mut |knot| {
                 room = room && knots.try_reserve(1).is_ok();
                 if room {
                     knots.push(knot);
@@ -51,12 +75,8 @@ impl Bunch {
 }
 
 impl BeamColumns {
-    pub(super) fn new(
-        beams: &[Beam],
-        medium: &Medium,
-        density: &Density,
-        poll: &mut Poll,
-    ) -> Result<Self, Stop> {
+    pub(super) fn new(beams: &[Beam], medium: &Medium, poll: &mut Poll) -> Result<Self, Stop> {
+        let density = &medium.density;
         match density {
             Density::Uniform => Ok(Self::Uniform),
             Density::Exponential(_) => {
@@ -70,7 +90,7 @@ impl BeamColumns {
             Density::Grid(_) => {
                 let mut bunches = with_room(beams.len().div_ceil(BUNCH))?;
                 for bunch in beams.chunks(BUNCH) {
-                    bunches.push(Bunch::new(bunch, medium, density, poll)?);
+                    bunches.push(Bunch::new(bunch, medium, poll)?);
                 }
                 Ok(Self::Tables(bunches))
             }

@@ -15,10 +15,10 @@ pub use cancel::Stop;
 
 use crate::beam::{Beam, EyeRay, Gathered};
 use crate::kernel::Kernel;
-use crate::medium::{Density, Medium};
+use crate::medium::Medium;
 use bvh::{Bvh, WideNode};
 use cancel::Poll;
-use columns::BeamColumns;
+use columns::{BeamColumns, MediumKey};
 use glam::Vec3;
 use rays::RayTables;
 use search::{Search, Shade};
@@ -45,6 +45,7 @@ pub struct BeamMap {
     beams: Vec<Beam>,
     bvh: Bvh,
     columns: BeamColumns,
+    medium: MediumKey,
     max_radius: f32,
 }
 
@@ -99,8 +100,8 @@ impl BeamMap {
     ///
     /// # Panics
     /// If there are more than [`MAX_BEAMS`] beams, or memory cannot be had.
-    pub fn build(beams: Vec<Beam>, max_radius: f32, medium: &Medium, density: &Density) -> Self {
-        match Self::build_while(beams, max_radius, medium, density, &mut || true) {
+    pub fn build(beams: Vec<Beam>, max_radius: f32, medium: &Medium) -> Self {
+        match Self::build_while(beams, max_radius, medium, &mut || true) {
             Ok(map) => map,
             Err(unfinished) => panic!("a map of {} beams: {}", unfinished.beams.len(), unfinished.reason),
         }
@@ -109,7 +110,7 @@ impl BeamMap {
     /// Builds the hierarchy over `beams`, to be gathered with kernels no wider than `max_radius` \[m\], and the columns along
     /// them, as long as `go_on` says so.
     ///
-    /// - `medium`, `density`: what the beams are in, and will be gathered in.
+    /// - `medium`: what the beams are in, and will be gathered in.
     /// - `go_on`: asked at the start and about once in a millisecond; false stops. The work between two questions is bounded
     ///   whatever the beams; in a density grid it also grows with the voxels along one beam.
     ///
@@ -121,7 +122,6 @@ impl BeamMap {
         beams: Vec<Beam>,
         max_radius: f32,
         medium: &Medium,
-        density: &Density,
         go_on: &mut dyn FnMut() -> bool,
     ) -> Result<Self, Unfinished> {
         let mut parts = || {
@@ -132,10 +132,10 @@ impl BeamMap {
             let (cut, codes) = morton_codes(&beams, &mut poll)?;
             let bvh = Bvh::new(&beams, &cut, &codes, max_radius, &mut poll)?;
             drop(codes);
-            Ok((bvh, BeamColumns::new(&beams, medium, density, &mut poll)?))
+            Ok((bvh, BeamColumns::new(&beams, medium, &mut poll)?))
         };
         match parts() {
-            Ok((bvh, columns)) => Ok(Self { beams, bvh, columns, max_radius }),
+            Ok((bvh, columns)) => Ok(Self { beams, bvh, columns, medium: MediumKey::of(medium), max_radius }),
             Err(reason) => Err(Unfinished { beams, reason }),
         }
     }
@@ -169,52 +169,52 @@ impl BeamMap {
     /// If `rays` and `gathered` differ in length.
     pub fn gather(
         &self,
-        rays: &[EyeRay],
         medium: &Medium,
-        density: &Density,
+        rays: &[EyeRay],
         kernel: &Kernel,
         gathered: &mut [Gathered],
         scratch: &mut GatherScratch,
-    ) {
-        self.gather_while(rays, medium, density, kernel, gathered, scratch, &mut || true);
+    ) -> Result<(), Stop> {
+        self.gather_while(medium, rays, kernel, gathered, scratch, &mut || true)
     }
 
     /// Adds to `gathered[i]` what ray `rays[i]` gathers from all beams (see [`crate::gather_pair`]), as long as `go_on` says so.
-    /// Returns whether it came to the end.
     ///
+    /// - `medium`: the one given to [`BeamMap::build`], a density grid over the same memory. In a density grid each ray's column is
+    ///   tabulated, to 5e-4 of the transmittance.
     /// - `rays`: any number. 256 after the other share one walk through the hierarchy: give those that run side by side
     ///   together (the rays of a tile of pixels). Any rays are gathered correctly.
-    /// - `medium`, `density`: those given to [`BeamMap::build`]. In a density grid each ray's column is tabulated, to 5e-4
-    ///   of the transmittance.
-    /// - `kernel`: its `max_radius` must not exceed the one given to [`BeamMap::build`]; a larger one is cut to it, with a smaller one fewer beams are
-    ///   tested.
-    /// - `gathered`: one for each ray. Stopped, it holds part of the sums: to be thrown away.
+    /// - `kernel`: its `max_radius` must not exceed the one given to [`BeamMap::build`]; a larger one is cut to it, with a smaller one
+    ///   fewer beams are tested.
+    /// - `gathered`: one for each ray.
     /// - `go_on`: asked at the start and about once in a millisecond; false stops. The work between two questions is
     ///   bounded whatever the beams.
     ///
+    /// Errors: [`Stop::OtherMedium`], with nothing gathered; [`Stop::Cancelled`], with part of the sums in `gathered`, to be thrown away.
+    ///
     /// # Panics
     /// If `rays` and `gathered` differ in length.
-    #[allow(clippy::too_many_arguments)] // Each is another thing; none has a home in another.
     pub fn gather_while(
         &self,
-        rays: &[EyeRay],
         medium: &Medium,
-        density: &Density,
+        rays: &[EyeRay],
         kernel: &Kernel,
         gathered: &mut [Gathered],
         scratch: &mut GatherScratch,
         go_on: &mut dyn FnMut() -> bool,
-    ) -> bool {
+    ) -> Result<(), Stop> {
         assert_eq!(rays.len(), gathered.len());
+        if MediumKey::of(medium) != self.medium {
+            return Err(Stop::OtherMedium);
+        }
         let GatherScratch { search, tables, .. } = scratch;
         tables.clear();
         let mut shade =
-            OurMedium { beams: &self.beams, columns: &self.columns, rays, medium, density, gathered, tables };
+            OurMedium { beams: &self.beams, columns: &self.columns, rays, medium, gathered, tables };
         self.search(rays, kernel, search, go_on, &mut shade)
     }
 
-    /// Adds to `gathered[i]` what ray `rays[i]` gathers from all beams in a medium that only the host knows. Returns
-    /// whether it came to the end.
+    /// Adds to `gathered[i]` what ray `rays[i]` gathers from all beams in a medium that only the host knows.
     ///
     /// The pairs, their order and their radii are those of [`BeamMap::gather_while`], as are `rays`, `kernel`, `gathered` and
     /// `go_on`; the medium given to [`BeamMap::build`] plays no part. Each pair adds
@@ -228,6 +228,8 @@ impl BeamMap {
     /// Cost: with a `shade` that computes a homogeneous medium, 30 % more than the built-in one (bench
     /// `gather/medium/the host's`).
     ///
+    /// Errors: [`Stop::Cancelled`] if `go_on` or `shade` stopped it.
+    ///
     /// # Panics
     /// If `rays` and `gathered` differ in length.
     pub fn gather_contacts(
@@ -238,7 +240,7 @@ impl BeamMap {
         scratch: &mut GatherScratch,
         shade: &mut dyn FnMut(&[Contact], &mut [Vec3]) -> bool,
         go_on: &mut dyn FnMut() -> bool,
-    ) -> bool {
+    ) -> Result<(), Stop> {
         assert_eq!(rays.len(), gathered.len());
         let GatherScratch { search, contacts, products, .. } = scratch;
         contacts.clear();
@@ -246,7 +248,7 @@ impl BeamMap {
         self.search(rays, kernel, search, go_on, &mut shade)
     }
 
-    /// Finds all pairs and has them settled, ray after ray within a packet. Returns whether it came to the end.
+    /// Finds all pairs and has them shaded, ray after ray within a packet.
     fn search(
         &self,
         rays: &[EyeRay],
@@ -254,10 +256,9 @@ impl BeamMap {
         search: &mut Search,
         go_on: &mut dyn FnMut() -> bool,
         shade: &mut impl Shade,
-    ) -> bool {
+    ) -> Result<(), Stop> {
         let kernel = Kernel { max_radius: kernel.max_radius.min(self.max_radius), ..*kernel };
-        let found = Poll::new(go_on)
-            .and_then(|mut poll| search.all(&self.beams, &self.bvh, rays, &kernel, &mut poll, shade));
-        found.is_ok()
+        Poll::new(go_on)
+            .and_then(|mut poll| search.all(&self.beams, &self.bvh, rays, &kernel, &mut poll, shade))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::PACKET;
 use crate::beam::EyeRay;
-use crate::medium::{Density, Knot, Medium};
+use crate::medium::{Knot, Medium};
 use core::ops::Range;
 use std::vec::Vec;
 
@@ -30,7 +30,7 @@ impl RayTables {
 
     /// Makes the table of the call's ray `index`, if there is none yet, and returns how many knots that took. Packets are asked for in order; the
     /// rays of the latest one in any order, again and again.
-    pub(super) fn make(&mut self, index: usize, ray: &EyeRay, medium: &Medium, density: &Density) -> usize {
+    pub(super) fn make(&mut self, index: usize, ray: &EyeRay, medium: &Medium) -> usize {
         let (packet, slot) = (index / PACKET, index % PACKET);
         if packet != self.packet {
             self.begin(packet);
@@ -40,7 +40,7 @@ impl RayTables {
         }
         let knots = &mut self.knots;
         let first = knots.len();
-        density.tabulate(medium, ray.origin, ray.direction, ray.length, &mut |knot| knots.push(knot));
+        medium.tabulate(ray.origin, ray.direction, ray.length, &mut |knot| knots.push(knot));
         self.tables[slot] = Some(first..knots.len());
         knots.len() - first
     }

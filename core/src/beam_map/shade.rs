@@ -21,8 +21,7 @@ pub(super) struct OurMedium<'a> {
     pub(super) beams: &'a [Beam],
     pub(super) columns: &'a BeamColumns,
     pub(super) rays: &'a [EyeRay],
-    pub(super) medium: &'a Medium,
-    pub(super) density: &'a Density<'a>,
+    pub(super) medium: &'a Medium<'a>,
     pub(super) gathered: &'a mut [Gathered],
     pub(super) tables: &'a mut RayTables,
 }
@@ -34,14 +33,14 @@ impl Shade for OurMedium<'_> {
             return Ok(());
         }
         let mut scale = phase(simd, &self.medium.phase, pairs.cos_theta);
-        let column = if matches!(self.density, Density::Uniform) {
+        let column = if matches!(self.medium.density, Density::Uniform) {
             pairs.beam_distance + pairs.ray_distance
         } else {
             let (column, density) = self.columns(ray, pairs, poll)?;
             scale = load(simd, &density) * scale;
             load(simd, &column)
         };
-        let Medium { scattering, .. } = self.medium;
+        let Medium { scattering, .. } = *self.medium;
         let transmittance = transmittance(simd, self.medium, column);
         let mut radiance = [scale; 3];
         for channel in 0..3 {
@@ -67,9 +66,10 @@ impl OurMedium<'_> {
         pairs: &Pairs<S>,
         poll: &mut Poll,
     ) -> Result<(Floats, Floats), Stop> {
-        let Self { beams, columns, rays, medium, density, ref mut tables, .. } = *self;
+        let Self { beams, columns, rays, medium, ref mut tables, .. } = *self;
+        let density = &medium.density;
         let EyeRay { origin, direction, .. } = rays[ray];
-        poll.spend(tables.make(ray, &rays[ray], medium, density), 100)?;
+        poll.spend(tables.make(ray, &rays[ray], medium), 100)?;
         let along_ray = density.column(origin, direction, tables.of(ray));
         let (ray_distance, beam_distance): (Floats, Floats) =
             (pairs.ray_distance.into(), pairs.beam_distance.into());

@@ -49,7 +49,7 @@ impl ImageSpectrum {
     ///
     /// - `ray`: from the eye; to where the light it gathers ends, or infinity.
     /// - `steps`: how the ray changes with a step to the right and a step down.
-    /// - `medium`, `density`, `column`: what the ray is in, and its column from its origin.
+    /// - `medium`, `column`: what the ray is in, and its column from its origin.
     ///
     /// What is not finite, or outside the grid's box, gives weight 0. Surfaces that end the rays of neighbouring pixels at
     /// other distances are no part of it: see [`crate::film_regions`].
@@ -65,7 +65,6 @@ impl ImageSpectrum {
         steps: &[PixelStep; 2],
         grid: &FluenceGrid,
         medium: &Medium,
-        density: &Density,
         column: &Column,
     ) -> Self {
         let sound = ray.origin.is_finite()
@@ -84,7 +83,7 @@ impl ImageSpectrum {
         let voxel = ((layout.max - layout.min) / layout.resolution()).min_element();
         let count = ceilf(length / voxel).clamp(1.0, MOST_STEPS);
         let step = length / count;
-        let extinction = medium.extinction().element_sum() / 3.0;
+        let (extinction, density) = (medium.mean_extinction(), &medium.density);
         let mut sum = Self::default();
         let mut depth_shape = DepthShape::default();
         for i in 0..count as u32 {

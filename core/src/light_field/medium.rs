@@ -1,7 +1,7 @@
 //! What a medium whose density varies does to a light field on its way.
 
 use super::{LightField, UNBOUNDED};
-use crate::medium::{Density, Derivatives};
+use crate::medium::{Density, Derivatives, Medium};
 use core::f64::consts::PI;
 use glam::{DVec3, Vec3};
 
@@ -13,7 +13,7 @@ impl LightField {
     ///
     /// Spectrum: the signal is multiplied by exp(-τ), whose relative gradient is -∇τ and whose relative curvature is
     /// C = ∇τ ∇τᵀ - Hess τ, both across the ray. Over 4π², |C| (with the magnitudes of the eigenvalues: an envelope that knows no
-    /// sign) or ∇τ ∇τᵀ is added as spatial variance, whichever has the larger trace: at an inflection the slope speaks.
+    /// sign) or ∇τ ∇τᵀ is added as spatial variance, whichever has the larger trace: at an inflection the slope dominates.
     ///
     /// - `gradient` ∇τ \[1/m\] and `hessian` Hess τ \[1/m²\] of the stretch's optical depth, in world axes,
     ///   \[xx, yy, zz, xy, xz, yz\]: the extinction's derivatives integrated along the ray, with their signs. Structure that
@@ -64,35 +64,33 @@ impl LightField {
             self.multiply([0.0, 0.0, x, y]);
         }
     }
-}
 
-impl Density<'_> {
-    /// Moves a light field through the medium: a travel, with the [`LightField::attenuate`] of the whole way at the centroid of
+    /// Moves the light field through a medium: a travel, with the [`LightField::attenuate`] of the whole way at the centroid of
     /// what varies on it. Just a travel where the density is uniform.
     ///
-    /// - `field`: at `origin` \[m\]; it moves along its direction.
+    /// - `origin` \[m\]: where the field is; it moves along its direction.
     /// - `distance` \[m\] >= 0.
-    /// - `extinction` \[1/m\] >= 0 at density 1.
     ///
-    /// The derivatives are summed in steps of at most [`Density::step`] (256 of them at most) by the midpoint rule: about 1 %
-    /// in an exponential medium.
+    /// The derivatives of the mean channel's optical depth are summed in steps of at most [`Density::step`] (256 of them at most) by
+    /// the midpoint rule: about 1 % in an exponential medium.
     ///
     /// ```
-    /// use covbeam::{Density, ExponentialDensity, LightField, Vec3};
+    /// use covbeam::{Density, ExponentialDensity, LightField, Medium, Vec3};
     /// let air = Density::Exponential(ExponentialDensity { origin: Vec3::ZERO, up: Vec3::Y, scale_height: 1.0 });
+    /// let haze = Medium { density: air, ..Medium::homogeneous(0.5, 0.0) };
     /// let mut light = LightField::collimated(Vec3::X, f32::INFINITY);
-    /// air.carry(&mut light, Vec3::ZERO, 2.0, 0.5);
-    /// // Level parallel light at height 0: τ = 1, with slope and curvature 1, which cancel: the slope speaks.
+    /// light.travel_through(&haze, Vec3::ZERO, 2.0);
+    /// // Level parallel light at height 0: τ = 1, with slope and curvature 1, which cancel: the slope dominates.
     /// assert!((light.fluence().yy - 1.0 / (4.0 * std::f32::consts::PI.powi(2))).abs() < 1e-6);
     /// ```
-    pub fn carry(&self, field: &mut LightField, origin: Vec3, distance: f32, extinction: f32) {
-        if matches!(self, Density::Uniform) {
-            field.travel(distance);
+    pub fn travel_through(&mut self, medium: &Medium, origin: Vec3, distance: f32) {
+        if matches!(medium.density, Density::Uniform) {
+            self.travel(distance);
             return;
         }
         let mut shape = DepthShape::default();
-        shape.add(self, (origin, field.direction), [0.0, distance], extinction);
-        *field = shape.carried(field, distance);
+        shape.add(medium, (origin, self.direction), [0.0, distance]);
+        *self = shape.carried(self, distance);
     }
 }
 
@@ -107,13 +105,8 @@ pub(crate) struct DepthShape {
 
 impl DepthShape {
     /// Adds what lies between `from` and `to` on the way, in steps of at most [`Density::step`].
-    pub(crate) fn add(
-        &mut self,
-        density: &Density,
-        (origin, direction): (Vec3, Vec3),
-        [from, to]: [f32; 2],
-        extinction: f32,
-    ) {
+    pub(crate) fn add(&mut self, medium: &Medium, (origin, direction): (Vec3, Vec3), [from, to]: [f32; 2]) {
+        let (density, extinction) = (&medium.density, medium.mean_extinction());
         let count = libm::ceilf((to - from) / density.step()).clamp(1.0, MOST_STEPS);
         let step = (to - from) / count;
         for i in 0..count as u32 {

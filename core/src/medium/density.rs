@@ -4,18 +4,15 @@
 //! are that many times as large, so one number at a point and one integral along a ray serve all colour channels:
 //! the *column* ∫ density ds \[m\], with an optical depth of extinction x column.
 
+use super::OPAQUE_DEPTH;
 use super::column::{Column, Knot};
 use super::derivatives::Derivatives;
 use super::voxel_density::DensityGrid;
-use super::{Medium, OPAQUE_DEPTH};
 use glam::Vec3;
 use libm::expf;
 
 /// Largest magnitude of the logarithm of an exponential density: e^±80 is near the ends of what `f32` holds.
 const LARGEST_LOGARITHM: f32 = 80.0;
-
-/// Error of the optical depth in a table of columns: half a thousandth of the transmittance.
-const DEPTH_ERROR: f32 = 5e-4;
 
 /// Relative density that falls exponentially with height, such as the air's.
 #[repr(C)]
@@ -157,31 +154,6 @@ impl Density<'_> {
         }
     }
 
-    /// [`Density::knots`] as a gather wants them in `medium`: within 5e-4 of the optical depth of the channel that is attenuated most,
-    /// up to where every channel is opaque ([`Medium::opaque_column`]).
-    ///
-    /// ```
-    /// use covbeam::{Density, DensityGrid, GridLayout, Knot, Medium, Vec3};
-    /// let layout = GridLayout { min: Vec3::ZERO, max: Vec3::ONE, cells: [1, 1, 1] };
-    /// let smoke = Density::Grid(DensityGrid::new(layout, &[3.0])?);
-    /// let medium = Medium { scattering: Vec3::ONE, ..Medium::default() };
-    /// let mut last = Knot::default();
-    /// smoke.tabulate(&medium, Vec3::splat(0.5), Vec3::Z, f32::INFINITY, &mut |knot| last = knot);
-    /// assert_eq!(last, Knot { distance: 0.5, column: 1.5 });
-    /// # Ok::<(), covbeam::GridError>(())
-    /// ```
-    pub fn tabulate(
-        &self,
-        medium: &Medium,
-        origin: Vec3,
-        direction: Vec3,
-        length: f32,
-        knot: &mut dyn FnMut(Knot),
-    ) {
-        let error = DEPTH_ERROR / medium.extinction().max_element();
-        self.knots(origin, direction, length, error, medium.opaque_column(), knot);
-    }
-
     /// The column along a ray, given the table that [`Density::knots`] made of it (empty, and not read, unless the density is a
     /// grid).
     pub fn column<'k>(&self, origin: Vec3, direction: Vec3, knots: &'k [Knot]) -> Column<'k> {
@@ -200,7 +172,7 @@ impl Density<'_> {
     /// - `opaque` \[m\]: a column that lets nothing through.
     ///
     /// Infinite where the density never ends and `opaque` is infinite. A grid's end is that of its box.
-    pub fn reach(&self, origin: Vec3, direction: Vec3, opaque: f32, knots: &[Knot]) -> f32 {
+    pub fn opaque_distance(&self, origin: Vec3, direction: Vec3, opaque: f32, knots: &[Knot]) -> f32 {
         match self {
             Density::Uniform => opaque,
             Density::Exponential(exponential) => {

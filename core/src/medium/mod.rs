@@ -18,23 +18,52 @@ use glam::Vec3;
 /// An optical depth that lets nothing through that single precision could see beside the rest: e^-17 = 4e-8.
 pub(crate) const OPAQUE_DEPTH: f32 = 17.0;
 
-/// A homogeneous medium with one coefficient per colour channel.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Medium {
-    /// Scattering coefficient σ_s per channel \[1/m\], >= 0.
+/// Error of the optical depth in a table of columns: half a thousandth of the transmittance.
+const DEPTH_ERROR: f32 = 5e-4;
+
+/// A medium: its coefficients, one a colour channel, how it scatters, and how its density varies in space.
+///
+/// ```
+/// use covbeam::{Density, ExponentialDensity, Medium, Vec3};
+/// let air = ExponentialDensity { origin: Vec3::ZERO, up: Vec3::Y, scale_height: 2.0 };
+/// let haze = Medium { density: Density::Exponential(air), ..Medium::homogeneous(0.5, 0.25) };
+/// assert_eq!(haze.mean_extinction(), 0.75);
+/// ```
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Medium<'a> {
+    /// Scattering coefficient σ_s per channel \[1/m\], >= 0, where the density is 1.
     pub scattering: Vec3,
-    /// Absorption coefficient σ_a per channel \[1/m\], >= 0.
+    /// Absorption coefficient σ_a per channel \[1/m\], >= 0, where the density is 1.
     pub absorption: Vec3,
     /// How scattered light is spread.
     pub phase: PhaseFunction,
+    /// Relative density, which scales both coefficients.
+    pub density: Density<'a>,
 }
 
-impl Medium {
-    /// The extinction coefficient σ_t = σ_s + σ_a per channel \[1/m\].
+impl Medium<'_> {
+    /// Grey fog of density 1 that scatters evenly.
+    ///
+    /// - `scattering`, `absorption` \[1/m\] >= 0: of all channels.
+    pub const fn homogeneous(scattering: f32, absorption: f32) -> Self {
+        Self {
+            scattering: Vec3::splat(scattering),
+            absorption: Vec3::splat(absorption),
+            phase: PhaseFunction::ISOTROPIC,
+            density: Density::Uniform,
+        }
+    }
+
+    /// The extinction coefficient σ_t = σ_s + σ_a per channel \[1/m\], where the density is 1.
     #[inline]
     pub fn extinction(&self) -> Vec3 {
         self.scattering + self.absorption
+    }
+
+    /// Mean extinction of the channels \[1/m\], where the density is 1: what light fields are attenuated with.
+    #[inline]
+    pub fn mean_extinction(&self) -> f32 {
+        self.extinction().element_sum() / 3.0
     }
 
     /// The column \[m\] of density 1 after which light of every channel is down to e^-17 = 4e-8; infinite where a channel has no
@@ -49,11 +78,10 @@ impl Medium {
         OPAQUE_DEPTH / self.extinction().min_element()
     }
 
-    /// The share of light left after `distance`: exp(-σ_t distance) per channel, in [0, 1].
+    /// The share of light left behind a column of the medium: exp(-σ_t column) per channel, in [0, 1].
     ///
-    /// Does not change the spectrum: a homogeneous medium has no structure of its own.
-    ///
-    /// - `distance` \[m\] >= 0. Infinity leaves 0, or 1 in a channel without extinction.
+    /// - `column` \[m\] >= 0: ∫ density ds, which is the distance where the density is 1. Infinity leaves 0, or 1 in a channel
+    ///   without extinction.
     ///
     /// Costs one exponential where the three channels are equal, three otherwise.
     ///
@@ -62,19 +90,38 @@ impl Medium {
     /// let medium = Medium { scattering: Vec3::new(1.0, 2.0, 0.0), ..Medium::default() };
     /// assert_eq!(medium.transmittance(f32::INFINITY), Vec3::new(0.0, 0.0, 1.0));
     /// ```
+    #[doc(alias = "Beer-Lambert")]
     #[inline]
-    pub fn transmittance(&self, distance: f32) -> Vec3 {
+    pub fn transmittance(&self, column: f32) -> Vec3 {
         let extinction = self.extinction();
-        let red = attenuation(extinction.x, distance);
+        let red = attenuation(extinction.x, column);
         if extinction.y == extinction.x && extinction.z == extinction.x {
             return Vec3::splat(red);
         }
-        Vec3::new(red, attenuation(extinction.y, distance), attenuation(extinction.z, distance))
+        Vec3::new(red, attenuation(extinction.y, column), attenuation(extinction.z, column))
+    }
+
+    /// The table of columns along a ray ([`Density::knots`]) as a gather wants it: within 5e-4 of the optical depth of the channel that is attenuated most,
+    /// up to where every channel is opaque ([`Medium::opaque_column`]).
+    ///
+    /// ```
+    /// use covbeam::{Density, DensityGrid, GridLayout, Knot, Medium, Vec3};
+    /// let layout = GridLayout { min: Vec3::ZERO, max: Vec3::ONE, cells: [1, 1, 1] };
+    /// let smoke = Density::Grid(DensityGrid::new(layout, &[3.0])?);
+    /// let medium = Medium { density: smoke, ..Medium::homogeneous(1.0, 0.0) };
+    /// let mut last = Knot::default();
+    /// medium.tabulate(Vec3::splat(0.5), Vec3::Z, f32::INFINITY, &mut |knot| last = knot);
+    /// assert_eq!(last, Knot { distance: 0.5, column: 1.5 });
+    /// # Ok::<(), covbeam::GridError>(())
+    /// ```
+    pub fn tabulate(&self, origin: Vec3, direction: Vec3, length: f32, knot: &mut dyn FnMut(Knot)) {
+        let error = DEPTH_ERROR / self.extinction().max_element();
+        self.density.knots(origin, direction, length, error, self.opaque_column(), knot);
     }
 }
 
 #[inline(always)]
-fn attenuation(extinction: f32, distance: f32) -> f32 {
+fn attenuation(extinction: f32, column: f32) -> f32 {
     // 0 · ∞ would be NaN.
-    if extinction == 0.0 { 1.0 } else { exp(-extinction * distance) }
+    if extinction == 0.0 { 1.0 } else { exp(-extinction * column) }
 }

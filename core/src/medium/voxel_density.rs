@@ -138,6 +138,12 @@ impl<'a> DensityGrid<'a> {
         table.finish(knot);
     }
 
+    /// Where the values are in memory, and the box over them: what tells one density from another without reading it.
+    #[cfg(feature = "bvh")]
+    pub(crate) fn identity(&self) -> (GridLayout, usize) {
+        (self.voxels.layout, self.values.as_ptr().addr())
+    }
+
     /// Smallest side of a voxel \[m\].
     pub(super) fn smallest_side(&self) -> f32 {
         1.0 / self.voxels.scale.max_element()

@@ -123,7 +123,7 @@ mod tests {
         Scene::parse(text, "test scene", Path::new("")).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// Fog with a spot, and with a ball before a wall; lengths in `scale`, all of it moved by `shift`.
+    /// Medium with a spot, and with a ball before a wall; lengths in `scale`, all of it moved by `shift`.
     fn fog(scale: f32, shift: Vec3, objects: bool) -> Scene {
         let place = |x: f32, y: f32, z: f32| {
             let [x, y, z] = (scale * Vec3::new(x, y, z) + shift).to_array().map(f64::from);

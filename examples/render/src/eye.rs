@@ -1,14 +1,14 @@
 //! Eye paths: from the camera through specular surfaces to the first diffuse or black one.
 
-use crate::fog::Fog;
 use crate::geometry::Hit;
+use crate::media;
 use crate::optics::{Boundary, Interior, facing_normal, reflect};
 use crate::photon::{GOING_ON, LONG_PATH};
 use crate::plan::Wanted;
 use crate::random::{Random, mix};
 use crate::scene::{Material, Scene};
 use crate::surface::SurfaceMap;
-use covbeam::EyeRay;
+use covbeam::{EyeRay, Medium};
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
 
@@ -48,7 +48,7 @@ pub struct EyeTracer<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// Its media.
-    pub fogs: &'a [Fog<'a>],
+    pub fogs: &'a [Medium<'a>],
     /// What the camera is inside of.
     pub interior: Interior,
     /// Light on diffuse surfaces.
@@ -144,8 +144,8 @@ impl EyeTracer<'_> {
                     pixel,
                     signature: branch.signature,
                 });
-                let column = fog.column(branch.origin, branch.direction, length, &mut knots);
-                branch.throughput *= fog.medium.transmittance(column.at(length));
+                let column = media::column(fog, branch.origin, branch.direction, length, &mut knots);
+                branch.throughput *= fog.transmittance(column.at(length));
             }
             let Some(hit) = hit else { continue };
             if branch.throughput == Vec3::ZERO {
@@ -201,7 +201,7 @@ impl EyeTracer<'_> {
         for light in &self.scene.lights {
             let (direct, from) = light.irradiance(hit.position, normal, random);
             if direct.max_element() > 0.0 && !self.scene.occluded(start, from) {
-                irradiance += direct * fog.map_or(Vec3::ONE, |fog| fog.transmittance(start, from));
+                irradiance += direct * fog.map_or(Vec3::ONE, |fog| media::transmittance(fog, start, from));
             }
         }
         albedo * irradiance * FRAC_1_PI

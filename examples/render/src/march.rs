@@ -4,13 +4,13 @@ use crate::compare::luminance;
 use crate::eye::{EyeSegment, EyeTracer};
 use crate::film::{PassImage, SparseSample};
 use crate::first_hits::FirstHits;
-use crate::fog::Fog;
+use crate::media;
 use crate::optics::Interior;
 use crate::plan::{Plan, Wanted};
 use crate::random::Random;
 use crate::scene::{Light, MediumDensity, Scene};
 use crate::surface::SurfaceMap;
-use covbeam::{Column, FluenceGrid, Knot, MARCH_KNOTS, March, MarchCell, MarchKnot, MarchSample};
+use covbeam::{Column, FluenceGrid, Knot, MARCH_KNOTS, March, MarchCell, MarchKnot, MarchSample, Medium};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::time::Instant;
@@ -85,7 +85,7 @@ impl<'a> Guide<'a> {
 /// The eye rays of a pass, and the shadow rays from them.
 pub(crate) struct Marcher<'a> {
     pub(crate) scene: &'a Scene,
-    pub(crate) fogs: &'a [Fog<'a>],
+    pub(crate) fogs: &'a [Medium<'a>],
     pub(crate) interior: Interior,
     pub(crate) marching: Marching,
     /// Eye rays where the plan wants them; None: one through every pixel.
@@ -217,9 +217,9 @@ impl Marcher<'_> {
         let light = self.scene.lights[number];
         let fog = &self.fogs[segment.medium as usize];
         let ray = segment.ray;
-        let column = fog.column(ray.origin, ray.direction, ray.length, &mut scratch.column);
+        let column = media::column(fog, ray.origin, ray.direction, ray.length, &mut scratch.column);
         let mut from = 0.0;
-        let mut to = ray.length.min(fog.reach(ray.origin, ray.direction, &column));
+        let mut to = ray.length.min(media::opaque_distance(fog, ray.origin, ray.direction, &column));
         if let Column::Knots(knots) = column {
             from = knots.first()?.distance.max(0.0);
             to = to.min(knots.last()?.distance);
@@ -232,7 +232,7 @@ impl Marcher<'_> {
         MarchKnot::lay(ray.origin, ray.direction, from, to, light.position(), &mut knots).ok()?;
         // What stands for infinity.
         to = knots[knots.len() - 1].distance;
-        if !(from < to) || fog.medium.scattering == Vec3::ZERO {
+        if !(from < to) || fog.scattering == Vec3::ZERO {
             return None;
         }
         let share = luminance(segment.throughput);
@@ -265,9 +265,9 @@ impl Marcher<'_> {
             return (Vec3::ZERO, from);
         }
         let incoming = (place - from).normalize_or_zero();
-        let phase = fog.medium.phase.evaluate(-incoming.dot(ray.direction));
-        let amount = fog.medium.scattering * (fog.density.at(place) * phase);
-        let passage = fog.medium.transmittance(column.at(distance)) * fog.transmittance(place, from);
+        let phase = fog.phase.evaluate(-incoming.dot(ray.direction));
+        let amount = fog.scattering * (fog.density.at(place) * phase);
+        let passage = fog.transmittance(column.at(distance)) * media::transmittance(fog, place, from);
         (density * amount * passage, from)
     }
 
@@ -343,7 +343,7 @@ impl Marcher<'_> {
         let fog = &self.fogs[stretch.segment.medium as usize];
         let ray = &stretch.segment.ray;
         let mut knots = std::mem::take(&mut scratch.column);
-        let column = fog.column(ray.origin, ray.direction, ray.length, &mut knots);
+        let column = media::column(fog, ray.origin, ray.direction, ray.length, &mut knots);
         let mut rays = 0;
         let mut radiance = Vec3::ZERO;
         scratch.samples.clear();
@@ -485,7 +485,7 @@ fn disk(shift: [f32; 2], index: usize) -> [f32; 2] {
 
 /// The distance of a collision on a stretch: Woodcock's tracking; None = it flies through.
 fn fly(
-    fog: &Fog,
+    fog: &Medium,
     ray: &covbeam::EyeRay,
     stretch: &Stretch,
     greatest: f32,

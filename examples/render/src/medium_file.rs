@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use covbeam::{ExponentialDensity, Medium, PhaseFunction, PhaseKind};
+use covbeam::{Density, ExponentialDensity, Medium, PhaseFunction, PhaseKind};
 use glam::Vec3;
 
 use crate::camera::Camera;
@@ -39,6 +39,7 @@ pub(crate) fn read_media<'a>(
             phase: table
                 .optional("phase")
                 .map_or(Ok(PhaseFunction::ISOTROPIC), |field| read_phase(&field))?,
+            density: Density::Uniform,
         };
         let density = table.optional("density").map_or(Ok(MediumDensity::Uniform), |field| {
             read_density(&field, &medium, &mut voxels, base_dir)

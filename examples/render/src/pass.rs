@@ -2,8 +2,8 @@
 
 use crate::eye::EyeTracer;
 use crate::film::PassImage;
-use crate::fog::Fog;
 use crate::march::{Guide, Marcher, Marching, Placement};
+use crate::media;
 use crate::operators::Operator;
 use crate::optics::Interior;
 use crate::photon::{Energy, PhotonRecord, PhotonTracer, Record};
@@ -14,7 +14,7 @@ use crate::scene::Scene;
 use crate::surface::SurfaceMap;
 use crate::view::{View, pixel_offset};
 use covbeam::{
-    Beam, BeamMap, CovarianceGrid, FluenceCell, FluenceGrid, GridCell, ImageSpectrum, error_bound,
+    Beam, BeamMap, CovarianceGrid, FluenceCell, FluenceGrid, GridCell, ImageSpectrum, Medium, error_bound,
 };
 use glam::Vec3;
 use rayon::prelude::*;
@@ -109,7 +109,7 @@ pub struct Renderer<'a> {
     photons: u32,
     seed: u32,
     tracer: PhotonTracer<'a>,
-    fogs: Vec<Fog<'a>>,
+    fogs: Vec<Medium<'a>>,
     camera: Interior,
     marching: Marching,
     surfaces: Option<Arc<FirstSurfaces>>,
@@ -148,7 +148,7 @@ impl<'a> Renderer<'a> {
             photons,
             seed,
             tracer: PhotonTracer::new(scene, seed, emission),
-            fogs: Fog::all(scene),
+            fogs: media::all(scene),
             camera: Interior::at(scene, scene.camera.position),
             marching: Marching::default(),
             surfaces: None,
@@ -400,9 +400,7 @@ impl<'a> Renderer<'a> {
         }
         let build = |beams: Vec<Vec<Beam>>| -> Vec<BeamMap> {
             let beams = beams.into_iter().zip(&self.fogs);
-            beams
-                .map(|(beams, fog)| BeamMap::build(beams, kernel.max_radius, fog.medium, &fog.density))
-                .collect()
+            beams.map(|(beams, fog)| BeamMap::build(beams, kernel.max_radius, fog)).collect()
         };
         // A photon's disk shrinks in area as a beam's kernel shrinks in width: r² ~ 1D schedule.
         let shrink = (kernel.min_radius / settings.schedule.radius).sqrt();

@@ -1,9 +1,9 @@
 //! Light paths: from a light through media and surfaces until they are absorbed or escape.
 
 use crate::edges::{Edge, find_edges};
-use crate::fog::Fog;
 use crate::geometry::Hit;
 use crate::light::{EmittedPhoton, cosine_direction};
+use crate::media;
 use crate::operators::Operator;
 use crate::optics::{Boundary, Interior, curvature_towards, facing_normal, reflect};
 use crate::random::{Emission, PathSampler};
@@ -11,7 +11,7 @@ use crate::record::add;
 pub use crate::record::{Deposit, Energy, PhotonRecord, Record, Splat};
 use crate::scene::{Material, Scene};
 use crate::surface::SurfacePhoton;
-use covbeam::{Beam, Column, CovarianceGrid, Curvature, Density, Knot, LightField, Medium};
+use covbeam::{Beam, Column, CovarianceGrid, Curvature, Density, Knot, LightField, Medium, Segment};
 use glam::Vec3;
 use smallvec::SmallVec;
 use std::time::Instant;
@@ -24,7 +24,7 @@ pub(crate) const GOING_ON: f32 = 0.95;
 /// Traces light paths of a scene.
 pub struct PhotonTracer<'a> {
     scene: &'a Scene,
-    fogs: Vec<Fog<'a>>,
+    fogs: Vec<Medium<'a>>,
     /// Cumulative share of the flux and what each light is inside of.
     lights: Vec<(f32, Interior)>,
     camera: Interior,
@@ -62,7 +62,7 @@ impl<'a> PhotonTracer<'a> {
             })
             .collect();
         let camera = Interior::at(scene, scene.camera.position);
-        Self { scene, fogs: Fog::all(scene), lights, camera, seed, emission, left_out: None }
+        Self { scene, fogs: media::all(scene), lights, camera, seed, emission, left_out: None }
     }
 
     /// Leaves an operator out of all light fields, to see what it buys.
@@ -79,12 +79,11 @@ impl<'a> PhotonTracer<'a> {
         let mut knots = Vec::new();
         for d in deposits {
             let fog = &self.fogs[d.medium as usize];
-            let column = fog.column(d.origin, d.field.direction, d.length, &mut knots);
-            let mut attenuation = fog.attenuation(column);
-            if !self.acts(Operator::Attenuation) {
-                attenuation.density = Density::Uniform;
-            }
-            grid.deposit_segment(d.origin, d.length, &d.field, d.power, d.unscattered, &attenuation);
+            let column = media::column(fog, d.origin, d.field.direction, d.length, &mut knots);
+            let acting = if self.acts(Operator::Attenuation) { fog.density } else { Density::Uniform };
+            let medium = Medium { density: acting, ..*fog };
+            let Deposit { origin, length, power, unscattered, field, .. } = *d;
+            grid.deposit(&medium, &Segment { origin, length, power, unscattered, field, column });
         }
     }
 
@@ -160,7 +159,7 @@ impl<'a> PhotonTracer<'a> {
         let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
         let inside = photon.interior.medium(scene).map(|id| {
             let fog = &self.fogs[id as usize];
-            (id, fog, fog.column(photon.origin, photon.direction, reach, knots))
+            (id, fog, media::column(fog, photon.origin, photon.direction, reach, knots))
         });
         if let Some((id, fog, column)) = &inside {
             match record {
@@ -185,7 +184,7 @@ impl<'a> PhotonTracer<'a> {
             edges
         });
         let collision = inside.map(|(_, fog, column)| {
-            let target = free_column(photon.power, fog.medium, sampler);
+            let target = free_column(photon.power, fog, sampler);
             (target, column.distance_at(target))
         });
         let flight = collision.map_or(f32::INFINITY, |(_, distance)| distance);
@@ -197,10 +196,10 @@ impl<'a> PhotonTracer<'a> {
         if let (Some((_, fog, column)), Some((target, _))) = (inside, collision) {
             if flight < reach {
                 photon.origin += flight * photon.direction;
-                return self.scatter(photon, target, fog.medium, sampler, out);
+                return self.scatter(photon, target, fog, sampler, out);
             }
             let before = photon.power;
-            photon.power *= passage_weight(photon.power, fog.medium, column.at(reach));
+            photon.power *= passage_weight(photon.power, fog, column.at(reach));
             add(&mut out.energy.roulette, before - photon.power);
         }
         match hit {
@@ -331,17 +330,24 @@ impl<'a> PhotonTracer<'a> {
     }
 
     /// Moves a light field on from `from` to `to`, measured from `origin`.
-    fn advance(&self, field: &mut LightField, fog: Option<&Fog>, origin: Vec3, from: f32, to: f32) {
+    fn advance(&self, field: &mut LightField, fog: Option<&Medium>, origin: Vec3, from: f32, to: f32) {
         match fog {
             Some(fog) if self.acts(Operator::Attenuation) => {
-                fog.carry(field, origin + from * field.direction, to - from)
+                field.travel_through(fog, origin + from * field.direction, to - from)
             }
             _ => field.travel(to - from),
         }
     }
 
     /// Moves a light field on from `origin` by `distance` past the edges on the way.
-    fn travel(&self, field: &mut LightField, fog: Option<&Fog>, origin: Vec3, edges: &[Edge], distance: f32) {
+    fn travel(
+        &self,
+        field: &mut LightField,
+        fog: Option<&Medium>,
+        origin: Vec3,
+        edges: &[Edge],
+        distance: f32,
+    ) {
         let mut at = 0.0;
         for edge in edges.iter().filter(|edge| edge.depth <= distance) {
             self.advance(field, fog, origin, at, edge.depth);
@@ -357,13 +363,13 @@ impl<'a> PhotonTracer<'a> {
         photon: &Photon,
         mut field: LightField,
         edges: &[Edge],
-        (fog, column, reach): (&Fog, &Column, f32),
+        (fog, column, reach): (&Medium, &Column, f32),
         medium: u32,
         out: &mut PhotonRecord,
     ) {
         let extinction = fog.mean_extinction();
         let power = photon.power.element_sum() / 3.0;
-        let length = reach.min(fog.reach(photon.origin, photon.direction, column));
+        let length = reach.min(media::opaque_distance(fog, photon.origin, photon.direction, column));
         let mut at = 0.0;
         let cuts = edges.iter().map(|edge| (edge.depth, Some(edge))).chain([(length, None)]);
         for (depth, edge) in cuts {
@@ -393,7 +399,7 @@ impl<'a> PhotonTracer<'a> {
         &self,
         photon: &Photon,
         reach: f32,
-        fog: &Fog,
+        fog: &Medium,
         column: &Column,
         sampler: &mut PathSampler,
         out: &mut PhotonRecord,
@@ -412,7 +418,7 @@ impl<'a> PhotonTracer<'a> {
         if !(s.is_finite() && density > 0.0) {
             return;
         }
-        let (medium, point) = (fog.medium, photon.origin + s * direction);
+        let (medium, point) = (fog, photon.origin + s * direction);
         let scattering = medium.scattering * fog.density.at(point);
         let scattered = photon.power * medium.transmittance(column.at(s)) * scattering / density;
         self.connect(point, out, |to_camera| scattered * medium.phase.evaluate(direction.dot(to_camera)));
@@ -429,15 +435,15 @@ impl<'a> PhotonTracer<'a> {
             return;
         }
         let fog = self.camera.medium(self.scene).map(|id| &self.fogs[id as usize]);
-        let transmittance = fog.map_or(Vec3::ONE, |fog| fog.transmittance(vertex, camera.position));
+        let transmittance = fog.map_or(Vec3::ONE, |fog| media::transmittance(fog, vertex, camera.position));
         let radiance = flux(offset / distance) * transmittance * (importance / distance2);
         out.splats.push(Splat { pixel: y as u32 * camera.width + x as u32, radiance });
     }
 }
 
 /// The beam along a photon's segment: to the next surface, or until nothing is left.
-fn beam_of(photon: &Photon, hit: Option<&Hit>, fog: &Fog, column: &Column) -> Option<Beam> {
-    let opaque = fog.reach(photon.origin, photon.direction, column);
+fn beam_of(photon: &Photon, hit: Option<&Hit>, fog: &Medium, column: &Column) -> Option<Beam> {
+    let opaque = media::opaque_distance(fog, photon.origin, photon.direction, column);
     let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
     let length = reach.min(opaque);
     let end_normal = match hit {
@@ -447,7 +453,7 @@ fn beam_of(photon: &Photon, hit: Option<&Hit>, fog: &Fog, column: &Column) -> Op
         }
         _ => Vec3::ZERO,
     };
-    (length.is_finite() && fog.medium.scattering.max_element() > 0.0).then_some(Beam {
+    (length.is_finite() && fog.scattering.max_element() > 0.0).then_some(Beam {
         origin: photon.origin,
         direction: photon.direction,
         length,

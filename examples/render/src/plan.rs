@@ -1,12 +1,12 @@
 //! Where a pass needs eye rays, and how wide their light is filtered: the spectrum of the picture, from the covariance grid.
 
 use crate::camera::Camera;
-use crate::fog::Fog;
 use crate::geometry::Hit;
+use crate::media;
 use crate::random::mix;
 use crate::scene::{Material, Scene};
 use covbeam::{
-    EyeRay, FilmFilterNode, FilmFilters, FilmLattice, FluenceGrid, ImageSpectrum, film_regions,
+    EyeRay, FilmFilterNode, FilmFilters, FilmLattice, FluenceGrid, ImageSpectrum, Medium, film_regions,
     pixel_threshold,
 };
 use rayon::prelude::*;
@@ -90,15 +90,15 @@ impl FirstSurfaces {
     /// The spectrum of the first piece of fog at the nodes of the lattice, read off the grid.
     ///
     /// - `fog`: what the camera is in.
-    pub fn spectra(&self, grid: &FluenceGrid, fog: &Fog) -> Vec<ImageSpectrum> {
+    pub fn spectra(&self, grid: &FluenceGrid, fog: &Medium) -> Vec<ImageSpectrum> {
         (0..self.lattice.node_count())
             .into_par_iter()
             .map_init(Vec::new, |knots, node| {
                 let [x, y] = self.lattice.pixel(node);
                 let ray = self.ray(x, y);
                 let steps = self.camera.pixel_steps(ray.direction);
-                let column = fog.column(ray.origin, ray.direction, ray.length, knots);
-                ImageSpectrum::along(&ray, &steps, grid, fog.medium, &fog.density, &column)
+                let column = media::column(fog, ray.origin, ray.direction, ray.length, knots);
+                ImageSpectrum::along(&ray, &steps, grid, fog, &column)
             })
             .collect()
     }

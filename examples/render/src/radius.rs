@@ -11,8 +11,8 @@
 //!
 //! **Beam density.** A ball of radius r is crossed by π r² ν beams: r is such that there are always as many, but for i^(-1/5).
 
-use crate::fog::Fog;
-use covbeam::{Beam, FluenceCell, FluenceSpectrum, GridLayout, KernelShape};
+use crate::media;
+use covbeam::{Beam, FluenceCell, FluenceSpectrum, GridLayout, KernelShape, Medium};
 use glam::Vec3;
 use std::f64::consts::PI;
 
@@ -118,7 +118,7 @@ impl BeamVoxels {
     /// Adds the beams of one pass, each with the index of its medium. Same bits for the same beams in the same order.
     ///
     /// A beam is cut into pieces no longer than a voxel's shortest side, each of which counts where its middle is. Cost: 0.2 µs a beam.
-    pub fn add(&mut self, beams: &[(u32, Beam)], fogs: &[Fog]) {
+    pub fn add(&mut self, beams: &[(u32, Beam)], fogs: &[Medium]) {
         let (size, cells) =
             (self.layout.max - self.layout.min, Vec3::from(self.layout.cells.map(|n| n as f32)));
         let (scale, stride) = (cells / size, (size / cells).min_element());
@@ -134,7 +134,7 @@ impl BeamVoxels {
                 continue;
             }
             let fog = &fogs[*medium as usize];
-            let column = fog.column(beam.origin, beam.direction, beam.length, &mut knots);
+            let column = media::column(fog, beam.origin, beam.direction, beam.length, &mut knots);
             let (power, extinction) = (beam.power.element_sum() / 3.0, fog.mean_extinction());
             let pieces = ((to - from) / stride).ceil();
             let step = (to - from) / pieces;

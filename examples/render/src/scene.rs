@@ -47,7 +47,7 @@ impl Scene {
 #[derive(Clone, Debug)]
 pub struct SceneMedium {
     /// Coefficients at density 1, and the phase function.
-    pub medium: Medium,
+    pub medium: Medium<'static>,
     /// Relative density.
     pub density: MediumDensity,
 }

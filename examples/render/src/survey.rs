@@ -2,7 +2,7 @@
 
 use crate::defaults::divide;
 use crate::eye::{EyeSegment, EyeTracer};
-use crate::fog::Fog;
+use crate::media;
 use crate::mesh::MAX_COORDINATE;
 use crate::optics::Interior;
 use crate::photon::{PhotonRecord, PhotonTracer, Record};
@@ -10,7 +10,7 @@ use crate::radius::BeamVoxels;
 use crate::random::{Emission, Random};
 use crate::scene::Scene;
 use crate::surface::SurfaceMap;
-use covbeam::GridLayout;
+use covbeam::{GridLayout, Medium};
 use glam::Vec3;
 
 /// Light paths of the survey. Their beams need only say where there is light, not how much to a digit.
@@ -56,7 +56,7 @@ pub(crate) struct Survey {
 impl Survey {
     /// Surveys a scene, whose grid and settings are not looked at. Cost: 5 to 20 ms, 100 ms with a large mesh of glass.
     pub(crate) fn new(scene: &Scene) -> Self {
-        let fogs = Fog::all(scene);
+        let fogs = media::all(scene);
         let mut pieces = eye_pieces(scene, &fogs);
         let around = bounds_of_scene(scene);
         let far = far(scene, around);
@@ -64,7 +64,7 @@ impl Survey {
             let fog = &fogs[piece.medium as usize];
             let ray = &mut piece.ray;
             let mut knots = Vec::new();
-            let column = fog.column(ray.origin, ray.direction, ray.length, &mut knots);
+            let column = media::column(fog, ray.origin, ray.direction, ray.length, &mut knots);
             let opaque = column.distance_at(OPAQUE / fog.mean_extinction());
             ray.length = ray.length.min(opaque).min(far);
             [ray.origin, ray.origin + ray.length * ray.direction]
@@ -103,7 +103,7 @@ fn light_paths(scene: &Scene) -> PhotonRecord {
 }
 
 /// Pieces of eye paths in media whose kernels are looked up in the grid, numbered by their eye ray.
-fn eye_pieces(scene: &Scene, fogs: &[Fog]) -> Vec<EyeSegment> {
+fn eye_pieces(scene: &Scene, fogs: &[Medium]) -> Vec<EyeSegment> {
     let interior = Interior::at(scene, scene.camera.position);
     let surfaces = SurfaceMap::build(Vec::new(), 1.0, 1.0);
     let tracer = EyeTracer { scene, fogs, interior, surfaces: &surfaces };
@@ -143,7 +143,7 @@ struct SeenLight {
 fn seen_light(
     scene: &Scene,
     pieces: &[EyeSegment],
-    fogs: &[Fog],
+    fogs: &[Medium],
     layout: &GridLayout,
     beams: &BeamVoxels,
 ) -> SeenLight {
@@ -156,7 +156,7 @@ fn seen_light(
     let mut rays = vec![[0.0; 2]; (LATTICE * LATTICE) as usize];
     for piece in pieces {
         let (ray, fog) = (&piece.ray, &fogs[piece.medium as usize]);
-        let column = fog.column(ray.origin, ray.direction, ray.length, &mut knots);
+        let column = media::column(fog, ray.origin, ray.direction, ray.length, &mut knots);
         let step = ray.length / PLACES as f32;
         for index in 0..PLACES {
             let distance = (index as f32 + 0.5) * step;
@@ -166,7 +166,7 @@ fn seen_light(
                 place.clamp(Vec3::ZERO, cells - 1.0).to_array().map(|coordinate| coordinate as usize);
             let [fluence, square] = sums[(z * layout.cells[1] as usize + y) * layout.cells[0] as usize + x];
             let left = (-fog.mean_extinction() * column.at(distance)).exp();
-            let scattering = fog.medium.scattering.element_sum() * fog.density.at(position);
+            let scattering = fog.scattering.element_sum() * fog.density.at(position);
             let share = f64::from(piece.throughput.element_sum() * left * scattering);
             let weight = share * fluence / volume * f64::from(step);
             if weight > 0.0 && weight.is_finite() {

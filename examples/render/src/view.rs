@@ -2,11 +2,10 @@
 
 use crate::eye::{EyeSegment, EyeTracer};
 use crate::film::{PassImage, SparseSample};
-use crate::fog::Fog;
 use crate::plan::{Plan, Wanted};
 use crate::random::Random;
 use crate::scene::Scene;
-use covbeam::{BeamMap, EyeRay, GatherScratch, Gathered, Kernel};
+use covbeam::{BeamMap, EyeRay, GatherScratch, Gathered, Kernel, Medium};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::Mutex;
@@ -18,7 +17,7 @@ const TILE: u32 = 32;
 /// Which eye rays a pass traces, and through what.
 pub(crate) struct View<'a> {
     pub(crate) scene: &'a Scene,
-    pub(crate) fogs: &'a [Fog<'a>],
+    pub(crate) fogs: &'a [Medium<'a>],
     pub(crate) tracer: EyeTracer<'a>,
     /// Beams by medium.
     pub(crate) maps: &'a [BeamMap],
@@ -109,7 +108,7 @@ impl View<'_> {
             // Wide kernels cost more than they are worth to rays that no filter thins out.
             let planned = self.plan.is_some() && !group[0].is_first();
             let kernel = if planned { &narrow } else { self.kernel };
-            self.maps[medium].gather(rays, fog.medium, &fog.density, kernel, gathered, gather);
+            self.maps[medium].gather(fog, rays, kernel, gathered, gather).expect("its map was built in it");
             for (segment, gathered) in group.iter().zip(gathered.iter()) {
                 let seen = &mut seen[segment.pixel as usize];
                 let radiance = segment.throughput * gathered.radiance;

@@ -92,7 +92,7 @@ fn chain(
     let mut grid = CovarianceGrid::new(LAYOUT, sums).ok()?;
     // The voxel from (-1, -1, 3) to (1, 1, 5).
     let middle = Vec3::new(0.0, 0.0, 4.0);
-    grid.deposit(middle, &fluence, 2.0);
+    grid.deposit_spectrum(middle, &fluence, 2.0);
     grid.resolve(means).ok()?;
     let grid = FluenceGrid::new(LAYOUT, means).ok()?;
     let found = grid.look_up(middle)?;
@@ -116,7 +116,7 @@ fn chain(
     // Straight across the beam, past it by nothing: K(0) = 3/(4r).
     let ray = EyeRay { origin: Vec3::new(0.0, -1.0, 4.0), direction: Vec3::Y, length: 5.0 };
     let mut gathered = Gathered::default();
-    if !gather_pair(&ray, &beam, 0.0, beam.length, &Passage::homogeneous(&medium), &kernel, &mut gathered) {
+    if !gather_pair(&ray, &beam, [0.0, beam.length], &medium, &[Column::Uniform; 2], &kernel, &mut gathered) {
         return None;
     }
     Some(Results {

@@ -9,8 +9,8 @@
 use crate::random::Stream;
 use crate::twin::{Big, Event, Real, Source, Twin, apply, start};
 use covbeam::{
-    Attenuation, CovarianceGrid, Curvature, FluenceCell, FluenceSpectrum, GridCell, GridLayout, LightField,
-    Vec3,
+    Column, CovarianceGrid, Curvature, FluenceCell, FluenceSpectrum, GridCell, GridLayout, LightField,
+    Medium, Segment, Vec3,
 };
 
 /// A light path whose arithmetic is hard.
@@ -593,7 +593,17 @@ pub fn extinguished_beam() -> (f64, usize) {
     let mut grid = CovarianceGrid::new(layout, &mut cells).expect("layout");
     let mut field = LightField::point(Vec3::Z, 0.05);
     field.travel(1.0);
-    grid.deposit_segment(Vec3::ZERO, 200.0, &field, 1.0, true, &Attenuation::homogeneous(1.0));
+    grid.deposit(
+        &Medium::homogeneous(0.0, 1.0),
+        &Segment {
+            origin: Vec3::ZERO,
+            length: 200.0,
+            power: 1.0,
+            unscattered: true,
+            field,
+            column: Column::Uniform,
+        },
+    );
     let mut means = [FluenceCell::default(); VOXELS];
     grid.resolve(&mut means).expect("length");
     let mut worst: f64 = 0.0;
@@ -623,7 +633,7 @@ pub fn many_deposits(count: u64) -> (f64, f64) {
     let (mut sum, mut weight) = (0.0f32, 0.0f32);
     for i in 0..count {
         let which = (i % 2) as usize;
-        grid.deposit(Vec3::ZERO, &spectra[which], weights[which]);
+        grid.deposit_spectrum(Vec3::ZERO, &spectra[which], weights[which]);
         sum += spectra[which].xx * weights[which];
         weight += weights[which];
     }

@@ -45,11 +45,11 @@ fn spectra(script: &mut Script, hard: &mut Hard) {
                 origin: if hard.chance(0.7) { Vec3::ZERO } else { hard.decades(-4.0, -1.0) * hard.unit() },
                 direction: hard.decades(-4.0, -1.0) * hard.unit(),
             });
-            let density = fog.density();
+            let medium = fog.view();
             let mut knots = Vec::new();
-            density.tabulate(&fog.medium, origin, direction, length, &mut |knot| knots.push(knot));
-            let column = density.column(origin, direction, &knots);
-            let found = ImageSpectrum::along(&ray, &steps, &grid.fluence(), &fog.medium, &density, &column);
+            medium.tabulate(origin, direction, length, &mut |knot| knots.push(knot));
+            let column = medium.density.column(origin, direction, &knots);
+            let found = ImageSpectrum::along(&ray, &steps, &grid.fluence(), &medium, &column);
             script.call("image_spectrum_along", &[fog, &ray, &steps], &[&found]);
             filter(script, hard, &found);
         }

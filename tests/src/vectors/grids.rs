@@ -5,8 +5,7 @@ use super::kernels::{SHAPES, spectrum};
 use super::media::medium;
 use super::words::{Script, Words, fnv};
 use covbeam::{
-    Attenuation, CovarianceGrid, FluenceCell, FluenceGrid, FluenceSpectrum, GridCell, GridLayout, Kernel,
-    LightField, Vec3,
+    CovarianceGrid, FluenceCell, FluenceGrid, FluenceSpectrum, GridCell, GridLayout, Kernel, LightField, Vec3,
 };
 
 /// A grid with what it has collected and what look-ups see.
@@ -35,12 +34,12 @@ impl Grid {
         script.call("grid_deposit", &[fog, &Many(segments)], &[]);
         for segment in segments {
             let Segment { origin, length, power, unscattered, field } = *segment;
-            let density = fog.density();
+            let medium = fog.view();
             let mut knots = Vec::new();
-            density.tabulate(&fog.medium, origin, field.direction, length, &mut |knot| knots.push(knot));
-            let column = density.column(origin, field.direction, &knots);
-            let attenuation = Attenuation { extinction: fog.extinction(), density, column };
-            self.collecting().deposit_segment(origin, length, &field, power, unscattered, &attenuation);
+            medium.tabulate(origin, field.direction, length, &mut |knot| knots.push(knot));
+            let column = medium.density.column(origin, field.direction, &knots);
+            let segment = covbeam::Segment { origin, length, power, unscattered, field, column };
+            self.collecting().deposit(&medium, &segment);
         }
     }
 
@@ -51,7 +50,7 @@ impl Grid {
         spectrum: FluenceSpectrum,
         weight: f32,
     ) {
-        self.collecting().deposit(position, &spectrum, weight);
+        self.collecting().deposit_spectrum(position, &spectrum, weight);
         script.call("grid_deposit_spectra", &[&position, &spectrum, &weight], &[]);
     }
 

@@ -137,7 +137,7 @@ impl Voxels {
 /// A `covbeam_medium`.
 #[derive(Clone, Copy)]
 pub(super) struct Fog<'a> {
-    pub(super) medium: Medium,
+    pub(super) medium: Medium<'static>,
     varies: Varies<'a>,
 }
 
@@ -150,15 +150,15 @@ enum Varies<'a> {
 }
 
 impl<'a> Fog<'a> {
-    pub(super) fn homogeneous(medium: Medium) -> Self {
+    pub(super) fn homogeneous(medium: Medium<'static>) -> Self {
         Self { medium, varies: Varies::Nowhere }
     }
 
-    pub(super) fn exponential(medium: Medium, origin: Vec3, up: Vec3, scale_height: f32) -> Self {
+    pub(super) fn exponential(medium: Medium<'static>, origin: Vec3, up: Vec3, scale_height: f32) -> Self {
         Self { medium, varies: Varies::Height(origin, up, scale_height) }
     }
 
-    pub(super) fn voxels(medium: Medium, voxels: &'a Voxels) -> Self {
+    pub(super) fn voxels(medium: Medium<'static>, voxels: &'a Voxels) -> Self {
         Self { medium, varies: Varies::Voxels(voxels) }
     }
 
@@ -178,9 +178,9 @@ impl<'a> Fog<'a> {
         }
     }
 
-    /// Mean of the channels.
-    pub(super) fn extinction(&self) -> f32 {
-        self.medium.extinction().element_sum() / 3.0
+    /// As core takes it.
+    pub(super) fn view(&self) -> Medium<'a> {
+        Medium { density: self.density(), ..self.medium }
     }
 }
 
@@ -191,7 +191,7 @@ impl Words for Fog<'_> {
             Varies::Height(origin, up, scale_height) => (1, origin, up, scale_height),
             Varies::Voxels(_) => (2, Vec3::ZERO, Vec3::ZERO, 0.0),
         };
-        let Medium { scattering, absorption, phase } = &self.medium;
+        let Medium { scattering, absorption, phase, .. } = &self.medium;
         let words: [&dyn Words; 7] = [scattering, absorption, phase, &kind, &origin, &up, &scale_height];
         words.iter().for_each(|word| word.append(line));
     }

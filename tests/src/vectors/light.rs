@@ -115,7 +115,7 @@ fn event(script: &mut Script, hard: &mut Hard, field: &mut LightField) {
 /// A light field on its way through a medium.
 pub(super) fn carry(script: &mut Script, hard: &mut Hard, fog: &Fog, field: &mut LightField) {
     let (before, origin, distance) = (*field, hard.point(2.0), hard.decades(-3.0, 1.0));
-    fog.density().carry(field, origin, distance, fog.extinction());
+    field.travel_through(&fog.view(), origin, distance);
     script.call("light_field_carry", &[&before, fog, &origin, &distance], &[field]);
 }
 

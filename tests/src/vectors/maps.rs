@@ -6,8 +6,8 @@ use super::kernels::SHAPES;
 use super::media::medium;
 use super::words::{Script, Words};
 use covbeam::{
-    BLOCK, Beam, BeamBlock, BeamMap, Crossing, EyeRay, GatherScratch, Gathered, GridLayout, Kernel, Passage,
-    Vec3, cross, gather_pair,
+    BLOCK, Beam, BeamBlock, BeamMap, Crossing, EyeRay, GatherScratch, Gathered, GridLayout, Kernel, Vec3,
+    cross, gather_pair,
 };
 
 pub(super) fn write(script: &mut Script) {
@@ -122,15 +122,11 @@ fn pairs(script: &mut Script, hard: &mut Hard, grid: &Grid, fog: &Fog) {
         let radius = kernel(hard, use_grid.then_some(grid), 0.5);
         let (from, to) =
             if hard.chance(0.3) { (0.5 * beam.length, 0.9 * beam.length) } else { (0.0, beam.length) };
-        let density = fog.density();
-        let passage = Passage {
-            medium: &fog.medium,
-            density,
-            ray: density.column(ray.origin, ray.direction, &[]),
-            beam: density.column(beam.origin, beam.direction, &[]),
-        };
+        let medium = fog.view();
+        let lines = [(ray.origin, ray.direction), (beam.origin, beam.direction)];
+        let columns = lines.map(|(origin, direction)| medium.density.column(origin, direction, &[]));
         let mut gathered = Gathered::default();
-        let accepted = gather_pair(&ray, &beam, from, to, &passage, &radius, &mut gathered);
+        let accepted = gather_pair(&ray, &beam, [from, to], &medium, &columns, &radius, &mut gathered);
         let inputs: [&dyn Words; 7] = [&use_grid, fog, &radius, &from, &to, &ray, &beam];
         script.call("gather_pair", &inputs, &[&accepted, &gathered]);
     }
@@ -165,7 +161,7 @@ fn maps(script: &mut Script, hard: &mut Hard, grid: &Grid, fog: &Fog) {
         }
         let max_radius = 0.4;
         script.call("beam_map_commit", &[&max_radius], &[]);
-        let map = BeamMap::build(beams.clone(), max_radius, &fog.medium, &fog.density());
+        let map = BeamMap::build(beams.clone(), max_radius, &fog.view());
         let looks: Vec<Vec<EyeRay>> = if count > 1 {
             vec![tile(hard, 1), tile(hard, 8), (0..200).map(|_| ray(hard)).collect()]
         } else {
@@ -182,7 +178,7 @@ fn maps(script: &mut Script, hard: &mut Hard, grid: &Grid, fog: &Fog) {
                 let radius = kernel(hard, use_grid.then_some(grid), max_radius);
                 let mut gathered = vec![Gathered::default(); rays.len()];
                 let scratch = &mut GatherScratch::default();
-                map.gather(&rays, &fog.medium, &fog.density(), &radius, &mut gathered, scratch);
+                map.gather(&fog.view(), &rays, &radius, &mut gathered, scratch).expect("its own medium");
                 script.call("beam_map_gather", &[&use_grid, &radius, &rays], &[&gathered]);
             }
         }

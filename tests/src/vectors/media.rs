@@ -34,7 +34,7 @@ pub(super) fn write(script: &mut Script) {
     }
 }
 
-pub(super) fn medium(hard: &mut Hard) -> Medium {
+pub(super) fn medium(hard: &mut Hard) -> Medium<'static> {
     let mut coefficients = |none: f64| {
         if hard.chance(none) {
             Vec3::ZERO
@@ -44,7 +44,8 @@ pub(super) fn medium(hard: &mut Hard) -> Medium {
             Vec3::from_array([(); 3].map(|()| hard.decades(-2.0, 1.0)))
         }
     };
-    Medium { scattering: coefficients(0.1), absorption: coefficients(0.5), phase: hard.phase() }
+    let (scattering, absorption) = (coefficients(0.1), coefficients(0.5));
+    Medium { scattering, absorption, phase: hard.phase(), density: Density::Uniform }
 }
 
 fn medium_calls(script: &mut Script, hard: &mut Hard, fog: &Fog) {
@@ -65,7 +66,7 @@ fn medium_calls(script: &mut Script, hard: &mut Hard, fog: &Fog) {
 }
 
 fn ray_calls(script: &mut Script, hard: &mut Hard, fog: &Fog, density: &Density) {
-    let medium = &fog.medium;
+    let medium = &fog.view();
     let (origin, direction, length) = (hard.point(3.0), hard.unit(), hard.extreme(-2.0, 2.0));
     let table = |length: f32, error: f32, most: f32| {
         let mut knots: Vec<Knot> = Vec::new();
@@ -74,7 +75,7 @@ fn ray_calls(script: &mut Script, hard: &mut Hard, fog: &Fog, density: &Density)
     };
     let tabulated = |length: f32| {
         let mut knots: Vec<Knot> = Vec::new();
-        density.tabulate(medium, origin, direction, length, &mut |knot| knots.push(knot));
+        medium.tabulate(origin, direction, length, &mut |knot| knots.push(knot));
         knots
     };
 
@@ -98,7 +99,7 @@ fn ray_calls(script: &mut Script, hard: &mut Hard, fog: &Fog, density: &Density)
     script.call("medium_distance_at", &[fog, &origin, &direction, &length, &wanted], &[&flight]);
 
     let whole = tabulated(f32::INFINITY);
-    let reach = density.reach(origin, direction, medium.opaque_column(), &whole);
+    let reach = density.opaque_distance(origin, direction, medium.opaque_column(), &whole);
     script.call("medium_reach", &[fog, &origin, &direction], &[&reach]);
 
     let (error, most) = (hard.decades(-5.0, 0.0), hard.extreme(-2.0, 1.0));

@@ -1,6 +1,6 @@
 //! What a look-up and a deposit cost.
 
-use covbeam::{Attenuation, CovarianceGrid, FluenceGrid, GridLayout, Vec3};
+use covbeam::{Column, CovarianceGrid, FluenceGrid, GridLayout, Medium, Segment, Vec3};
 use covbeam_tests::random::Stream;
 
 use super::{UNIT, empty, look_up::linear_cells, point, segment::field};
@@ -35,13 +35,16 @@ fn the_cost_of_look_ups_and_deposits() {
     for extinction in [0.0, 0.3] {
         let time = best(&mut || {
             for _ in 0..1000 {
-                grid.deposit_segment(
-                    Vec3::splat(0.1),
-                    0.9,
-                    &field,
-                    1.0,
-                    true,
-                    &Attenuation::homogeneous(extinction),
+                grid.deposit(
+                    &Medium::homogeneous(0.0, extinction),
+                    &Segment {
+                        origin: Vec3::splat(0.1),
+                        length: 0.9,
+                        power: 1.0,
+                        unscattered: true,
+                        field,
+                        column: Column::Uniform,
+                    },
                 );
             }
             0.0

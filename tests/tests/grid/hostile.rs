@@ -1,7 +1,7 @@
 //! Any bits in any argument.
 
 use covbeam::{
-    Attenuation, CovarianceGrid, FluenceCell, FluenceGrid, GridCell, GridLayout, LightField, Vec3,
+    Column, CovarianceGrid, FluenceCell, FluenceGrid, GridCell, GridLayout, LightField, Medium, Segment, Vec3,
 };
 use proptest::prelude::*;
 
@@ -38,8 +38,10 @@ proptest! {
     ) {
         let mut cells = vec![GridCell::default(); layout.cell_count().min(1000)];
         if let Ok(mut grid) = CovarianceGrid::new(layout, &mut cells) {
-            grid.deposit(origin, &spectrum(values), power);
-            grid.deposit_segment(origin, length, &LightField { root, x_axis, direction }, power, true, &Attenuation::homogeneous(extinction));
+            grid.deposit_spectrum(origin, &spectrum(values), power);
+            let field = LightField { root, x_axis, direction };
+            let segment = Segment { origin, length, power, unscattered: true, field, column: Column::Uniform };
+            grid.deposit(&Medium::homogeneous(0.0, extinction), &segment);
             let mut out = vec![FluenceCell::default(); layout.cell_count()];
             grid.resolve(&mut out).unwrap();
             for cell in &cells {

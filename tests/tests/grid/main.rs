@@ -74,7 +74,7 @@ fn layouts_without_volume_and_slices_of_another_length_are_refused() {
 fn merge_and_resolve_refuse_another_length_and_change_nothing() {
     let mut cells = empty(UNIT);
     let mut grid = CovarianceGrid::new(UNIT, &mut cells).unwrap();
-    grid.deposit(Vec3::splat(0.1), &spectrum([1.0; 6]), 2.0);
+    grid.deposit_spectrum(Vec3::splat(0.1), &spectrum([1.0; 6]), 2.0);
     assert_eq!(grid.merge(&empty(SKEW)), Err(GridError::Length));
     let mut out = vec![FluenceCell { weight: 5.0, ..FluenceCell::default() }; 3];
     assert_eq!(grid.resolve(&mut out), Err(GridError::Length));
@@ -95,7 +95,7 @@ fn a_deposit_lands_in_the_voxel_around_it_x_first() {
                 let inside = Vec3::from_array([(); 3].map(|()| stream.between(0.001, 0.999) as f32));
                 let at = SKEW.min + (Vec3::new(x as f32, y as f32, z as f32) + inside) * size;
                 let mut grid = CovarianceGrid::new(SKEW, &mut cells).unwrap();
-                grid.deposit(at, &spectrum([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]), 0.5);
+                grid.deposit_spectrum(at, &spectrum([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]), 0.5);
                 let index = (x + 7 * (y + 5 * z)) as usize;
                 assert_eq!(cells[index], GridCell { sum: [0.5, 1.0, 1.5, 2.0, 2.5, 3.0], weight: 0.5 });
                 assert_eq!(cells.iter().filter(|cell| cell.weight != 0.0).count(), 1);
@@ -109,15 +109,15 @@ fn the_faces_of_the_box_belong_to_it_and_nothing_beyond() {
     let mut cells = empty(UNIT);
     let mut grid = CovarianceGrid::new(UNIT, &mut cells).unwrap();
     let flat = spectrum([1.0; 6]);
-    grid.deposit(Vec3::ZERO, &flat, 1.0);
-    grid.deposit(Vec3::ONE, &flat, 1.0);
+    grid.deposit_spectrum(Vec3::ZERO, &flat, 1.0);
+    grid.deposit_spectrum(Vec3::ONE, &flat, 1.0);
     for outside in [
         Vec3::new(-1e-30, 0.5, 0.5),
         Vec3::new(0.5, 1.0 + f32::EPSILON, 0.5),
         Vec3::new(0.5, 0.5, f32::NAN),
         Vec3::splat(f32::INFINITY),
     ] {
-        grid.deposit(outside, &flat, 1.0);
+        grid.deposit_spectrum(outside, &flat, 1.0);
     }
     assert_eq!((cells[0].weight, cells[63].weight), (1.0, 1.0));
     assert_eq!(cells.iter().map(|cell| cell.weight).sum::<f64>(), 2.0);
@@ -128,8 +128,8 @@ fn the_mean_of_a_voxel_is_weighted_by_flux() {
     let mut cells = empty(UNIT);
     let mut grid = CovarianceGrid::new(UNIT, &mut cells).unwrap();
     let at = Vec3::new(0.6, 0.3, 0.9);
-    grid.deposit(at, &spectrum([1.0, 2.0, 3.0, 0.5, -0.25, 0.0]), 3.0);
-    grid.deposit(at, &spectrum([5.0, 6.0, 7.0, 0.5, 0.75, 8.0]), 1.0);
+    grid.deposit_spectrum(at, &spectrum([1.0, 2.0, 3.0, 0.5, -0.25, 0.0]), 3.0);
+    grid.deposit_spectrum(at, &spectrum([5.0, 6.0, 7.0, 0.5, 0.75, 8.0]), 1.0);
     let out = resolved(UNIT, &mut cells);
     let index = 2 + 4 * (1 + 4 * 3);
     assert_eq!(out[index].spectrum.to_array(), [2.0, 3.0, 4.0, 0.5, 0.0, 2.0]);
@@ -146,10 +146,10 @@ fn ten_million_deposits_do_not_stall() {
     let mut cells = empty(UNIT);
     let mut grid = CovarianceGrid::new(UNIT, &mut cells).unwrap();
     let at = Vec3::splat(0.5);
-    grid.deposit(at, &spectrum([1.0; 6]), (1 << 25) as f32);
+    grid.deposit_spectrum(at, &spectrum([1.0; 6]), (1 << 25) as f32);
     let n = 10_000_000_u32;
     for i in 0..n {
-        grid.deposit(at, &spectrum([(i % 3) as f32 + 1.0; 6]), 1.0);
+        grid.deposit_spectrum(at, &spectrum([(i % 3) as f32 + 1.0; 6]), 1.0);
     }
     // Integers below 2^53: the f64 sums are exact.
     let sum = f64::from(1 << 25) + f64::from(n / 3 * 6 + 1);
@@ -165,14 +165,14 @@ fn a_thousand_million_deposits_keep_their_mean() {
     let mut cells = empty(UNIT);
     let mut grid = CovarianceGrid::new(UNIT, &mut cells).unwrap();
     let at = Vec3::splat(0.1);
-    grid.deposit(at, &spectrum([0.1; 6]), 0.3);
+    grid.deposit_spectrum(at, &spectrum([0.1; 6]), 0.3);
     for _ in 0..30 {
         let copy = cells.clone();
         CovarianceGrid::new(UNIT, &mut cells).unwrap().merge(&copy).unwrap();
     }
     let mut grid = CovarianceGrid::new(UNIT, &mut cells).unwrap();
     for _ in 0..1000 {
-        grid.deposit(at, &spectrum([0.7; 6]), 0.3);
+        grid.deposit_spectrum(at, &spectrum([0.7; 6]), 0.3);
     }
     let n = f64::from(1 << 30);
     let exact = (n * f64::from(0.1_f32) + 1000.0 * f64::from(0.7_f32)) / (n + 1000.0);
@@ -197,14 +197,14 @@ fn merging_in_order_is_depositing_in_order() {
     let mut sequential = empty(SKEW);
     let mut grid = CovarianceGrid::new(SKEW, &mut sequential).unwrap();
     for (at, spectrum, weight) in &deposits {
-        grid.deposit(*at, spectrum, *weight);
+        grid.deposit_spectrum(*at, spectrum, *weight);
     }
     let mut total = empty(SKEW);
     for chunk in deposits.chunks(700) {
         let mut part = empty(SKEW);
         let mut grid = CovarianceGrid::new(SKEW, &mut part).unwrap();
         for (at, spectrum, weight) in chunk {
-            grid.deposit(*at, spectrum, *weight);
+            grid.deposit_spectrum(*at, spectrum, *weight);
         }
         CovarianceGrid::new(SKEW, &mut total).unwrap().merge(&part).unwrap();
     }

@@ -1,6 +1,6 @@
 //! Grids as bytes: the format written out a second time by hand, round trips of real deposits, and damage.
 
-use covbeam::{Attenuation, CovarianceGrid, GridCell, GridError, GridLayout, LightField, Vec3};
+use covbeam::{Column, CovarianceGrid, GridCell, GridError, GridLayout, LightField, Medium, Segment, Vec3};
 use covbeam_tests::random::Stream;
 use proptest::prelude::*;
 
@@ -97,7 +97,10 @@ fn deposit_random(stream: &mut Stream, layout: &GridLayout, grid: &mut Covarianc
     let extinction = stream.decades(-6.0, 2.0) as f32;
     let power = stream.decades(-6.0, 6.0) as f32;
     let unscattered = stream.uniform() < 0.5;
-    grid.deposit_segment(from, length, &field, power, unscattered, &Attenuation::homogeneous(extinction));
+    grid.deposit(
+        &Medium::homogeneous(0.0, extinction),
+        &Segment { origin: from, length, power, unscattered, field, column: Column::Uniform },
+    );
 }
 
 fn filled(stream: &mut Stream, layout: GridLayout, segments: usize) -> Vec<GridCell> {
@@ -196,7 +199,7 @@ proptest! {
         let power = 10_f64.powf(power) as f32;
         let centre = Vec3::splat(0.5 * side);
         for unscattered in [true, false] {
-            grid.deposit_segment(centre, side, &field, power, unscattered, &Attenuation::homogeneous(0.0));
+            grid.deposit(&Medium::homogeneous(0.0, 0.0), &Segment { origin: centre, length: side, power, unscattered, field, column: Column::Uniform });
         }
         let mut bytes = vec![0; layout.saved_size()];
         prop_assert_eq!(layout.save(&cells, &mut bytes), Ok(()), "{:?}", cells);
@@ -214,7 +217,7 @@ fn a_thousand_million_equal_deposits_save() {
     let mut grid = CovarianceGrid::new(UNIT, &mut cells).unwrap();
     let v = [0.1_f32, 0.2, 0.3];
     let outer = [v[0] * v[0], v[1] * v[1], v[2] * v[2], v[0] * v[1], v[0] * v[2], v[1] * v[2]];
-    grid.deposit(Vec3::splat(0.1), &spectrum(outer), 0.3);
+    grid.deposit_spectrum(Vec3::splat(0.1), &spectrum(outer), 0.3);
     for _ in 0..30 {
         let copy = cells.clone();
         CovarianceGrid::new(UNIT, &mut cells).unwrap().merge(&copy).unwrap();

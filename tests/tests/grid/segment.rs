@@ -1,6 +1,6 @@
 //! Deposits along segments, against a naive twin that clips the segment to every voxel in f64.
 
-use covbeam::{Attenuation, CovarianceGrid, GridCell, GridLayout, LightField, Vec3};
+use covbeam::{Column, CovarianceGrid, GridCell, GridLayout, LightField, Medium, Vec3};
 use covbeam_tests::random::Stream;
 
 use super::{SKEW, UNIT, empty, point, resolved};
@@ -77,13 +77,16 @@ impl Segment {
     fn deposit(&self, layout: GridLayout, power: f32) -> Vec<GridCell> {
         let mut cells = empty(layout);
         let mut grid = CovarianceGrid::new(layout, &mut cells).unwrap();
-        grid.deposit_segment(
-            self.origin,
-            self.length,
-            &field(self.direction),
-            power,
-            true,
-            &Attenuation::homogeneous(self.extinction),
+        grid.deposit(
+            &Medium::homogeneous(0.0, self.extinction),
+            &covbeam::Segment {
+                origin: self.origin,
+                length: self.length,
+                power,
+                unscattered: true,
+                field: field(self.direction),
+                column: Column::Uniform,
+            },
         );
         cells
     }
@@ -218,7 +221,10 @@ fn segments_without_meaning_deposit_nothing() {
         let mut cells = empty(UNIT);
         let mut grid = CovarianceGrid::new(UNIT, &mut cells).unwrap();
         let field = LightField { direction, ..field(Vec3::Z) };
-        grid.deposit_segment(origin, length, &field, power, true, &Attenuation::homogeneous(extinction));
+        grid.deposit(
+            &Medium::homogeneous(0.0, extinction),
+            &covbeam::Segment { origin, length, power, unscattered: true, field, column: Column::Uniform },
+        );
         cells.iter().map(|cell| cell.weight).sum::<f64>()
     };
     let inside = Vec3::splat(0.3);

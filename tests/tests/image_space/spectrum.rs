@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use covbeam::{
-    Column, Density, EyeRay, FluenceCell, FluenceGrid, FluenceSpectrum, GridLayout, ImageFilter,
-    ImageSpectrum, Medium, PixelStep, Vec3,
+    Column, EyeRay, FluenceCell, FluenceGrid, FluenceSpectrum, GridLayout, ImageFilter, ImageSpectrum,
+    Medium, PixelStep, Vec3,
 };
 use covbeam_tests::random::Stream;
 use glam::DVec3;
@@ -77,7 +77,7 @@ pub(super) fn views() -> Vec<(EyeRay, [PixelStep; 2])> {
 }
 
 /// Extinction in the mean over the channels.
-pub(super) fn fog(extinction: f32) -> Medium {
+pub(super) fn fog(extinction: f32) -> Medium<'static> {
     Medium {
         scattering: 0.5 * extinction * Vec3::new(0.5, 1.0, 1.5),
         absorption: Vec3::splat(0.5 * extinction),
@@ -92,7 +92,7 @@ fn homogeneous(
     extinction: f32,
 ) -> ImageSpectrum {
     let grid = FluenceGrid::new(LAYOUT, cells).unwrap();
-    ImageSpectrum::along(ray, steps, &grid, &fog(extinction), &Density::Uniform, &Column::Uniform)
+    ImageSpectrum::along(ray, steps, &grid, &fog(extinction), &Column::Uniform)
 }
 
 #[track_caller]
@@ -286,7 +286,7 @@ proptest! {
             let origin = Vec3::from([(); 3].map(|()| stream.between(-3.0, 3.0) as f32));
             let ray = EyeRay { origin, direction: stream.direction(), length: stream.decades(-2.0, 2.0) as f32 };
             let steps = [(); 2].map(|()| PixelStep { origin: size * stream.direction(), direction: size * stream.direction() });
-            let found = ImageSpectrum::along(&ray, &steps, &grid, &fog(extinction), &Density::Uniform, &Column::Uniform);
+            let found = ImageSpectrum::along(&ray, &steps, &grid, &fog(extinction), &Column::Uniform);
             let ImageSpectrum { xx, xy, yy, weight } = found;
             prop_assert!((xx + xy + yy + weight).is_finite() && weight >= 0.0, "{found:?}");
             prop_assert!(weight > 0.0 || found == ImageSpectrum::default());
@@ -321,7 +321,7 @@ proptest! {
             .collect();
         let grid = FluenceGrid::new(layout, &cells).unwrap();
         for (ray, steps) in views() {
-            let found = ImageSpectrum::along(&ray, &steps, &grid, &fog(0.3), &Density::Uniform, &Column::Uniform);
+            let found = ImageSpectrum::along(&ray, &steps, &grid, &fog(0.3), &Column::Uniform);
             prop_assert!((found.xx + found.xy + found.yy + found.weight).is_finite(), "{found:?}");
             prop_assert!(found.weight > 0.0 || found == ImageSpectrum::default());
         }
@@ -349,8 +349,7 @@ fn between_a_bright_and_a_dim_voxel_the_spectrum_is_relative_to_the_dim_one() {
     // Through the middle between the two, orthographic.
     let ray = EyeRay { origin: Vec3::new(1.0, 0.5, -3.0), direction: Vec3::Z, length: f32::INFINITY };
     let steps = [Vec3::X, Vec3::Y].map(|origin| PixelStep { origin, direction: Vec3::ZERO });
-    let found =
-        ImageSpectrum::along(&ray, &steps, &grid, &Medium::default(), &Density::Uniform, &Column::Uniform);
+    let found = ImageSpectrum::along(&ray, &steps, &grid, &Medium::default(), &Column::Uniform);
     // Arithmetic mean of the weights over their harmonic mean: 0.505 / (2/101).
     let contrast = 0.505 * 101.0 / 2.0;
     assert!((found.xx / (4.0 * contrast) - 1.0).abs() < 2e-6, "{found:?}");

@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 
 use covbeam::{
-    Density, DensityGrid, ExponentialDensity, EyeRay, FluenceGrid, GridLayout, ImageSpectrum, PixelStep, Vec3,
+    Density, DensityGrid, ExponentialDensity, EyeRay, FluenceGrid, GridLayout, ImageSpectrum, Medium,
+    PixelStep, Vec3,
 };
 use glam::DVec3;
 
@@ -95,11 +96,11 @@ impl Twin<'_> {
     fn core(&self, ray: &EyeRay, steps: &[PixelStep; 2], density: &Density) -> ImageSpectrum {
         let cells = cells(self.flux, |_| self.spectrum);
         let grid = FluenceGrid::new(LAYOUT, &cells).unwrap();
-        let medium = fog(self.extinction as f32);
+        let medium = Medium { density: *density, ..fog(self.extinction as f32) };
         let mut knots = Vec::new();
-        density.tabulate(&medium, ray.origin, ray.direction, ray.length, &mut |knot| knots.push(knot));
+        medium.tabulate(ray.origin, ray.direction, ray.length, &mut |knot| knots.push(knot));
         let column = density.column(ray.origin, ray.direction, &knots);
-        ImageSpectrum::along(ray, steps, &grid, &medium, density, &column)
+        ImageSpectrum::along(ray, steps, &grid, &medium, &column)
     }
 }
 

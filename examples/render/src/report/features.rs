@@ -1,13 +1,15 @@
 //! What each feature costs: variants of the glass ball at the same passes and light paths, by part.
 
 use super::measure::Parts;
-use crate::fog::Fog;
+use crate::media;
 use crate::pass::{Method, Renderer};
 use crate::photon::{PhotonRecord, PhotonTracer, Record};
 use crate::random::Emission;
 use crate::scene::{Material, MediumDensity, Scene};
 use crate::volume::Volume;
-use covbeam::{BeamMap, ExponentialDensity, FluenceCell, GridCell, GridLayout, PhaseFunction, PhaseKind};
+use covbeam::{
+    BeamMap, ExponentialDensity, FluenceCell, GridCell, GridLayout, Medium, PhaseFunction, PhaseKind,
+};
 use glam::Vec3;
 use serde::Serialize;
 
@@ -129,11 +131,11 @@ pub(super) fn memory(scene: &Scene) -> Memory {
     let paths = scene.settings.photons;
     (0..paths).for_each(|path| tracer.trace(0, path, paths, Record::Beams, &mut record));
     let map = |max_radius: f32| -> usize {
-        let of_medium = |(medium, fog): (usize, &Fog)| {
+        let of_medium = |(medium, fog): (usize, &Medium)| {
             let beams = record.beams.iter().filter(|(of, _)| *of as usize == medium).map(|(_, beam)| *beam);
-            BeamMap::build(beams.collect(), max_radius, fog.medium, &fog.density).memory()
+            BeamMap::build(beams.collect(), max_radius, fog).memory()
         };
-        Fog::all(scene).iter().enumerate().map(of_medium).sum()
+        media::all(scene).iter().enumerate().map(of_medium).sum()
     };
     Memory {
         beams: record.beams.len(),

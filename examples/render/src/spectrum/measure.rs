@@ -1,11 +1,11 @@
 //! What is really there: the fluence of every voxel from many light paths, in independent batches that tell its noise.
 
 use super::walk::{voxel_size, walk};
-use crate::fog::Fog;
+use crate::media;
 use crate::photon::{PhotonRecord, PhotonTracer, Record};
 use crate::random::Emission;
 use crate::scene::{Light, Material, Scene};
-use covbeam::{Beam, Column, GridLayout, Knot};
+use covbeam::{Beam, Column, GridLayout, Knot, Medium};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -112,7 +112,7 @@ fn measure_batch(
     report: &(dyn Fn(u32) -> bool + Sync),
 ) -> Option<Vec<[f32; 3]>> {
     let mut sums = vec![[0.0_f64; 3]; layout.cell_count()];
-    let fogs = Fog::all(scene);
+    let fogs = media::all(scene);
     let (mut record, mut knots) = (PhotonRecord::default(), Vec::new());
     for first in (0..paths).step_by(REPORT_EVERY as usize) {
         let count = REPORT_EVERY.min(paths - first);
@@ -141,16 +141,16 @@ fn measure_batch(
 fn add_beam(
     layout: &GridLayout,
     beam: &Beam,
-    fog: &Fog,
+    fog: &Medium,
     knots: &mut Vec<Knot>,
     mut add: impl FnMut(usize, f64),
 ) {
-    let column = fog.column(beam.origin, beam.direction, beam.length, knots);
+    let column = media::column(fog, beam.origin, beam.direction, beam.length, knots);
     let column_at = |distance: f64| match column {
         Column::Uniform => distance,
         column => f64::from(column.at(distance as f32)),
     };
-    let extinction = fog.medium.extinction();
+    let extinction = fog.extinction();
     let grey = extinction.x == extinction.y && extinction.y == extinction.z;
     let channels: &[(f64, f64)] = if grey {
         &[(f64::from(beam.power.element_sum()) / 3.0, f64::from(extinction.x))]

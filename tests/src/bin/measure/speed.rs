@@ -1,10 +1,7 @@
 //! What this core can do, how near the gather comes to it, and how both grow with the number of beams.
 
 use crate::Outcome;
-use covbeam::{
-    Beam, BeamMap, Density, EyeRay, GatherScratch, Gathered, Kernel, KernelShape, Medium, PhaseFunction,
-    Vec3, cross,
-};
+use covbeam::{Beam, BeamMap, EyeRay, GatherScratch, Gathered, Kernel, KernelShape, Medium, Vec3, cross};
 use covbeam_render::random::Random;
 use cpu_time::ThreadTime;
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x8, f32x16};
@@ -33,8 +30,7 @@ const TILE: u32 = 32;
 /// bounds: near 2, on the ray 2, on the beam 4. (And 5 comparisons, not counted.)
 const FLOPS_OF_A_TEST: f64 = 58.0;
 
-const FOG: Medium =
-    Medium { scattering: Vec3::splat(0.2), absorption: Vec3::splat(0.02), phase: PhaseFunction::ISOTROPIC };
+const FOG: Medium = Medium::homogeneous(0.2, 0.02);
 
 pub(crate) fn run() -> Outcome<()> {
     println!(
@@ -124,7 +120,7 @@ fn plain(radius: f32) -> Kernel<'static> {
 }
 
 fn gather(map: &BeamMap, rays: &[EyeRay], gathered: &mut [Gathered], scratch: &mut GatherScratch) {
-    map.gather(rays, &FOG, &Density::Uniform, &plain(map.max_radius()), gathered, scratch);
+    map.gather(&FOG, rays, &plain(map.max_radius()), gathered, scratch).unwrap();
 }
 
 /// Accepted pairs of some rays.
@@ -198,7 +194,7 @@ fn tests(ceilings: [f64; 2]) {
         let middle = gaps.len() / 2;
         let half = *gaps.select_nth_unstable_by(middle, f32::total_cmp).1;
         for radius in [1e-6, half] {
-            let map = BeamMap::build(beams.clone(), radius, &FOG, &Density::Uniform);
+            let map = BeamMap::build(beams.clone(), radius, &FOG);
             let (mut gathered, mut scratch) =
                 (vec![Gathered::default(); rays.len()], GatherScratch::default());
             let times = 4096 / rays.len();
@@ -290,7 +286,7 @@ fn growth(name: &str, half_width: impl Fn(f32) -> f32) -> Case {
     for count in COUNTS {
         let (beams, radius) = (beams(count), radius(count));
         let pieces = pieces(&beams);
-        let map = BeamMap::build(beams, radius, &FOG, &Density::Uniform);
+        let map = BeamMap::build(beams, radius, &FOG);
         let picture = picture(half_width(count as f32 / COUNTS[0] as f32));
         let found: u64 = picture.iter().map(|rays| hits(&map, rays)).sum();
         let (mut gathered, mut scratch) =
@@ -323,8 +319,7 @@ fn builds() {
         let times = COUNTS[2].div_ceil(count);
         let seconds = median(|| {
             for _ in 0..times {
-                let map =
-                    BeamMap::build(given.take().expect("given back below"), radius, &FOG, &Density::Uniform);
+                let map = BeamMap::build(given.take().expect("given back below"), radius, &FOG);
                 given = Some(map.into_beams());
             }
         }) / times as f64;
