@@ -5,10 +5,10 @@
 
 use crate::light_field::medium::DepthShape;
 use crate::light_field::{FluenceSpectrum, LightField};
+use crate::math::exp;
 use crate::medium::{Column, Density, Medium};
 use crate::voxels::{Dda, GridError, GridLayout, Lattice, Trilinear};
 use glam::Vec3;
-use libm::expf;
 
 /// Least weight of a voxel with data: the dimmest still counts where no other does, with all digits.
 const DIMMEST: f32 = 1e-30;
@@ -257,7 +257,7 @@ fn attenuate(depth: f32) -> (f32, f32) {
         let mean = SERIES.iter().rev().fold(0.0, |sum, term| sum * depth + term);
         (mean, 1.0 - depth * mean)
     } else {
-        let left = expf(-depth);
+        let left = exp(-depth);
         ((1.0 - left) / depth, left)
     }
 }

@@ -7,7 +7,8 @@ use crate::beam::{BLOCK, Beam, BeamBlock, EyeRay, Gathered, PARALLEL_SINE, insid
 use crate::grid::FluenceGrid;
 use crate::kernel::{Kernel, KernelShape};
 use crate::medium::{Medium, PhaseFunction, PhaseKind};
-use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x8};
+use crate::voxels::{GridLayout, Trilinear};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x8, mask32x8};
 use glam::{Vec3, Vec4};
 
 /// Pairs that are worked on side by side.
@@ -102,7 +103,63 @@ impl<'a, S: Simd> Pairs<'a, S> {
         beams: &[Beam],
         kernel: &Kernel,
     ) -> Option<Self> {
-        let lines = &block.lines;
+        let found = Crossings::new(simd, ray, &block.lines, kernel.max_radius)?;
+        let Crossings { near, position, ray_distance, beam_distance, gap, .. } = found;
+        let zero = f32x8::splat(simd, 0.0);
+        let (reach, sigma) = match &kernel.grid {
+            None => (f32x8::splat(simd, kernel.min_radius), zero),
+            Some(grid) => {
+                let axis = found.normal * found.inverse_sin;
+                radii(simd, kernel, grid, position, axis, near.to_bitmask() as u32)
+            }
+        };
+
+        // Most pairs lie farther from both ends of their beam than the kernel reaches. A sub-beam's cut is no end.
+        let (from, to) = (load(simd, &block.lines.from), load(simd, &block.lines.to));
+        let length = load(simd, &block.length);
+        let within = gap.simd_lt(reach)
+            & (beam_distance.simd_ge(from) | !from.simd_gt(zero))
+            & (beam_distance.simd_lt(to) | !to.simd_lt(length));
+        let away = beam_distance.simd_ge(reach) & beam_distance.simd_le(length - reach);
+        let mut accepted = (near & within & away).to_bitmask() as u32;
+        let at_an_end = (near & within & !away).to_bitmask() as u32;
+        if at_an_end != 0 {
+            let (gaps, radii): (Floats, Floats) = (gap.into(), reach.into());
+            accepted |=
+                inside_ends(block, beams, at_an_end, &position.store(), &beam_distance.into(), &gaps, &radii);
+        }
+        Some(Self {
+            accepted,
+            block,
+            position,
+            ray_distance,
+            beam_distance,
+            cos_theta: found.cos_theta,
+            kernel: evaluate(simd, kernel.shape, gap, reach) / found.sin_theta,
+            radius: reach,
+            sigma,
+        })
+    }
+}
+
+/// [`crate::cross`] of one eye ray and eight sub-beams.
+struct Crossings<S: Simd> {
+    /// Lanes that pass each other within the largest radius, in the ray's stretch.
+    near: mask32x8<S>,
+    /// The common perpendicular, times `sin_theta`.
+    normal: Vec3x8<S>,
+    sin_theta: f32x8<S>,
+    inverse_sin: f32x8<S>,
+    cos_theta: f32x8<S>,
+    position: Vec3x8<S>,
+    ray_distance: f32x8<S>,
+    beam_distance: f32x8<S>,
+    gap: f32x8<S>,
+}
+
+impl<S: Simd> Crossings<S> {
+    #[inline(always)]
+    fn new(simd: S, ray: &Ray<S>, lines: &BeamBlock, max_radius: f32) -> Option<Self> {
         let direction = Vec3x8::load(simd, &lines.direction);
         let (from, to) = (load(simd, &lines.from), load(simd, &lines.to));
         let normal = ray.direction.cross(direction);
@@ -113,7 +170,7 @@ impl<'a, S: Simd> Pairs<'a, S> {
         let along_beam = offset.cross(ray.direction).dot(normal);
 
         // As `BeamBlock::test`: without a division, and wider than what is asked exactly below by more than rounding.
-        let wide = kernel.max_radius * ROOM;
+        let wide = max_radius * ROOM;
         let near = (triple * triple).simd_le(sin2 * (wide * wide));
         let on_ray = along_ray.simd_ge(sin2 * -wide) & along_ray.simd_le(sin2 * (ray.length + wide));
         let on_beam = along_beam.simd_ge((from - wide) * sin2) & along_beam.simd_le((to + wide) * sin2);
@@ -126,54 +183,45 @@ impl<'a, S: Simd> Pairs<'a, S> {
         let sin_theta = sin2.sqrt();
         let inverse_sin = 1.0 / sin_theta;
         let ray_distance = along_ray * inverse;
-        let beam_distance = along_beam * inverse;
         let gap = triple.abs() * inverse_sin;
-        let position = ray.origin + ray.direction * ray_distance;
-        let zero = f32x8::splat(simd, 0.0);
         let near = candidates
             & sin2.simd_ge(f32x8::splat(simd, PARALLEL_SINE * PARALLEL_SINE))
-            & ray_distance.simd_ge(zero)
+            & ray_distance.simd_ge(f32x8::splat(simd, 0.0))
             & ray_distance.simd_le(f32x8::splat(simd, ray.length))
-            & gap.simd_lt(f32x8::splat(simd, kernel.max_radius));
-
-        let (reach, sigma) = match &kernel.grid {
-            None => (f32x8::splat(simd, kernel.min_radius), zero),
-            Some(grid) => {
-                let near = near.to_bitmask() as u32;
-                radii(simd, kernel, grid, position, normal * inverse_sin, near)
-            }
-        };
-
-        // Most pairs lie farther from both ends of their beam than the kernel reaches. A sub-beam's cut is no end.
-        let length = load(simd, &block.length);
-        let within = gap.simd_lt(reach)
-            & (beam_distance.simd_ge(from) | !from.simd_gt(zero))
-            & (beam_distance.simd_lt(to) | !to.simd_lt(length));
-        let away = beam_distance.simd_ge(reach) & beam_distance.simd_le(length - reach);
-        let mut accepted = (near & within & away).to_bitmask() as u32;
-        let at_an_end = (near & within & !away).to_bitmask() as u32;
-        if at_an_end != 0 {
-            let (positions, distances): (_, Floats) = (position.store(), beam_distance.into());
-            let (gaps, radii): (Floats, Floats) = (gap.into(), reach.into());
-            for lane in bits(at_an_end) {
-                let beam = &beams[block.beams[lane] as usize];
-                let (from, to, point) = (lines.from[lane], lines.to[lane], vector(&positions, lane));
-                let inside = inside(beam, from, to, point, distances[lane], gaps[lane], radii[lane]);
-                accepted |= u32::from(inside) << lane;
-            }
-        }
+            & gap.simd_lt(f32x8::splat(simd, max_radius));
         Some(Self {
-            accepted,
-            block,
-            position,
-            ray_distance,
-            beam_distance,
+            near,
+            normal,
+            sin_theta,
+            inverse_sin,
             cos_theta: -direction.dot(ray.direction),
-            kernel: evaluate(simd, kernel.shape, gap, reach) / sin_theta,
-            radius: reach,
-            sigma,
+            position: ray.origin + ray.direction * ray_distance,
+            ray_distance,
+            beam_distance: along_beam * inverse,
+            gap,
         })
     }
+}
+
+/// [`crate::beam::inside`] in the lanes of `mask`, a bit each.
+#[inline(always)]
+fn inside_ends(
+    block: &Block,
+    beams: &[Beam],
+    mask: u32,
+    points: &Vectors,
+    distances: &Floats,
+    gaps: &Floats,
+    radii: &Floats,
+) -> u32 {
+    let mut accepted = 0;
+    for lane in bits(mask) {
+        let beam = &beams[block.beams[lane] as usize];
+        let (from, to, point) = (block.lines.from[lane], block.lines.to[lane], vector(points, lane));
+        let inside = inside(beam, from, to, point, distances[lane], gaps[lane], radii[lane]);
+        accepted |= u32::from(inside) << lane;
+    }
+    accepted
 }
 
 /// [`KernelShape::evaluate`] where |distance| < radius, bit for bit.
@@ -199,46 +247,21 @@ fn radii<S: Simd>(
     axis: Vec3x8<S>,
     mask: u32,
 ) -> (f32x8<S>, f32x8<S>) {
-    let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+    let zero = f32x8::splat(simd, 0.0);
     let min_radius = f32x8::splat(simd, kernel.min_radius);
-    let voxels = &grid.voxels;
-    let layout = &voxels.layout;
-    let (min, max) = (Vec3x8::splat(simd, layout.min), Vec3x8::splat(simd, layout.max));
-    let contained = position.x.simd_ge(min.x)
-        & position.y.simd_ge(min.y)
-        & position.z.simd_ge(min.z)
-        & position.x.simd_le(max.x)
-        & position.y.simd_le(max.y)
-        & position.z.simd_le(max.z);
-    let mask = mask & contained.to_bitmask() as u32;
+    let mask = mask & contained(simd, &grid.voxels.layout, position);
     if mask == 0 {
         return (min_radius, zero);
     }
-    let [scale, last] = [voxels.scale, voxels.last];
-    let (bx, hx) = cell(simd, (position.x - min.x) * scale.x - 0.5, last.x);
-    let (by, hy) = cell(simd, (position.y - min.y) * scale.y - 0.5, last.y);
-    let (bz, hz) = cell(simd, (position.z - min.z) * scale.z - 0.5, last.z);
-    let (lx, ly, lz) = (one - hx, one - hy, one - hz);
-    let [ll, hl, lh, hh] = [ly * lz, hy * lz, ly * hz, hy * hz];
-    let shares = [lx * ll, hx * ll, lx * hl, hx * hl, lx * lh, hx * lh, lx * hh, hx * hh];
-
-    let mut bases = [0; LANES];
-    let (bx, by, bz): (Floats, Floats, Floats) = (bx.into(), by.into(), bz.into());
-    let mut weights = [[0.0; LANES]; 8];
-    let [dx, dy, dz] = voxels.strides;
-    for lane in bits(mask) {
-        let base =
-            bx[lane] as u32 as usize * dx + by[lane] as u32 as usize * dy + bz[lane] as u32 as usize * dz;
-        bases[lane] = base;
-        for (weights, corner) in weights.iter_mut().zip(voxels.corners) {
-            weights[lane] = grid.cells[base + corner].weight;
-        }
-    }
-
+    let (bases, shares) = around(simd, &grid.voxels, position, mask);
     let mut factors = [[0.0; LANES]; 8];
     let (mut flux, mut share_sum, mut inverse) = (zero, zero, zero);
-    for corner in 0..8 {
-        let (weight, share) = (load(simd, &weights[corner]), shares[corner]);
+    for (corner, step) in grid.voxels.corners.into_iter().enumerate() {
+        let mut weights = [0.0; LANES];
+        for lane in bits(mask) {
+            weights[lane] = grid.cells[bases[lane] + step].weight;
+        }
+        let (weight, share) = (load(simd, &weights), shares[corner]);
         let lit = weight.simd_gt(zero);
         let factor = share * lit.select(weight, zero);
         factors[corner] = factor.into();
@@ -247,23 +270,7 @@ fn radii<S: Simd>(
         inverse += lit.select(share / weight, zero);
     }
 
-    let mut sums = [[0.0; LANES]; 6];
-    for lane in bits(mask) {
-        let (mut first, mut second) = (Vec4::ZERO, Vec4::ZERO);
-        for (factors, corner) in factors.iter().zip(voxels.corners) {
-            let cell = &grid.cells[bases[lane] + corner];
-            let (s, factor) = (&cell.spectrum, factors[lane]);
-            first += Vec4::new(s.xx, s.yy, s.zz, s.xy) * factor;
-            // The weight only fills the register.
-            second += Vec4::new(s.xy, s.xz, s.yz, cell.weight) * factor;
-        }
-        let [xx, yy, zz, xy] = first.to_array();
-        let [_, xz, yz, _] = second.to_array();
-        for (sum, value) in sums.iter_mut().zip([xx, yy, zz, xy, xz, yz]) {
-            sum[lane] = value;
-        }
-    }
-
+    let sums = spectra(grid, &bases, &factors, mask);
     let [xx, yy, zz] =
         [load(simd, &sums[0]) / flux, load(simd, &sums[1]) / flux, load(simd, &sums[2]) / flux];
     let [xy, xz, yz] =
@@ -280,6 +287,67 @@ fn radii<S: Simd>(
     let wanted = wanted.simd_gt(min_radius).select(wanted, min_radius);
     let lit = flux.simd_gt(zero);
     (lit.select(wanted, min_radius), lit.select(variance.sqrt(), zero))
+}
+
+/// [`GridLayout::contains`], a bit a lane.
+#[inline(always)]
+fn contained<S: Simd>(simd: S, layout: &GridLayout, position: Vec3x8<S>) -> u32 {
+    let (min, max) = (Vec3x8::splat(simd, layout.min), Vec3x8::splat(simd, layout.max));
+    let contained = position.x.simd_ge(min.x)
+        & position.y.simd_ge(min.y)
+        & position.z.simd_ge(min.z)
+        & position.x.simd_le(max.x)
+        & position.y.simd_le(max.y)
+        & position.z.simd_le(max.z);
+    contained.to_bitmask() as u32
+}
+
+/// [`Trilinear::around`] in the lanes of `mask`: the lowest of the eight voxels, and the shares of all eight.
+#[inline(always)]
+fn around<S: Simd>(
+    simd: S,
+    voxels: &Trilinear,
+    position: Vec3x8<S>,
+    mask: u32,
+) -> ([usize; LANES], [f32x8<S>; 8]) {
+    let (min, scale, last) = (voxels.layout.min, voxels.scale, voxels.last);
+    let (bx, hx) = cell(simd, (position.x - min.x) * scale.x - 0.5, last.x);
+    let (by, hy) = cell(simd, (position.y - min.y) * scale.y - 0.5, last.y);
+    let (bz, hz) = cell(simd, (position.z - min.z) * scale.z - 0.5, last.z);
+    let one = f32x8::splat(simd, 1.0);
+    let (lx, ly, lz) = (one - hx, one - hy, one - hz);
+    let [ll, hl, lh, hh] = [ly * lz, hy * lz, ly * hz, hy * hz];
+    let shares = [lx * ll, hx * ll, lx * hl, hx * hl, lx * lh, hx * lh, lx * hh, hx * hh];
+    let mut bases = [0; LANES];
+    let (bx, by, bz): (Floats, Floats, Floats) = (bx.into(), by.into(), bz.into());
+    let [dx, dy, dz] = voxels.strides;
+    for lane in bits(mask) {
+        bases[lane] =
+            bx[lane] as u32 as usize * dx + by[lane] as u32 as usize * dy + bz[lane] as u32 as usize * dz;
+    }
+    (bases, shares)
+}
+
+/// The sums of the eight spectra around each lane's point, times `factors`: xx, yy, zz, xy, xz, yz.
+#[inline(always)]
+fn spectra(grid: &FluenceGrid, bases: &[usize; LANES], factors: &[Floats; 8], mask: u32) -> [Floats; 6] {
+    let mut sums = [[0.0; LANES]; 6];
+    for lane in bits(mask) {
+        let (mut first, mut second) = (Vec4::ZERO, Vec4::ZERO);
+        for (factors, corner) in factors.iter().zip(grid.voxels.corners) {
+            let cell = &grid.cells[bases[lane] + corner];
+            let (s, factor) = (&cell.spectrum, factors[lane]);
+            first += Vec4::new(s.xx, s.yy, s.zz, s.xy) * factor;
+            // The weight only fills the register.
+            second += Vec4::new(s.xy, s.xz, s.yz, cell.weight) * factor;
+        }
+        let [xx, yy, zz, xy] = first.to_array();
+        let [_, xz, yz, _] = second.to_array();
+        for (sum, value) in sums.iter_mut().zip([xx, yy, zz, xy, xz, yz]) {
+            sum[lane] = value;
+        }
+    }
+    sums
 }
 
 /// Of one coordinate in voxels: the lower of the two around it, and the share of the upper one.

@@ -308,17 +308,7 @@ impl<'a> Reconstruction<'a> {
 
     /// The sum under a filter, over the pixels of one region or of all.
     fn gather(&self, x: u32, y: u32, filter: &ImageFilter, among: Option<u32>) -> FilmSample {
-        // What a pixel's own extent adds keeps filters thinner than a pixel from falling between pixels.
-        let (xx, xy, yy) = (filter.xx + PIXEL_VARIANCE, filter.xy, filter.yy + PIXEL_VARIANCE);
-        let (middle, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-        let spread = sqrtf(half * half + xy * xy);
-        let largest = middle + spread;
-        let smallest = ((xx * yy - xy * xy) / largest).max(PIXEL_VARIANCE);
-        // Along the filter's own axes nothing cancels, and a long thin one does not visit the box around it.
-        let (c, s) = if spread > 0.0 { (half / spread, xy / spread) } else { (1.0, 0.0) };
-        let near = sqrtf(0.5 * (1.0 + c.abs()));
-        let far = 0.5 * s / near;
-        let [ux, uy] = if c >= 0.0 { [near, far] } else { [far, near] };
+        let Ellipse { axis: [ux, uy], largest, smallest } = Ellipse::of(filter);
         let (reach_along, reach_aside) = (REACH * sqrtf(largest), REACH * sqrtf(smallest));
         let corner = 0.5 * (ux.abs() + uy.abs());
         let block = BLOCK_SHARE * sqrtf(smallest);
@@ -386,6 +376,30 @@ impl<'a> Reconstruction<'a> {
             next += across as usize * down as usize;
         }
         offsets
+    }
+}
+
+/// A filter's principal axes: along its own axes nothing cancels, and a long thin one does not visit the box around it.
+struct Ellipse {
+    /// Direction of the largest variance, unit.
+    axis: [f32; 2],
+    /// Variances along it and across it \[pixels²\].
+    largest: f32,
+    smallest: f32,
+}
+
+impl Ellipse {
+    /// With a pixel's own extent, which keeps filters thinner than a pixel from falling between pixels.
+    fn of(filter: &ImageFilter) -> Self {
+        let (xx, xy, yy) = (filter.xx + PIXEL_VARIANCE, filter.xy, filter.yy + PIXEL_VARIANCE);
+        let (middle, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
+        let spread = sqrtf(half * half + xy * xy);
+        let largest = middle + spread;
+        let smallest = ((xx * yy - xy * xy) / largest).max(PIXEL_VARIANCE);
+        let (c, s) = if spread > 0.0 { (half / spread, xy / spread) } else { (1.0, 0.0) };
+        let near = sqrtf(0.5 * (1.0 + c.abs()));
+        let far = 0.5 * s / near;
+        Self { axis: if c >= 0.0 { [near, far] } else { [far, near] }, largest, smallest }
     }
 }
 

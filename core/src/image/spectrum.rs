@@ -3,12 +3,12 @@
 use super::ImageFilter;
 use crate::beam::EyeRay;
 use crate::grid::{FluenceGrid, Surroundings};
-use crate::math::Sym2;
+use crate::math::{Sym2, exp};
 use crate::medium::{Column, Density, Medium};
 use crate::voxels::{Dda, Lattice};
 use core::f32::consts::PI;
 use glam::Vec3;
-use libm::{ceilf, expf};
+use libm::ceilf;
 
 /// Most steps along one eye ray.
 const MOST_STEPS: f32 = 1024.0;
@@ -100,7 +100,7 @@ impl ImageSpectrum {
                 structure = depth_shape.step(density, position, across, here, extinction * step);
             }
             let Some(Surroundings { spectrum, flux, dimmest }) = grid.around(position) else { continue };
-            let seen = here * expf(-extinction * column.at(distance)) * step;
+            let seen = here * exp(-extinction * column.at(distance)) * step;
             let weight = flux * seen;
             if !(weight > 0.0 && weight.is_finite()) {
                 continue;

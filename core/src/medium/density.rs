@@ -8,8 +8,8 @@ use super::OPAQUE_DEPTH;
 use super::column::{Column, Knot};
 use super::derivatives::Derivatives;
 use super::voxel_density::DensityGrid;
+use crate::math::exp;
 use glam::Vec3;
-use libm::expf;
 
 /// Largest magnitude of the logarithm of an exponential density: e^±80 is near the ends of what `f32` holds.
 const LARGEST_LOGARITHM: f32 = 80.0;
@@ -36,7 +36,7 @@ impl ExponentialDensity {
             };
             height = (along(0) + along(1) + along(2)) as f32;
         }
-        expf((-height / self.scale_height).clamp(-LARGEST_LOGARITHM, LARGEST_LOGARITHM))
+        exp((-height / self.scale_height).clamp(-LARGEST_LOGARITHM, LARGEST_LOGARITHM))
     }
 
     /// What the density falls by along a ray, exp(-rate s) \[1/m\].

@@ -7,8 +7,8 @@
 use core::{ptr, slice};
 
 use covbeam::{
-    Beam, CovarianceGrid, EyeRay, FluenceCell, FluenceGrid, Gathered, GridCell, GridLayout, KernelShape,
-    Kernel, LightField, Medium, Passage, Vec3, gather_pair,
+    Beam, Column, CovarianceGrid, EyeRay, FluenceCell, FluenceGrid, Gathered, GridCell, GridLayout, Kernel,
+    KernelShape, LightField, Medium, Vec3, gather_pair,
 };
 
 unsafe extern "C" {
