@@ -310,6 +310,7 @@ impl<'a> FluenceGrid<'a> {
     /// # Ok::<(), covbeam::GridError>(())
     /// ```
     #[inline(always)] // As `Kernel::radius_at`.
+    #[doc(alias = "trilinear")]
     pub fn look_up(&self, position: Vec3) -> Option<FluenceSpectrum> {
         self.around(position).map(|found| found.spectrum)
     }

@@ -49,13 +49,15 @@
 //!
 //! # Where to read
 //!
-//! | thesis | what | type |
+//! | thesis | what | module |
 //! |---|---|---|
-//! | 5.3.1 | light fields, their events, the slice of their spectrum (Eq 5.14) | [`LightField`], [`FluenceSpectrum`] |
-//! | 5.3.1, Eq 5.15 | the covariance grid | [`CovarianceGrid`], [`FluenceGrid`] |
-//! | 5.3.2 | few eye rays and a filter: image space | [`ImageSpectrum`], [`FilmFilters`], [`Reconstruction`] |
-//! | 5.3.3 | shadow rays along an eye ray | [`March`] |
-//! | 5.3.4 | kernels as wide as the light allows, and the gather | [`Kernel`], [`gather_pair`], `BeamMap` |
+//! | 5.3.1 | light fields, their events, the slice of their spectrum (Eq 5.14) | [`light_field`] |
+//! | | what attenuates and scatters them | [`medium`] |
+//! | 5.3.1, Eq 5.15 | the covariance grid | [`grid`], over [`voxels`] |
+//! | 5.3.4 | kernels as wide as the light allows, and the gather of one pair | [`kernel`], [`beam`] |
+//! | 5.3.2 | few eye rays and a filter: image space | [`image`] |
+//! | 5.3.3 | shadow rays along an eye ray | [`march`] |
+//! | | the same gather, of many rays and beams, fast | `beam_map` (feature `bvh`) |
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
@@ -63,18 +65,18 @@
 #[cfg(feature = "bvh")]
 extern crate std;
 
-mod beam;
+pub mod beam;
 #[cfg(feature = "bvh")]
-mod beam_map;
-mod grid;
-mod image;
-mod kernel;
-mod light_field;
-mod march;
+pub mod beam_map;
+pub mod grid;
+pub mod image;
+pub mod kernel;
+pub mod light_field;
+pub mod march;
 mod math;
-mod medium;
+pub mod medium;
 mod saved_grid;
-mod voxels;
+pub mod voxels;
 
 pub use glam::{Vec2, Vec3};
 

@@ -9,6 +9,7 @@ const MAX_CELLS: usize = 1 << 24;
 /// Box and resolution of a grid. Voxels are stored x first, then y, then z.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[doc(alias = "voxel grid")]
 pub struct GridLayout {
     /// Lower corner \[m\].
     pub min: Vec3,

@@ -39,8 +39,10 @@ const PACKET: usize = 256;
 ///
 /// About 36 bytes a sub-beam, up to three sub-beams a beam, and 260 bytes a node of up to eight leaves of up to eight sub-beams: with the beams themselves
 /// 76 bytes a sub-beam, 190 a beam (`measure speed`). An exponential density adds 4 bytes a beam, a density grid 8 bytes a knot of the beams' columns
-/// ([`Density::knots`]).
+/// ([`crate::Density::knots`]).
 #[derive(Clone)]
+#[doc(alias = "BVH")]
+#[doc(alias = "acceleration structure")]
 pub struct BeamMap {
     beams: Vec<Beam>,
     bvh: Bvh,

@@ -108,6 +108,8 @@ impl LightField {
     /// let light = LightField::gaussian(Vec3::Z, Vec3::X, [4.0, 9.0], [1.0, 1.0]);
     /// assert_eq!(light.slice(), [4.0, 0.0, 9.0]);
     /// ```
+    #[doc(alias = "Schur complement")]
+    #[doc(alias = "Eq 5.14")]
     pub fn slice(&self) -> [f32; 3] {
         let [_, _, _, _, _, xx, _, _, yx, yy] = self.root.map(f64::from);
         within_range([xx * xx, xx * yx, yx * yx + yy * yy])

@@ -30,6 +30,7 @@ impl LightField {
     /// let [xx, xy, yy] = light.slice().map(|variance| variance * 4.0 * std::f32::consts::PI.powi(2));
     /// assert!(xx.abs() < 1e-5 && xy.abs() < 1e-5 && (yy - 16.0).abs() < 1e-4);
     /// ```
+    #[doc(alias = "Beer-Lambert")]
     pub fn attenuate(&mut self, gradient: Vec3, hessian: &[f32; 6]) {
         if !(gradient.is_finite() && hessian.iter().all(|second| second.is_finite())) {
             return;

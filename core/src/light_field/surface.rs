@@ -56,6 +56,8 @@ impl LightField {
     /// light.travel(1.0);
     /// assert!((light.slice()[0] / 1e6 - 1.0).abs() < 1e-6);
     /// ```
+    #[doc(alias = "Coddington")]
+    #[doc(alias = "mirror")]
     pub fn reflect(&mut self, normal: Vec3, curvature: &Curvature) {
         let frame = self.frame();
         let Some(hit) = Hit::new(&frame, normal, curvature) else { return };
@@ -96,6 +98,8 @@ impl LightField {
     /// assert!(light.refract(Vec3::Z, &Curvature::default(), 1.0 / 1.5));
     /// assert!((light.direction.x - 0.866 / 1.5).abs() < 1e-4);
     /// ```
+    #[doc(alias = "Coddington")]
+    #[doc(alias = "lens")]
     pub fn refract(&mut self, normal: Vec3, curvature: &Curvature, eta: f32) -> bool {
         let frame = self.frame();
         let Some(hit) = Hit::new(&frame, normal, curvature) else { return false };
@@ -146,6 +150,7 @@ impl LightField {
     /// assert!((spectrum.xx - 4.0).abs() < 1e-5);
     /// assert!((spectrum.xx + spectrum.yy + spectrum.zz - (4.0 + 9.0 * 4.0)).abs() < 1e-4);
     /// ```
+    #[doc(alias = "Lambert")]
     pub fn diffuse(&mut self, normal: Vec3, direction: Vec3) {
         let frame = self.frame();
         let (Some(n), Some(out)) = (frame::unit_from(normal), frame::unit_from(direction)) else { return };

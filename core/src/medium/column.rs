@@ -14,6 +14,8 @@ pub struct Knot {
 
 /// The column ∫₀ˢ density ds along one ray, as a function of the distance s: monotone, in metres of density 1.
 #[derive(Clone, Copy, Debug, Default)]
+#[doc(alias = "optical depth")]
+#[doc(alias = "optical thickness")]
 pub enum Column<'a> {
     /// Density 1: the distance itself.
     #[default]
@@ -72,6 +74,7 @@ impl Column<'_> {
     /// assert!((column.distance_at(column.at(3.0)) - 3.0).abs() < 1e-5);
     /// assert_eq!(column.distance_at(4.1), f32::INFINITY); // only 2/0.5 = 4 in all
     /// ```
+    #[doc(alias = "free flight")]
     pub fn distance_at(&self, column: f32) -> f32 {
         match *self {
             Column::Uniform => column,
