@@ -63,6 +63,7 @@ pub struct Crossing {
 /// Closest approach of two lines, or None when they are closer to parallel than [`PARALLEL_SINE`].
 ///
 /// Works for square-on pairs, where the form that divides by the cosine fails.
+// Eight-wide twin: beam_map/eight.rs.
 #[inline]
 pub fn cross(ray: &EyeRay, beam: &Beam) -> Option<Crossing> {
     let normal = ray.direction.cross(beam.direction);
@@ -101,6 +102,7 @@ pub struct Gathered {
 
 impl Gathered {
     /// Adds the contribution of one pair, and returns whether it was a number.
+    // Eight-wide twin: beam_map/eight.rs.
     #[inline]
     pub(crate) fn add(&mut self, radiance: Vec3, radius: f32, sigma: f32) -> bool {
         let weight = (radiance.x + radiance.y + radiance.z) * (1.0 / 3.0);

@@ -28,6 +28,7 @@ impl KernelShape {
     /// - `radius` r \[m\] > 0.
     ///
     /// Guarantee: 0 where |d| >= r, for r <= 0, and where either is NaN.
+    // Eight-wide twin: beam_map/eight.rs.
     #[inline]
     pub fn evaluate(self, distance: f32, radius: f32) -> f32 {
         let distance = distance.abs();

@@ -18,6 +18,7 @@ pub(crate) fn sqrt(x: f32) -> f32 {
 /// `the_exponential_…`.)
 ///
 /// Source: range reduction to [-ln 2 / 2, ln 2 / 2] as in Cody and Waite (1980), polynomial of degree 7 by Moshier (Cephes).
+// Eight-wide twin: beam_map/simd.rs.
 #[inline(always)]
 pub(crate) fn exp(x: f32) -> f32 {
     let rounded = x * core::f32::consts::LOG2_E + ROUND;

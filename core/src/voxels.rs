@@ -118,6 +118,7 @@ impl Trilinear {
 
     /// Index of the lowest of the eight voxels around a point, and the share of the next one on each axis, in \[0, 1\].
     /// None outside the box and for NaN.
+    // Eight-wide twin: beam_map/eight.rs.
     #[inline(always)]
     pub(crate) fn around(&self, position: Vec3) -> Option<(usize, Vec3)> {
         if !self.layout.contains(position) {

@@ -1,10 +1,8 @@
 //! A bounding volume hierarchy over sub-beams, eight to a node, made from a binary one; built in slices of bounded work.
 
 use super::cancel::{Poll, Stop, with_room};
-use super::eight::LANES;
-use super::packet::ROOM;
-use super::simd::Vectors;
-use super::sub_beams::{Cut, MortonCode, SubBeam};
+use super::simd::{LANES, Vectors};
+use super::sub_beams::{Cut, MortonCode, ROOM, SubBeam};
 use crate::beam::{BLOCK, Beam};
 use glam::{Vec3, Vec3A};
 use std::vec::Vec;

@@ -1,18 +1,14 @@
 //! The gather of [`crate::gather_pair`], eight pairs side by side and bit for bit: each function names the one that defines it.
 
-use super::packet::ROOM;
-use super::simd::{Floats, Vec3x8, Vectors, exp, load};
-use super::sub_beams::SubBeam;
-use crate::beam::{BLOCK, Beam, BeamBlock, EyeRay, Gathered, PARALLEL_SINE, inside};
+use super::simd::{Floats, LANES, Vec3x8, Vectors, bits, exp, load};
+use super::sub_beams::{ROOM, SubBeam};
+use crate::beam::{Beam, BeamBlock, EyeRay, Gathered, PARALLEL_SINE, inside};
 use crate::grid::FluenceGrid;
 use crate::kernel::{Kernel, KernelShape};
 use crate::medium::{Medium, PhaseFunction, PhaseKind};
 use crate::voxels::{GridLayout, Trilinear};
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x8, mask32x8};
 use glam::{Vec3, Vec4};
-
-/// Pairs that are worked on side by side.
-pub(super) const LANES: usize = BLOCK;
 
 /// Puts the lines of up to [`LANES`] sub-beams into an empty block.
 #[inline(always)]
@@ -420,15 +416,4 @@ impl Gathered {
             }
         }
     }
-}
-
-/// The places of the bits that are set, lowest first.
-#[inline(always)]
-pub(super) fn bits(mut mask: u32) -> impl Iterator<Item = usize> {
-    core::iter::from_fn(move || {
-        let place = mask.trailing_zeros() as usize;
-        let found = mask != 0;
-        mask &= mask.wrapping_sub(1);
-        found.then_some(place)
-    })
 }

@@ -12,6 +12,7 @@ mod simd;
 mod sub_beams;
 
 pub use cancel::Stop;
+pub use shade::Contact;
 
 use crate::beam::{Beam, EyeRay, Gathered};
 use crate::kernel::Kernel;
@@ -31,9 +32,6 @@ pub const MAX_BEAMS: usize = 1 << 28;
 
 // At most a sub-beam more a beam than on average, a node less than two a sub-beam, and room for rounding.
 const _: () = assert!(2 * (SUB_BEAMS_PER_BEAM + 1) * MAX_BEAMS <= 1 << 31);
-
-/// Eye rays that share a walk through the hierarchy.
-const PACKET: usize = 256;
 
 /// The beams of one medium and one pass.
 ///
@@ -58,32 +56,6 @@ pub struct Unfinished {
     pub beams: Vec<Beam>,
     /// Why.
     pub reason: Stop,
-}
-
-/// An eye ray that meets a beam, for a host that knows the medium ([`BeamMap::gather_contacts`]).
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Contact {
-    /// The point on the eye ray that is closest to the beam \[m\].
-    pub position: Vec3,
-    /// Which eye ray: index in the call's rays.
-    pub ray: u32,
-    /// Which beam: index in the order in which the beams were given.
-    pub beam: u32,
-    /// Distance of the position from the start of the eye ray \[m\], in \[0, length\].
-    pub ray_distance: f32,
-    /// Distance along the beam of its point closest to the eye ray \[m\]: within the beam, or out of it by less than
-    /// the kernel radius at an end that a surface cuts at a slant.
-    pub beam_distance: f32,
-    /// dot(propagation of the beam's light, propagation of light to the eye): forward is +1. What
-    /// [`crate::PhaseFunction::evaluate`] takes; rounding may carry it past ±1.
-    pub cos_theta: f32,
-    /// K_r(d)/sin θ \[1/m\]: what the pair's product is multiplied by, besides the beam's power.
-    pub kernel: f32,
-    /// The kernel's radius r \[m\].
-    pub radius: f32,
-    /// σ along the kernel's axis \[cycles/m\], 0 where the grid has no data.
-    pub sigma: f32,
 }
 
 /// Buffers of a gather that a thread keeps between calls so that they are not allocated again.

@@ -2,15 +2,16 @@
 
 use super::bvh::WideNode;
 use super::simd::{Vec3x8, load};
+use super::sub_beams::ROOM;
 use crate::beam::{BeamBlock, EyeRay};
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x8};
 use glam::Vec3;
 
+/// Eye rays that share a walk through the hierarchy.
+pub(super) const PACKET: usize = 256;
+
 /// A packet whose rays spread more than this (chord between unit directions) is halved before it walks.
 const WIDEST_PACKET: f32 = 0.5;
-
-/// What radii are multiplied by where the question is what may be met: more than rounding takes away.
-pub(super) const ROOM: f32 = 1.001;
 
 /// A cone-like hull of some eye rays: the point at distance t of each lies within `spread + slope t` of the point
 /// `origin + t axis`.

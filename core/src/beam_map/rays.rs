@@ -1,6 +1,6 @@
 //! The columns along the eye rays of a packet, tabulated once however many batches of beams the rays meet.
 
-use super::PACKET;
+use super::packet::PACKET;
 use crate::beam::EyeRay;
 use crate::medium::{Knot, Medium};
 use core::ops::Range;

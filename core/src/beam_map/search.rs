@@ -1,11 +1,11 @@
 //! Which beams the eye rays meet: the walk of packets through the hierarchy, and packets halved until few rays test few sub-beams.
 
-use super::PACKET;
 use super::bvh::Bvh;
 use super::cancel::{Poll, Stop};
-use super::eight::{Block, LANES, Pairs, Ray, bits, fill};
-use super::packet::{Packet, ROOM};
-use super::sub_beams::SubBeam;
+use super::eight::{Block, Pairs, Ray, fill};
+use super::packet::{PACKET, Packet};
+use super::simd::{LANES, bits};
+use super::sub_beams::{ROOM, SubBeam};
 use crate::beam::{Beam, BeamBlock, EyeRay};
 use crate::kernel::Kernel;
 use core::ops::Range;

@@ -1,17 +1,42 @@
 //! What pairs add to their rays, in a medium of the core's or of the host's.
 
-use super::Contact;
 use super::cancel::{Poll, Stop};
 use super::columns::BeamColumns;
-use super::eight::{LANES, Pairs, bits, phase, transmittance, vector};
+use super::eight::{Pairs, phase, transmittance, vector};
 use super::rays::RayTables;
 use super::search::Shade;
-use super::simd::{Floats, load};
+use super::simd::{Floats, LANES, bits, load};
 use crate::beam::{Beam, EyeRay, Gathered};
 use crate::medium::{Density, Medium};
 use fearless_simd::Simd;
 use glam::Vec3;
 use std::vec::Vec;
+
+/// An eye ray that meets a beam, for a host that knows the medium ([`BeamMap::gather_contacts`]).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Contact {
+    /// The point on the eye ray that is closest to the beam \[m\].
+    pub position: Vec3,
+    /// Which eye ray: index in the call's rays.
+    pub ray: u32,
+    /// Which beam: index in the order in which the beams were given.
+    pub beam: u32,
+    /// Distance of the position from the start of the eye ray \[m\], in \[0, length\].
+    pub ray_distance: f32,
+    /// Distance along the beam of its point closest to the eye ray \[m\]: within the beam, or out of it by less than
+    /// the kernel radius at an end that a surface cuts at a slant.
+    pub beam_distance: f32,
+    /// dot(propagation of the beam's light, propagation of light to the eye): forward is +1. What
+    /// [`crate::PhaseFunction::evaluate`] takes; rounding may carry it past ±1.
+    pub cos_theta: f32,
+    /// K_r(d)/sin θ \[1/m\]: what the pair's product is multiplied by, besides the beam's power.
+    pub kernel: f32,
+    /// The kernel's radius r \[m\].
+    pub radius: f32,
+    /// σ along the kernel's axis \[cycles/m\], 0 where the grid has no data.
+    pub sigma: f32,
+}
 
 /// Contacts that a host is given at a time.
 const CONTACTS: usize = 256;

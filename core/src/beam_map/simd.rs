@@ -12,6 +12,9 @@ use glam::Vec3;
 use crate::beam::BLOCK;
 use crate::math::{EXP_LIMIT, EXP_SERIES, LN_2, ROUND};
 
+/// Pairs that are worked on side by side.
+pub(super) const LANES: usize = BLOCK;
+
 /// A number for each of eight lanes, in memory.
 pub(super) type Floats = [f32; BLOCK];
 
@@ -118,6 +121,17 @@ pub(super) fn exp<S: Simd>(simd: S, x: f32x8<S>) -> f32x8<S> {
     let high = x.simd_gt(f32x8::splat(simd, EXP_LIMIT));
     let value = high.select(f32x8::splat(simd, f32::INFINITY), value);
     low.select(f32x8::splat(simd, 0.0), value)
+}
+
+/// The places of the bits that are set, lowest first.
+#[inline(always)]
+pub(super) fn bits(mut mask: u32) -> impl Iterator<Item = usize> {
+    core::iter::from_fn(move || {
+        let place = mask.trailing_zeros() as usize;
+        let found = mask != 0;
+        mask &= mask.wrapping_sub(1);
+        found.then_some(place)
+    })
 }
 
 #[cfg(test)]

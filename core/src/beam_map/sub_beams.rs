@@ -9,6 +9,9 @@ use std::vec::Vec;
 /// processor cycles.
 pub(super) const SUB_BEAMS_PER_BEAM: usize = 2;
 
+/// What radii are multiplied by where the question is what may be met: more than rounding takes away.
+pub(super) const ROOM: f32 = 1.001;
+
 /// Bits of a Morton code for each axis.
 const CODE_BITS: u32 = 21;
 

@@ -2,6 +2,9 @@
 
 use libm::{expm1f, log1pf};
 
+/// An optical depth that lets nothing through that single precision could see beside the rest: e^-17 = 4e-8.
+pub(super) const OPAQUE_DEPTH: f32 = 17.0;
+
 /// A point of a table of columns.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

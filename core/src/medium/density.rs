@@ -4,8 +4,7 @@
 //! are that many times as large, so one number at a point and one integral along a ray serve all colour channels:
 //! the *column* ∫ density ds \[m\], with an optical depth of extinction x column.
 
-use super::OPAQUE_DEPTH;
-use super::column::{Column, Knot};
+use super::column::{Column, Knot, OPAQUE_DEPTH};
 use super::derivatives::Derivatives;
 use super::voxel_density::DensityGrid;
 use crate::math::exp;

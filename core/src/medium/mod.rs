@@ -6,6 +6,7 @@ mod derivatives;
 mod phase;
 mod voxel_density;
 
+use column::OPAQUE_DEPTH;
 pub use column::{Column, Knot};
 pub use density::{Density, ExponentialDensity};
 pub use derivatives::Derivatives;
@@ -14,9 +15,6 @@ pub use voxel_density::DensityGrid;
 
 use crate::math::exp;
 use glam::Vec3;
-
-/// An optical depth that lets nothing through that single precision could see beside the rest: e^-17 = 4e-8.
-pub(crate) const OPAQUE_DEPTH: f32 = 17.0;
 
 /// Error of the optical depth in a table of columns: half a thousandth of the transmittance.
 const DEPTH_ERROR: f32 = 5e-4;
@@ -90,6 +88,7 @@ impl Medium<'_> {
     /// let medium = Medium { scattering: Vec3::new(1.0, 2.0, 0.0), ..Medium::default() };
     /// assert_eq!(medium.transmittance(f32::INFINITY), Vec3::new(0.0, 0.0, 1.0));
     /// ```
+    // Eight-wide twin: beam_map/eight.rs.
     #[doc(alias = "Beer-Lambert")]
     #[inline]
     pub fn transmittance(&self, column: f32) -> Vec3 {

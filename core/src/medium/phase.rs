@@ -49,6 +49,7 @@ impl PhaseFunction {
     /// // At the peak: (1 + g) / (4π (1 - g)²).
     /// assert!((fog.evaluate(1.0) - 0.477_464_8).abs() < 1e-6);
     /// ```
+    // Eight-wide twin: beam_map/eight.rs.
     #[inline]
     pub fn evaluate(&self, cos_theta: f32) -> f32 {
         let cos_theta = cos_theta.clamp(-1.0, 1.0);
