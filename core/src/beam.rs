@@ -12,7 +12,7 @@ use glam::Vec3;
 /// contribution by 1e5 kernel heights. In single precision the crossing of such a pair is noise anyway.
 pub const PARALLEL_SINE: f32 = 1e-5;
 
-/// A photon beam: the straight piece of a photon's path through a medium.
+/// A photon beam: the straight segment of a photon's path through a medium.
 ///
 /// It is *long*: it runs on to the next surface whatever the photon's free flight was, and the gather multiplies by
 /// the transmittance (Jarosz et al. 2011, "long beams").
@@ -33,11 +33,11 @@ pub struct Beam {
     pub end_normal: Vec3,
 }
 
-/// One straight piece of an eye path inside one medium.
+/// One straight segment of an eye path inside one medium.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EyeRay {
-    /// Where the piece starts \[m\].
+    /// Where the segment starts \[m\].
     pub origin: Vec3,
     /// Unit direction, away from the eye.
     pub direction: Vec3,
@@ -229,7 +229,7 @@ pub fn gather_pair(
 /// Number of beams that [`BeamBlock`] tests together.
 pub const BLOCK: usize = 8;
 
-/// Eight pieces of beams side by side, so that one eye ray is tested against all of them at once.
+/// Eight sub-beams side by side, so that one eye ray is tested against all of them at once.
 ///
 /// The test is a filter: it may let a few pairs pass that [`gather_pair`] then refuses, never the other way round.
 #[derive(Clone, Copy, Debug)]
@@ -242,7 +242,7 @@ pub struct BeamBlock {
 }
 
 impl BeamBlock {
-    /// A block of pieces that nothing hits.
+    /// A block of sub-beams that nothing hits.
     pub const EMPTY: Self = Self {
         origin: [[0.0; BLOCK]; 3],
         direction: [[0.0; BLOCK]; 3],
@@ -276,7 +276,7 @@ impl BeamBlock {
         }
     }
 
-    /// A bit per slot whose piece may come within `radius` \[m\] of `ray`.
+    /// A bit per slot whose sub-beam may come within `radius` \[m\] of `ray`.
     #[inline(always)]
     pub fn test(&self, ray: &EyeRay, radius: f32) -> u32 {
         // Rounding of a crossing near a bound must not make the filter refuse what the exact test accepts.

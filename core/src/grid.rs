@@ -285,7 +285,7 @@ impl<'a> FluenceGrid<'a> {
     /// weights.
     ///
     /// The weight of a voxel is its fluence as well as its nearness, as in the sum over light paths that defines the spectrum: in
-    /// the dark beside a shaft, the shaft's border speaks.
+    /// the dark beside a shaft, the shaft's border dominates.
     ///
     /// - `position` \[m\]. Within half a voxel of the border the border's value holds.
     ///

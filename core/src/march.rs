@@ -303,15 +303,15 @@ impl<'a> March<'a> {
             return;
         }
         let mut measure = 0.0;
-        self.pieces(first, |piece| measure += piece.measure);
+        self.spans(first, |span| measure += span.measure);
         let (steep, flat) = ((1.0 - DEFENSIVE) / measure, DEFENSIVE / total.mass);
         let mut placed = 0;
         let (mut start, mut reached) = (0.0, 0.0);
-        self.pieces(first, |piece| {
-            let share = steep * piece.measure + flat * (piece.to - piece.from);
+        self.spans(first, |span| {
+            let share = steep * span.measure + flat * (span.to - span.from);
             while placed + 1 < count && (placed + 1) as f64 <= (reached + share) * count as f64 {
                 let part = ((placed + 1) as f64 / count as f64 - reached) / share;
-                let end = piece.from + part.clamp(0.0, 1.0) * (piece.to - piece.from);
+                let end = span.from + part.clamp(0.0, 1.0) * (span.to - span.from);
                 samples[placed] = self.draw(start, end, jitter[placed]).unwrap_or(dark);
                 (start, placed) = (end, placed + 1);
             }
@@ -324,8 +324,8 @@ impl<'a> March<'a> {
         }
     }
 
-    /// Visits the pieces of the table between knots and samples, with their measures.
-    fn pieces(&self, first: &[MarchSample], mut visit: impl FnMut(&Piece)) {
+    /// Visits the spans of the table between knots and samples, with their measures.
+    fn spans(&self, first: &[MarchSample], mut visit: impl FnMut(&Span)) {
         let known = |sample: &&MarchSample| sample.weight > 0.0 && !sample.visibility.is_nan();
         let mut ends = first.iter().filter(known);
         let mut before: Option<&MarchSample> = None;
@@ -340,13 +340,13 @@ impl<'a> March<'a> {
             let density = (pair[1].measure - pair[0].measure) / mass;
             while let Some(end) = next.filter(|end| end.mass < pair[1].mass) {
                 let to = end.mass.max(from);
-                visit(&Piece { from, to, measure: factor * density * (to - from) });
+                visit(&Span { from, to, measure: factor * density * (to - from) });
                 from = to;
                 before = next;
                 next = ends.next();
                 factor = self.factor(before, next);
             }
-            visit(&Piece { from, to: pair[1].mass, measure: factor * density * (pair[1].mass - from) });
+            visit(&Span { from, to: pair[1].mass, measure: factor * density * (pair[1].mass - from) });
             from = pair[1].mass;
         }
     }
@@ -396,8 +396,8 @@ impl<'a> March<'a> {
     }
 }
 
-/// A piece of the table inside one cell and between two samples.
-struct Piece {
+/// A span of the table inside one cell and between two samples.
+struct Span {
     from: f64,
     to: f64,
     measure: f64,

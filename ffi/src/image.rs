@@ -17,7 +17,7 @@ use covbeam_core::{ImageSpectrum, pixel_threshold};
 /// @param medium what the ray is in.
 /// @param ray from the eye to where the light that it gathers ends, or infinite.
 /// @param steps two: how the ray changes with a pixel to the right, and with one down.
-/// @param spectrum positive semi-definite up to rounding; all 0 where the grid has no opinion.
+/// @param spectrum positive semi-definite up to rounding; all 0 where the grid has no data.
 /// @note Surfaces that end the rays of neighbouring pixels at other distances are no part of it: see
 ///     covbeam_film_regions. Thesis 5.3.2, with the exact second derivatives of density x transmittance for its
 ///     attenuation. About 40 ns a voxel passed in a homogeneous medium, 95 ns in an exponential one, 200 ns in

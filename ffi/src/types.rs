@@ -262,7 +262,7 @@ pub struct covbeam_image_spectrum {
     pub xy: f32,
     /// Variance down.
     pub yy: f32,
-    /// In-scattered light on the way, in the grid's relative unit; 0 = the grid has no opinion, and the other
+    /// In-scattered light on the way, in the grid's relative unit; 0 = the grid has no data, and the other
     /// numbers are 0.
     pub weight: f32,
 }

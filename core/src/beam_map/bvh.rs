@@ -24,13 +24,13 @@ impl Node {
         Self { low: low.into(), first, high: high.into(), count }
     }
 
-    fn around(sub_beam: &SubBeam, reach: f32, first: u32) -> Self {
+    fn around(sub_beam: &SubBeam, padding: f32, first: u32) -> Self {
         // An accepted eye point lies within the radius of the segment, caps included (see `gather_pair`).
         let [start, end] = sub_beam.ends();
         let (low, high) = (start.min(end), start.max(end));
         // Far from the world's origin the ends are rounded by more than kernels are wide.
-        let reach = reach + 2.0 * f32::EPSILON * low.abs().max(high.abs()).max_element();
-        Self { low: low - reach, first, high: high + reach, count: 1 }
+        let padding = padding + 2.0 * f32::EPSILON * low.abs().max(high.abs()).max_element();
+        Self { low: low - padding, first, high: high + padding, count: 1 }
     }
 
     #[inline]
@@ -96,7 +96,7 @@ pub(super) struct Bvh {
     pub(super) nodes: Vec<WideNode>,
     pub(super) sub_beams: Vec<SubBeam>,
     /// What each box is grown by \[m\].
-    pub(super) reach: f32,
+    pub(super) padding: f32,
 }
 
 impl Bvh {
@@ -108,8 +108,8 @@ impl Bvh {
         max_radius: f32,
         poll: &mut Poll,
     ) -> Result<Self, Stop> {
-        let reach = max_radius * ROOM;
-        BinaryBvh::new(beams, cut, codes, reach, poll)?.widen(reach, poll)
+        let padding = max_radius * ROOM;
+        BinaryBvh::new(beams, cut, codes, padding, poll)?.widen(padding, poll)
     }
 }
 
@@ -125,7 +125,7 @@ impl BinaryBvh {
         beams: &[Beam],
         cut: &Cut,
         codes: &[MortonCode],
-        reach: f32,
+        padding: f32,
         poll: &mut Poll,
     ) -> Result<Self, Stop> {
         let mut tree = Self { nodes: Vec::new(), sub_beams: with_room(codes.len())? };
@@ -145,7 +145,7 @@ impl BinaryBvh {
             sub_beams.clear();
             sub_beams.extend(chunk.iter().map(|code| cut.sub_beam(beams, code)));
             clusters
-                .build((0..).zip(&sub_beams).map(|(i, sub_beam)| Node::around(sub_beam, reach, i)), poll)?;
+                .build((0..).zip(&sub_beams).map(|(i, sub_beam)| Node::around(sub_beam, padding, i)), poll)?;
             clusters.collapse();
             roots.push(tree.append(&clusters.tree, &sub_beams));
         }
@@ -157,8 +157,8 @@ impl BinaryBvh {
     }
 
     /// Gives each node the eight largest boxes below it.
-    fn widen(self, reach: f32, poll: &mut Poll) -> Result<Bvh, Stop> {
-        let mut wide = Bvh { nodes: Vec::new(), sub_beams: with_room(self.sub_beams.len())?, reach };
+    fn widen(self, padding: f32, poll: &mut Poll) -> Result<Bvh, Stop> {
+        let mut wide = Bvh { nodes: Vec::new(), sub_beams: with_room(self.sub_beams.len())?, padding };
         // Nodes still to be made: of which subtree, and where they go.
         let mut stack = Vec::new();
         if let Some(root) = self.nodes.first() {

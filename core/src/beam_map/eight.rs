@@ -102,7 +102,7 @@ impl<'a, S: Simd> Pairs<'a, S> {
         let found = Crossings::new(simd, ray, &block.lines, kernel.max_radius)?;
         let Crossings { near, position, ray_distance, beam_distance, gap, .. } = found;
         let zero = f32x8::splat(simd, 0.0);
-        let (reach, sigma) = match &kernel.grid {
+        let (radius, sigma) = match &kernel.grid {
             None => (f32x8::splat(simd, kernel.min_radius), zero),
             Some(grid) => {
                 let axis = found.normal * found.inverse_sin;
@@ -113,14 +113,14 @@ impl<'a, S: Simd> Pairs<'a, S> {
         // Most pairs lie farther from both ends of their beam than the kernel reaches. A sub-beam's cut is no end.
         let (from, to) = (load(simd, &block.lines.from), load(simd, &block.lines.to));
         let length = load(simd, &block.length);
-        let within = gap.simd_lt(reach)
+        let within = gap.simd_lt(radius)
             & (beam_distance.simd_ge(from) | !from.simd_gt(zero))
             & (beam_distance.simd_lt(to) | !to.simd_lt(length));
-        let away = beam_distance.simd_ge(reach) & beam_distance.simd_le(length - reach);
+        let away = beam_distance.simd_ge(radius) & beam_distance.simd_le(length - radius);
         let mut accepted = (near & within & away).to_bitmask() as u32;
         let at_an_end = (near & within & !away).to_bitmask() as u32;
         if at_an_end != 0 {
-            let (gaps, radii): (Floats, Floats) = (gap.into(), reach.into());
+            let (gaps, radii): (Floats, Floats) = (gap.into(), radius.into());
             accepted |=
                 inside_ends(block, beams, at_an_end, &position.store(), &beam_distance.into(), &gaps, &radii);
         }
@@ -131,8 +131,8 @@ impl<'a, S: Simd> Pairs<'a, S> {
             ray_distance,
             beam_distance,
             cos_theta: found.cos_theta,
-            kernel: evaluate(simd, kernel.shape, gap, reach) / found.sin_theta,
-            radius: reach,
+            kernel: evaluate(simd, kernel.shape, gap, radius) / found.sin_theta,
+            radius,
             sigma,
         })
     }

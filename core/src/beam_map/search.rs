@@ -176,7 +176,7 @@ fn walk<S: Simd>(
     poll: &mut Poll,
 ) -> Result<usize, Stop> {
     // A hierarchy built for wider kernels.
-    let excess = bvh.reach - radius * ROOM;
+    let excess = bvh.padding - radius * ROOM;
     let mut visits = 0;
     while sub_beams.len() < BATCH
         && let Some(index) = stack.pop()

@@ -34,7 +34,7 @@ pub struct ImageSpectrum {
     pub xy: f32,
     /// Variance down.
     pub yy: f32,
-    /// In-scattered light on the way, the dimmest around, in the grid's relative unit; 0 = the grid has no opinion, and the other
+    /// In-scattered light on the way, the dimmest around, in the grid's relative unit; 0 = the grid has no data, and the other
     /// numbers are 0.
     pub weight: f32,
 }
@@ -121,7 +121,7 @@ impl ImageSpectrum {
     /// - `error` ε > 0: 2π² tr(H C) = ε for the filter's covariance H, half of it along each principal axis.
     /// - `widest` \[pixels\] > 0: largest standard deviation.
     ///
-    /// Without an opinion (weight 0) the filter is [`ImageFilter::NONE`].
+    /// Without data (weight 0) the filter is [`ImageFilter::NONE`].
     ///
     /// Source: thesis 5.3.2. It gives the filter exp(-½ xᵀ 4π²C x), which has ε = 1 and would blur a Gaussian to 1/√2 of its
     /// height; scaled here to a bias that the caller accepts.

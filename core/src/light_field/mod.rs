@@ -243,7 +243,7 @@ impl LightField {
     /// silhouette and the light that enters it there are masked.
     ///
     /// - `towards_edge`: world direction from the ray to the nearest point of the edge; the part of it across the
-    ///   ray counts. None: the field is left as it was.
+    ///   ray counts. A direction without such a part leaves the field as it was.
     /// - `distance` ρ \[m\] >= 0 from the ray to the edge: 0 is an edge on the ray (root 2⁵⁰), infinity none. NaN
     ///   and negative distances leave the field as it was.
     ///
@@ -270,8 +270,8 @@ impl LightField {
     ///
     /// Spectrum: `angular_variance` is added along one axis; the signal is multiplied by a function of angle.
     ///
-    /// - `across`: world direction in which the signal falls off; the part of it across the ray counts. None: the
-    ///   field is left as it was.
+    /// - `across`: world direction in which the signal falls off; the part of it across the ray counts. Without
+    ///   such a part the field is left as it was.
     /// - `angular_variance` \[cycles²/rad²\] >= 0: 0 changes nothing, infinity leaves one direction (root 2⁵⁰). A
     ///   Gaussian rim of standard deviation s has 1/(4π²s²). NaN and negative ones leave the field as it was.
     ///
@@ -298,7 +298,7 @@ impl LightField {
     /// Spectrum: in-plane spatial frequencies scaled by cos θ, then the angular part is multiplied with the
     /// spectrum of the phase function: (Σ⁻¹ + B⁻¹)⁻¹ with B = `angular_variance` along u and v.
     ///
-    /// - `direction`: of propagation after the event, any length. None: the field is left as it was.
+    /// - `direction`: of propagation after the event, any length; without a length the field is left as it was.
     /// - `angular_variance` \[cycles²/rad²\] >= 0 of the lobe, [`crate::PhaseFunction::angular_variance`]: 0 is
     ///   isotropic and leaves exactly the slice, infinity a lobe that does not blur. NaN and negative ones leave the
     ///   field as it was.
