@@ -8,7 +8,7 @@
  *   covbeam_beam_map_clear(map);                            one map for each medium
  *
  *   For each photon path of the host's tracer (a tenth of the paths also carry a light field):
- *       covbeam_light_field_point(direction, 0.0507f, &field);              at the lamp
+ *       covbeam_light_field_point(direction, COVBEAM_EVEN_LAMP, &field);    at the lamp
  *       each straight piece through a medium is a covbeam_beam, and with a light field a covbeam_segment too
  *       covbeam_light_field_travel(&field, distance);                       on to the next event: refract,
  *       covbeam_light_field_refract(&field, normal, &curvature, eta, &passed);      reflect, scatter, diffuse
@@ -80,6 +80,12 @@
  * Of the ABI that the header declares. A host compares it with covbeam_abi_version().
  */
 #define COVBEAM_ABI_VERSION 2
+
+/**
+ * Angular variance of the emission of a lamp that shines evenly [cycles^2/rad^2]: its light falls off as 1/d^2, a relative curvature of
+ * 2/d^2 across its rays, so that 2/(4 pi^2).
+ */
+#define COVBEAM_EVEN_LAMP 0.050660592
 
 /**
  * How a call ended. All but COVBEAM_OK have changed nothing, unless the function says otherwise.
@@ -816,7 +822,7 @@ typedef struct covbeam_image_spectrum {
      */
     float yy;
     /**
-     * In-scattered light on the way, in the grid's relative unit; 0 = the grid has no opinion, and the other
+     * In-scattered light on the way, in the grid's relative unit; 0 = the grid has no data, and the other
      * numbers are 0.
      */
     float weight;
@@ -998,7 +1004,7 @@ const char *covbeam_last_error(void);
  * Light of an exact point source.
  *
  * @param direction of propagation, normalised by the library: any length but 0.
- * @param angular_variance of the emission [cycles^2/rad^2] >= 0: 2/(4 pi^2) = 0.0507 for a lamp that shines
+ * @param angular_variance of the emission [cycles^2/rad^2] >= 0: COVBEAM_EVEN_LAMP for a lamp that shines
  *     evenly, because of the fall-off with the square of the distance; more where its intensity changes with
  *     the angle.
  * @param out the light field.
@@ -2585,7 +2591,7 @@ covbeam_status covbeam_filter_beams(const struct covbeam_eye_ray *ray,
  * @param medium what the ray is in.
  * @param ray from the eye to where the light that it gathers ends, or infinite.
  * @param steps two: how the ray changes with a pixel to the right, and with one down.
- * @param spectrum positive semi-definite up to rounding; all 0 where the grid has no opinion.
+ * @param spectrum positive semi-definite up to rounding; all 0 where the grid has no data.
  * @note Surfaces that end the rays of neighbouring pixels at other distances are no part of it: see
  *     covbeam_film_regions. Thesis 5.3.2, with the exact second derivatives of density x transmittance for its
  *     attenuation. About 40 ns a voxel passed in a homogeneous medium, 95 ns in an exponential one, 200 ns in
