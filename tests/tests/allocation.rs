@@ -8,8 +8,8 @@ use covbeam::{
     FILM_TILE_PIXELS, FilmFilterNode, FilmFilters, FilmLattice, FilmNode, FilmPixel, FilmSample, FilmSums,
     FilmUnit, FluenceCell, FluenceGrid, FluenceSpectrum, Gathered, GridCell, GridError, GridLayout,
     ImageFilter, ImageSpectrum, Kernel, KernelShape, Knot, LightField, March, MarchCell, MarchKnot,
-    MarchSample, Medium, PhaseFunction, PhaseKind, PixelStep, Reconstruction, Segment, Vec2, Vec3, cross,
-    error_bound, film_regions, gather_pair, pixel_threshold, progressive_radius, standard_errors,
+    MarchSample, Medium, PhaseFunction, PhaseKind, PixelStep, Reconstruction, Schedule, Segment, Vec2, Vec3,
+    cross, error_bound, film_regions, gather_pair, pixel_threshold, progressive_radius, standard_errors,
     verify_filters,
 };
 
@@ -104,7 +104,12 @@ fn media_and_kernels_do_not_allocate() {
             let phase = PhaseFunction { kind, asymmetry: 0.6 };
             let scattering = Vec3::new(0.1, 0.2, 0.3);
             let medium = Medium { scattering, phase, ..Medium::homogeneous(0.0, 1.0) };
-            black_box((medium.extinction(), medium.opaque_column(), medium.transmittance(2.0)));
+            black_box((
+                medium.extinction(),
+                medium.mean_extinction(),
+                medium.opaque_column(),
+                medium.transmittance(2.0),
+            ));
             black_box((phase.evaluate(0.3), phase.sample_cosine(0.7), phase.angular_variance()));
             black_box(phase.sample(Vec3::Y, Vec2::new(0.3, 0.7).to_array()));
         }
@@ -116,6 +121,9 @@ fn media_and_kernels_do_not_allocate() {
             ));
         }
         black_box((progressive_radius(0.1, 0.7, 64), error_bound(0.1, 64)));
+        let shape = KernelShape::Biweight;
+        let schedule = Schedule { shape, radius: 0.1, alpha: 0.7, max_radius: 0.2, error: 0.1 };
+        black_box(schedule.kernel(64, None));
     });
     assert_eq!(count, 0);
 }
