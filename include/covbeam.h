@@ -85,7 +85,7 @@
  * Angular variance of the emission of a lamp that shines evenly [cycles^2/rad^2]: its light falls off as 1/d^2, a relative curvature of
  * 2/d^2 across its rays, so that 2/(4 pi^2).
  */
-#define COVBEAM_EVEN_LAMP 0.050660592
+#define COVBEAM_EVEN_LAMP 0.05066059
 
 /**
  * How a call ended. All but COVBEAM_OK have changed nothing, unless the function says otherwise.

@@ -57,7 +57,7 @@ pub(crate) struct Beams {
 
 enum State {
     Adding(Vec<Beam>),
-    Committed(BeamMap),
+    Committed(Box<BeamMap>),
 }
 
 /// What a `covbeam_scratch` is.
@@ -210,7 +210,7 @@ pub unsafe extern "C" fn covbeam_beam_map_commit(
         let beams = take(map.adding()?);
         match BeamMap::build_while(beams, max_radius, &map.medium.view(), &mut go_on(poll, user)) {
             Ok(built) => {
-                map.state = State::Committed(built);
+                map.state = State::Committed(Box::new(built));
                 Ok(())
             }
             Err(unfinished) => {

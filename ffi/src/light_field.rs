@@ -7,7 +7,7 @@ use crate::types::{covbeam_curvature, covbeam_light_field, covbeam_spectrum};
 
 /// Angular variance of the emission of a lamp that shines evenly [cycles^2/rad^2]: its light falls off as 1/d^2, a relative curvature of
 /// 2/d^2 across its rays, so that 2/(4 pi^2).
-pub const COVBEAM_EVEN_LAMP: f32 = 0.050_660_592;
+pub const COVBEAM_EVEN_LAMP: f32 = 0.050_660_59;
 
 const _: () = assert!(COVBEAM_EVEN_LAMP == covbeam_core::EVEN_LAMP);
 

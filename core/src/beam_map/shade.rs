@@ -12,7 +12,7 @@ use fearless_simd::Simd;
 use glam::Vec3;
 use std::vec::Vec;
 
-/// An eye ray that meets a beam, for a host that knows the medium ([`BeamMap::gather_contacts`]).
+/// An eye ray that meets a beam, for a host that knows the medium ([`crate::BeamMap::gather_contacts`]).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contact {
