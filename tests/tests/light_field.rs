@@ -319,6 +319,25 @@ fn cycled_event(event: &Event) -> Event {
     }
 }
 
+/// What the random paths below found: what diffuse reflection leaves of the angles is rounding, whose squares of squares are no normal
+/// numbers, and the frame was turned to axes that were not of length 1.
+#[test]
+fn the_frame_stays_orthonormal_where_only_rounding_is_left_of_the_angles() {
+    let (direction, x_axis) =
+        (Vec3::new(0.110_072_635, 0.9642748, 0.2409524), Vec3::new(-0.98047906, 0.02222378, 0.19536361));
+    let mut field = LightField::gaussian(direction, x_axis, [1.0, 1.0], [275.71448, 1.0]);
+    field.travel(10084.134);
+    let tangent = Vec3::new(-0.58358663, 0.26780212, 0.7666216);
+    let curvature = Curvature { tangent, along: -1.0, across: -1.0, twist: f32::MIN };
+    assert!(field.refract(Vec3::new(0.33691078, 0.46485695, -0.81877905), &curvature, 0.09293718));
+    field.travel(2.5642373e-6);
+    let normal = Vec3::new(0.66855764, -0.28289852, 0.6877493);
+    field.diffuse(normal, Vec3::new(-0.55316824, 0.111_890_91, 0.825_521_2));
+    assert_sound(&field);
+    field.travel(1e-45);
+    assert_sound(&field);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 4000, failure_persistence: None, ..ProptestConfig::default() })]
 

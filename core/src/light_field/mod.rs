@@ -404,8 +404,8 @@ fn principal(columns: &[[f64; 4]; 4]) -> (f64, f64) {
     let a: f64 = columns.iter().map(|[u, v, ..]| (u - v) * (u + v)).sum();
     let b: f64 = columns.iter().map(|[u, v, ..]| 2.0 * u * v).sum();
     let r = libm::sqrt(a * a + b * b);
-    // Beyond the range of squared squares any axis will do.
-    if !(r > 0.0 && r < f64::INFINITY) {
+    // Where squares of squares leave the range of normal numbers, r is no longer the length of (a, b): any axis will do.
+    if !(r > 1e-150 && r < f64::INFINITY) {
         return (1.0, 0.0);
     }
     // The larger of the two from a square root, the other by division: neither cancels.
