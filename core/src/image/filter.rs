@@ -7,6 +7,9 @@ use libm::sqrtf;
 /// Variance of a pixel, a unit square, along each axis \[pixels²\].
 pub(crate) const PIXEL_VARIANCE: f32 = 1.0 / 12.0;
 
+/// Largest variance of a filter \[pixels²\]: flat over any picture, and its square within what `f32` holds.
+pub(super) const WIDEST: f32 = 1e12;
+
 /// Eye rays under a filter, a pass: with fewer, whether a ray lies near the middle of the filter is left to chance.
 const RAYS_A_FILTER: f32 = 2.0;
 
@@ -53,4 +56,39 @@ impl From<Sym2> for ImageFilter {
     fn from(Sym2 { xx, xy, yy }: Sym2) -> Self {
         Self { xx, xy, yy }
     }
+}
+
+/// A filter's principal axes: along its own axes nothing cancels, and a long thin one does not visit the box around it.
+pub(super) struct Ellipse {
+    /// Direction of the largest variance, unit.
+    pub(super) axis: [f32; 2],
+    /// Variances along it and across it \[pixels²\].
+    pub(super) largest: f32,
+    pub(super) smallest: f32,
+}
+
+impl Ellipse {
+    /// With a pixel's own extent, which keeps filters thinner than a pixel from falling between pixels.
+    pub(super) fn of(filter: &ImageFilter) -> Self {
+        let (xx, xy, yy) = (filter.xx + PIXEL_VARIANCE, filter.xy, filter.yy + PIXEL_VARIANCE);
+        let (middle, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
+        let spread = sqrtf(half * half + xy * xy);
+        let largest = middle + spread;
+        let smallest = ((xx * yy - xy * xy) / largest).max(PIXEL_VARIANCE);
+        let (c, s) = if spread > 0.0 { (half / spread, xy / spread) } else { (1.0, 0.0) };
+        let near = sqrtf(0.5 * (1.0 + c.abs()));
+        let far = 0.5 * s / near;
+        Self { axis: if c >= 0.0 { [near, far] } else { [far, near] }, largest, smallest }
+    }
+}
+
+/// [`ImageFilter::NONE`] for what is none; otherwise a filter that is positive semi-definite and no wider than [`WIDEST`].
+pub(super) fn bounded(filter: &ImageFilter) -> ImageFilter {
+    let ImageFilter { xx, xy, yy } = *filter;
+    if !(xx >= 0.0 && yy >= 0.0 && xx.is_finite() && xy.is_finite() && yy.is_finite()) {
+        return ImageFilter::NONE;
+    }
+    let (xx, yy) = (xx.min(WIDEST), yy.min(WIDEST));
+    let most = sqrtf(xx * yy);
+    ImageFilter { xx, xy: xy.clamp(-most, most), yy }
 }

@@ -22,6 +22,7 @@ mod reconstruction;
 mod regions;
 mod spectrum;
 mod sums;
+mod tilt;
 mod verify;
 
 pub use error::standard_errors;

@@ -94,9 +94,11 @@ fn choose(
     index: usize,
 ) -> (usize, f32) {
     // Means over the nodes around: of the variance of each width, and of the squared difference of each two, free of noise because it is
-    // a product of the two halves'.
+    // a product of the two halves'. The largest of these products is left out: a pixel that is bright in both halves by chance would
+    // decide for all nodes around, and what is light is seen by more than one.
     let mut variance = [0.0_f32; SCALES];
     let mut bias = [[0.0_f32; SCALES]; SCALES];
+    let mut largest = [[0.0_f32; SCALES]; SCALES];
     let mut count = 0.0;
     for row in -WINDOW..=WINDOW {
         for column in -WINDOW..=WINDOW {
@@ -114,7 +116,9 @@ fn choose(
                 let difference = first[wide] - second[wide];
                 *variance += 0.25 * weight * difference * difference;
                 for (narrow, bias) in bias.iter_mut().enumerate().skip(wide + 1) {
-                    *bias += weight * (first[wide] - first[narrow]) * (second[wide] - second[narrow]);
+                    let squared = weight * (first[wide] - first[narrow]) * (second[wide] - second[narrow]);
+                    *bias += squared;
+                    largest[wide][narrow] = largest[wide][narrow].max(squared);
                 }
             }
         }
@@ -124,7 +128,7 @@ fn choose(
         variance[narrow] = variance[narrow].max(variance[narrow - 1]);
     }
     let error = |wide: usize| {
-        let beyond = |narrow| bias[wide][narrow] - TOLERANCE * variance[narrow];
+        let beyond = |narrow| bias[wide][narrow] - largest[wide][narrow] - TOLERANCE * variance[narrow];
         variance[wide] + (wide + 1..SCALES).map(beyond).fold(0.0, f32::max)
     };
     let mut best = (0, error(0));

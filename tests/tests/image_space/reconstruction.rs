@@ -101,6 +101,61 @@ fn bounds(rays: &Rays, x: u32, y: u32, filter: &ImageFilter) -> Option<[f64; 2]>
     })
 }
 
+/// What a plane fitted to the region's pixels has at the pixel, in red, with how far off the pixel the filter's centre is, squared, in its
+/// variances: weighted least squares over 1, u and v, with 0.03 of the weight added to the squares of both slopes, within the range of the
+/// values, by Cramer's rule.
+fn plane(rays: &Rays, x: u32, y: u32, filter: &ImageFilter) -> Option<(f64, f64)> {
+    let (xx, xy, yy) =
+        (f64::from(filter.xx) + 1.0 / 12.0, f64::from(filter.xy), f64::from(filter.yy) + 1.0 / 12.0);
+    // Places in standard deviations, up to a turn, which changes nothing: those of the Cholesky factor.
+    let (l_xx, l_yx) = (xx.sqrt(), xy / xx.sqrt());
+    let l_yy = (yy - l_yx * l_yx).sqrt();
+    let own = rays.regions[(y * rays.width + x) as usize];
+    let (mut squares, mut right) = ([[0.0_f64; 3]; 3], [0.0_f64; 3]);
+    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+    for (i, sample) in rays.samples.iter().enumerate() {
+        if rays.regions[i] != own || sample.weight == 0.0 {
+            continue;
+        }
+        let u = (f64::from(i as u32 % rays.width) - f64::from(x)) / l_xx;
+        let v = (f64::from(i as u32 / rays.width) - f64::from(y) - l_yx * u) / l_yy;
+        let share = weight((u * u + v * v).sqrt()) * f64::from(sample.weight);
+        if share == 0.0 {
+            continue;
+        }
+        let value = f64::from(sample.radiance.x) / f64::from(sample.weight);
+        (least, most) = (least.min(value), most.max(value));
+        let row = [1.0, u, v];
+        for i in 0..3 {
+            right[i] += share * row[i] * value;
+            for j in 0..3 {
+                squares[i][j] += share * row[i] * row[j];
+            }
+        }
+    }
+    let all = squares[0][0];
+    let off = (squares[0][1].powi(2) + squares[0][2].powi(2)) / (all * all);
+    squares[1][1] += 0.03 * all;
+    squares[2][2] += 0.03 * all;
+    let determinant = |m: &[[f64; 3]; 3]| -> f64 {
+        (0..3)
+            .map(|i| {
+                m[0][i] * (m[1][(i + 1) % 3] * m[2][(i + 2) % 3] - m[1][(i + 2) % 3] * m[2][(i + 1) % 3])
+            })
+            .sum()
+    };
+    let mut with_right = squares;
+    (0..3).for_each(|i| with_right[i][0] = right[i]);
+    let fitted = determinant(&with_right) / determinant(&squares);
+    // What is left of the weights, at least a tenth, or else the mean counts.
+    let minor = squares[1][1] * squares[2][2] - squares[1][2].powi(2);
+    let left = determinant(&squares) / minor / all;
+    (all > 1e-6 && (left - 0.1).abs() > 1e-3).then(|| {
+        let mean = right[0] / all;
+        (if left > 0.1 { fitted.clamp(least, most) } else { mean }, off)
+    })
+}
+
 /// A filter by its standard deviations along its axes and their angle.
 pub(super) fn turned(a: f64, b: f64, angle: f64) -> ImageFilter {
     let ((sin, cos), (a, b)) = (angle.sin_cos(), (a * a, b * b));
@@ -146,14 +201,30 @@ fn filter() -> impl Strategy<Value = ImageFilter> {
 }
 
 proptest! {
-    /// Where the filter is thinner than 4 pixels, no blocks are taken: the bounds are one number, reached to rounding: a few thousand
-    /// terms of f32.
+    /// Where the filter's centre is the pixel, give or take a tenth of its deviation. Where it is thinner than 4 pixels, no blocks are taken:
+    /// the bounds are one number, reached to rounding: a few thousand terms of f32.
     #[test]
     fn a_pixel_is_the_sum_over_its_region(rays in rays(), filter in filter(), at in (0..33_u32, 0..33_u32)) {
         let (x, y) = (at.0 % rays.width, at.1 % rays.height);
-        if let Some([least, most]) = bounds(&rays, x, y, &filter) {
+        let is_centred = plane(&rays, x, y, &filter).is_some_and(|(_, off)| off < 0.005);
+        if let Some([least, most]) = bounds(&rays, x, y, &filter).filter(|_| is_centred) {
             let found = f64::from(rays.reconstruct(|from| from.pixel(x, y, &filter)).x);
             prop_assert!(least - 2e-5 <= found && found <= most + 2e-5, "{found} outside {least}, {most}");
+        }
+    }
+
+    /// Where it is not: of filters that take no blocks. Rounding is that of slopes of up to 1/0.03 over a tenth of the weight.
+    #[test]
+    fn beside_a_border_a_pixel_is_on_the_plane_through_its_region(
+        rays in rays(), a in -1.0..0.25_f64, b in -1.0..1.2_f64, angle in 0.0..3.15_f64, at in (0..33_u32, 0..33_u32)
+    ) {
+        let filter = turned(10f64.powf(a), 10f64.powf(b), angle);
+        let (x, y) = (at.0 % rays.width, at.1 % rays.height);
+        if let Some((exact, off)) = plane(&rays, x, y, &filter).filter(|(_, off)| (off - 0.01).abs() > 1e-4) {
+            let found = f64::from(rays.reconstruct(|from| from.pixel(x, y, &filter)).x);
+            if off > 0.01 {
+                prop_assert!((found - exact).abs() < 2e-4, "{found}, not {exact}; {off} off");
+            }
         }
     }
 
@@ -247,6 +318,30 @@ fn a_linear_picture_stays_as_it_is_away_from_its_border() {
                 // jumps at its end.
                 let slope = 13.0_f32.sqrt();
                 assert!((found - value(x, y)).abs() < 0.02 * slope, "{found} at {x}, {y}, {filter:?}");
+            }
+        });
+    }
+}
+
+/// At a border a filter lacks a side: its mean would be that of the light 0.8 standard deviations inside.
+#[test]
+fn a_slope_goes_on_up_to_the_border_of_a_picture_and_of_a_region() {
+    let value = |x: u32, y: u32| 3.0 * x as f32 - 2.0 * y as f32 + 700.0;
+    let mut rays = Rays::full(200, 160, value);
+    for (i, region) in rays.regions.iter_mut().enumerate() {
+        *region = 1 + u32::from(i % 200 >= 90);
+    }
+    for deviation in [2.0, 5.0, 12.0] {
+        let filter = turned(deviation, deviation, 0.0);
+        rays.reconstruct(|from| {
+            for (x, y) in
+                [(0, 80), (89, 80), (90, 80), (199, 80), (40, 0), (150, 159), (0, 0), (199, 159), (1, 2)]
+            {
+                let found = from.pixel(x, y, &filter).x;
+                // A tenth of how far the mean is off.
+                let mean_is_off = 0.8 * deviation as f32 * 13.0_f32.sqrt();
+                let error = found - value(x, y);
+                assert!(error.abs() < 0.1 * mean_is_off, "{error} at {x}, {y}, of {deviation} pixels");
             }
         });
     }

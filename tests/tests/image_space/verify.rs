@@ -115,6 +115,23 @@ fn even_light_keeps_its_filters_however_noisy() {
     }
 }
 
+/// A pixel that is bright in both halves by chance is what beams, whose brightness has no bound, do now and then; were it light, more nodes
+/// than one would have seen it.
+#[test]
+fn what_one_node_alone_says_narrows_no_filter() {
+    let mut stream = Stream::new(300);
+    let mut rays = 0;
+    let lattice = FilmLattice::new(SIDE, SIDE).unwrap();
+    let bright = lattice.pixel(lattice.node_count() / 2);
+    let film = Film::new(6, |x, y| {
+        rays += 1;
+        if [x, y] == bright { 6.0 } else { 1.0 + 0.3 * normal(&mut stream) }
+    });
+    let shares = shares(&film, &film.verified());
+    let narrowed = shares.iter().filter(|share| **share < 0.9).count();
+    assert!(narrowed * 25 < shares.len(), "{narrowed} of {}", shares.len());
+}
+
 /// Beams' noise lies across many nodes: where both halves have the same by chance, all of a window says that the light is uneven.
 #[test]
 fn noise_across_many_nodes_leaves_no_patch_unfiltered() {
