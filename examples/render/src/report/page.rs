@@ -42,15 +42,6 @@ pub fn page(report: &Report) -> Result<String, PlotError> {
             tables::features(&report.features)
         );
     }
-    if !report.hard_cases.is_empty() {
-        let _ = write!(
-            html,
-            "<section id=\"hard-cases\"><h2>Hard cases of the arithmetic</h2>\n<p>Largest error of the fluence's covariance, relative to its largest \
-             entry, against a computation in 1600 bits. The textbook form keeps the covariance itself in single precision; covbeam keeps \
-             its square root.</p>\n{}</section>\n",
-            tables::hard_cases(&report.hard_cases)
-        );
-    }
     html += &machine(report);
     html += "</main></body></html>\n";
     Ok(html)
@@ -110,7 +101,6 @@ fn at_a_glance(report: &Report) -> Result<String, PlotError> {
     }
     for (shown, id, title) in [
         (!report.features.is_empty(), "features", "what each feature costs"),
-        (!report.hard_cases.is_empty(), "hard-cases", "hard cases"),
         (true, "machine", "machine and command"),
     ] {
         if shown {
