@@ -21,6 +21,7 @@ pub mod output;
 pub mod pass;
 pub mod photon;
 pub mod plan;
+pub mod plot;
 pub mod progress;
 pub mod radius;
 pub mod random;

@@ -21,7 +21,7 @@ pub use machine::Machine;
 pub use measure::{Budget, PARTS, Parts, Point, Run, Watch};
 pub use methods::{METHODS, Method};
 pub use page::page;
-pub use plots::{PlotError, figure};
+pub use plots::figure;
 pub use references::{Reference, ReferenceError, RegionError};
 
 use crate::film::{FilmError, Picture};
@@ -170,7 +170,7 @@ impl Options {
         match self.reference_path(&subject.name) {
             Some(path) => Reference::load(&path, &subject.name, &mut subject.scene, self.width).map(Some),
             None => {
-                references::set_width(&mut subject.scene, self.width.unwrap_or(self.usual_width));
+                subject.scene.camera.set_width(self.width.unwrap_or(self.usual_width));
                 Ok(None)
             }
         }
@@ -216,7 +216,7 @@ pub fn measure(
     if options.features && report.stopped.is_none() {
         watch.begin("cost of features".to_owned(), Budget::CpuSeconds(options.features_seconds()));
         let mut glass_ball = glass_ball.clone();
-        references::set_width(&mut glass_ball, options.width.unwrap_or(options.usual_width));
+        glass_ball.camera.set_width(options.width.unwrap_or(options.usual_width));
         let passes = if options.quick { 1 } else { 4 };
         match features::features(&glass_ball, passes, &|| watch.is_cancelled()) {
             Some(found) => report.features = found,

@@ -1,10 +1,11 @@
 //! The page: one HTML file that needs nothing else.
 
 use super::curves::Over;
-use super::plots::{PlotError, error_panel, part_bars, shown_scene};
+use super::plots::{error_panel, part_bars, shown_scene};
 use super::scene_section::{inline, section};
 use super::tables::{escape, method_label};
 use super::{Method, Report, tables};
+use crate::plot::PlotError;
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("page.css");
