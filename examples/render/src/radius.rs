@@ -23,8 +23,8 @@ pub enum RadiusRule {
     /// A bound on the relative bias, from spectra (thesis 5.3.4). Plain kernels where no light field has been.
     #[default]
     Bias,
-    /// The least sum of squared bias and variance, from spectra and beams, with nothing to choose; [`RadiusRule::BeamDensity`] where no
-    /// light field has been.
+    /// The least sum of squared bias and variance, from spectra and beams, with nothing to choose;
+    /// [`RadiusRule::BeamDensity`] where no light field has been.
     LeastError,
     /// As many beams in each ball, from the beams alone. Traces no light fields, unless to plan eye rays.
     BeamDensity,

@@ -93,8 +93,8 @@ pub fn by_sharpness(reference: &Picture) -> [Region; 3] {
     ]
 }
 
-/// Regions in which errors of a scene's pictures are told, of those that have pixels: [`by_sharpness`], and in the ball scenes
-/// `volume`, `caustic` and `glass`.
+/// Regions in which errors of a scene's pictures are told: [`by_sharpness`], and in the ball scenes `volume`, `caustic` and
+/// `glass`; those that have pixels.
 pub fn of_scene(name: &str, reference: &Picture) -> Vec<Region> {
     let mut regions = by_sharpness(reference).to_vec();
     if is_ball(name) && reference.width == reference.height {

@@ -16,8 +16,8 @@ pub(crate) fn run(path: &Path, reference: Option<&Path>, effort: Effort, size: S
     let origin = reference.as_ref().map_or("none", |reference| &reference.origin);
     let test = Test::new(&scene, effort);
     println!(
-        "{}: each operator on light fields left out in turn; {passes} passes of {} light paths, {} x {} pixels. {DEFINITION}. \
-         Reference: {origin}. Times are core-microseconds\n",
+        "{}: each operator on light fields left out in turn; {passes} passes of {} light paths, {} x {} pixels. \
+         {DEFINITION}. Reference: {origin}. Times are core-microseconds\n",
         name(path),
         settings.photons,
         scene.camera.width,

@@ -171,7 +171,7 @@ enum Measurement {
 /// Of the pictures.
 #[derive(clap::Args, Clone, Copy)]
 struct Size {
-    /// Pixels across; the height follows [default: the scene's]
+    /// Pixels across; the height follows [default: those of the reference, if there is one, or of the scene]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=16384))]
     width: Option<u32>,
 }
