@@ -3,11 +3,13 @@
 pub mod energy;
 pub mod fleet;
 pub mod header;
+pub mod random;
 pub mod single_scatter;
+pub mod stability;
 pub mod statistics;
+pub mod twin;
 pub mod vectors;
 
-pub use covbeam_hard_cases::{random, stability, twin};
 pub use covbeam_render::regions;
 
 /// The README's example, as a test.

@@ -38,17 +38,6 @@ pub fn sidak(level: f64, tests: usize) -> f64 {
     1.0 - (1.0 - level).powf(1.0 / tests as f64)
 }
 
-/// Slope of the straight line through some points (x, y), at least two with different x, by least squares.
-pub fn slope(points: &[[f64; 2]]) -> f64 {
-    let count = points.len() as f64;
-    let mean = |axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / count;
-    let (x, y) = (mean(0), mean(1));
-    let product = |axis: usize, mean: f64| {
-        points.iter().map(|point| (point[0] - x) * (point[axis] - mean)).sum::<f64>()
-    };
-    product(1, y) / product(0, x)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -60,12 +49,6 @@ mod tests {
         let a = Sample { count: 10.0, mean: 5.0, error: 0.3 };
         let b = Sample { count: 10.0, mean: 6.0, error: 0.4 };
         assert!((welch(a, b) - 0.0621).abs() < 3e-4, "{}", welch(a, b));
-    }
-
-    #[test]
-    fn the_slope_of_a_line_is_found_and_what_is_off_it_evenly_does_not_count() {
-        assert!((slope(&[[1.0, 5.0], [3.0, 1.0], [4.0, -1.0]]) + 2.0).abs() < 1e-12);
-        assert!((slope(&[[-1.0, 0.0], [0.0, 3.0], [1.0, 0.0]])).abs() < 1e-12);
     }
 
     #[test]

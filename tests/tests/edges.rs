@@ -2,9 +2,9 @@
 
 mod shapes;
 
-use covbeam_render::edges::find_edges;
-use covbeam_render::mesh::{Mesh, Placement};
-use covbeam_render::obj::ObjTriangles;
+use covbeam_geometry::edges::find_edges;
+use covbeam_geometry::mesh::{Mesh, Placement};
+use covbeam_geometry::obj::ObjTriangles;
 use covbeam_render::random::Random;
 use covbeam_render::scene::Scene;
 use covbeam_render::scene::{Material, Shape};

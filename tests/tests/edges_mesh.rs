@@ -2,9 +2,9 @@
 
 mod shapes;
 
-use covbeam_render::edges::{PROBES, probe_edges};
-use covbeam_render::mesh::{Mesh, Placement};
-use covbeam_render::obj::{self, ObjTriangles};
+use covbeam_geometry::edges::{PROBES, probe_edges};
+use covbeam_geometry::mesh::{Mesh, Placement};
+use covbeam_geometry::obj::{self, ObjTriangles};
 use covbeam_render::scene::{Material, Scene, Shape};
 use glam::Vec3;
 use rayon::prelude::*;

@@ -187,7 +187,7 @@ fn only_what_lies_strictly_between_two_points_occludes() {
         (rectangle(1.0, Vec3::X * 10.0), Material::Black),
         (
             Shape::Mesh(
-                covbeam_render::mesh::Mesh::new(
+                covbeam_geometry::mesh::Mesh::new(
                     deformed(globe(16), |p| p + Vec3::Y * 10.0),
                     &Default::default(),
                     true,
@@ -221,7 +221,7 @@ fn two_points_on_a_surface_see_each_other_past_it() {
 fn the_objects_around_a_point_are_listed_from_the_outside_in() {
     let mesh = |size: f32| {
         let source = deformed(globe(24), |p| size * p);
-        Shape::Mesh(covbeam_render::mesh::Mesh::new(source, &Default::default(), true).expect("valid"))
+        Shape::Mesh(covbeam_geometry::mesh::Mesh::new(source, &Default::default(), true).expect("valid"))
     };
     let scene = scene_of(vec![
         (sphere(1.0, Vec3::ZERO), GLASS),

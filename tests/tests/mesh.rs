@@ -5,8 +5,8 @@ mod shapes;
 use std::fmt::Write;
 
 use covbeam::Curvature;
-use covbeam_render::mesh::{Mesh, MeshError, Placement};
-use covbeam_render::obj::{self, ObjError, ObjTriangles};
+use covbeam_geometry::mesh::{Mesh, MeshError, Placement};
+use covbeam_geometry::obj::{self, ObjError, ObjTriangles};
 use covbeam_render::scene::Scene;
 use glam::{DMat2, DVec3, Quat, Vec3};
 use proptest::prelude::*;
@@ -19,7 +19,7 @@ fn placed(source: ObjTriangles, scale: f32, translation: Vec3, smooth: bool) -> 
     Mesh::new(source, &Placement { scale, translation, ..Placement::default() }, smooth).expect("valid")
 }
 
-fn shoot(scene: &Scene, from: Vec3, direction: Vec3) -> Option<covbeam_render::geometry::Hit> {
+fn shoot(scene: &Scene, from: Vec3, direction: Vec3) -> Option<covbeam_geometry::hit::Hit> {
     scene.intersect(from, direction, f32::INFINITY)
 }
 

@@ -17,7 +17,7 @@ use std::path::Path;
 
 const GLASS: &str = include_str!("../../examples/scenes/glass-ball.toml");
 const KERNELS: [KernelShape; 3] = [KernelShape::Box, KernelShape::Epanechnikov, KernelShape::Biweight];
-const RULES: [RadiusRule; 3] = [RadiusRule::BiasEverywhere, RadiusRule::LeastError, RadiusRule::BeamDensity];
+const RULES: [RadiusRule; 2] = [RadiusRule::LeastError, RadiusRule::BeamDensity];
 
 fn scene(width: u32) -> Scene {
     let mut scene = Scene::parse(GLASS, "test scene", Path::new(".")).expect("a valid scene");

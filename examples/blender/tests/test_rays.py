@@ -128,25 +128,6 @@ class Threads(unittest.TestCase):
                 rays.threads(count)
                 self.assertEqual(gather.picture(film).tobytes(), expected.tobytes(), f"{count} threads")
 
-    def test_hits_and_edges_have_the_same_bits_for_any_number_of_threads(self):
-        positions, triangles = grid_mesh(60)
-        geometry = rays.Geometry()
-        mesh = geometry.add_mesh(positions, triangles, 0)
-        for number in range(5):
-            matrix = np.eye(4)
-            matrix[:3, 3] = (0, 0.3 * number, number)
-            geometry.add_instance(mesh, matrix, number)
-        geometry.build()
-        origins, towards = directions(3000, 7) * np.float32(6), -directions(3000, 7)
-        results = []
-        for count in (1, 2, 3):
-            rays.threads(count)
-            hits = geometry.cast(origins, towards)
-            results.append([hits.tobytes(), *(array.tobytes() for array in geometry.edges(origins, towards, hits))])
-        self.assertGreater(np.isfinite(hits["distance"]).sum(), 500)
-        self.assertEqual(results[0], results[1])
-        self.assertEqual(results[0], results[2])
-
     def test_the_number_of_threads_is_what_was_set_and_0_is_one_a_core(self):
         self.assertEqual(rays.threads(3), 3)
         self.assertEqual(rays.threads(), 3)
@@ -301,38 +282,27 @@ class Errors(unittest.TestCase):
             gather.gather(beam_map, wide, None, eyes, [0, len(eyes)], poll=poll)
         self.assertEqual(errors, [cb.Status.WRONG_ORDER] * 4)
 
+    # What else is refused, rays/tests/hostile.rs says; here, that it is raised, and what only Python can get wrong.
     def test_meshes_and_instances_that_are_wrong_are_refused_with_the_remedy(self):
         geometry = rays.Geometry()
         positions, triangles = grid_mesh(2)
         wrong = positions.copy()
         wrong[3, 1] = np.nan
         normals = np.tile(np.float32([0, 0, 1]), (len(triangles), 3, 1))
-        short = normals.copy()
-        short[5, 2] = 0
         for arguments, kind, what in (
             ((wrong, triangles, 0), ValueError, r"positions\[3\].*finite"),
             ((positions[:, :2], triangles, 0), ValueError, r"positions: shape \(9, 2\); give \(n, 3\)"),
-            ((positions, triangles + 1, 0), ValueError, r"triangles\[\d\].*0 to 9 - 1"),
             ((positions, triangles.astype(np.float32), 0), TypeError, "triangles.*integers"),
             ((positions, triangles.astype(np.int64) + 2**40, 0), ValueError, "triangles.*int32"),
-            ((positions, triangles, [0, 1]), ValueError, "materials: 2 numbers for 8 triangles"),
             ((positions, triangles, 0, normals[:3]), ValueError, "normals: shape"),
-            ((positions, triangles, 0, short), ValueError, r"normals\[5, 2\].*length 1"),
         ):
             with self.assertRaisesRegex(kind, what):
                 geometry.add_mesh(*arguments)
         mesh = geometry.add_mesh(positions, triangles.astype(np.uint32), np.arange(8), normals)
-        with self.assertRaisesRegex(ValueError, "matrix.*flattens"):
-            geometry.add_instance(mesh, np.diag([1, 1, 0, 1]), 0)
         with self.assertRaisesRegex(ValueError, "matrix: shape"):
             geometry.add_instance(mesh, np.eye(3), 0)
-        with self.assertRaisesRegex(ValueError, "mesh: 1"):
-            geometry.add_instance(1, np.eye(4), 0)
         with self.assertRaisesRegex(cb.Error, "not built"):
             geometry.bounds
-        geometry.build()
-        with self.assertRaisesRegex(cb.Error, "before the build"):
-            geometry.add_mesh(positions, triangles, 0)
 
     def test_rays_that_are_wrong_are_refused(self):
         geometry = square()
@@ -340,9 +310,7 @@ class Errors(unittest.TestCase):
         for arguments, what in (
             ((origins, towards[:3]), "directions: shape"),
             ((origins, 2 * towards), r"directions\[0\].*length 1"),
-            ((np.full((4, 3), np.inf), towards), r"origins\[0\]"),
             ((origins, towards, [1, 2]), "lengths: shape"),
-            ((origins, towards, -1), r"lengths\[0\]"),
         ):
             with self.assertRaisesRegex(ValueError, what):
                 geometry.cast(*arguments)

@@ -23,6 +23,17 @@ pub struct Camera {
 }
 
 impl Camera {
+    /// Pixels down of a picture of the same shape that is so many pixels wide; at least 1.
+    pub fn height_for(&self, width: u32) -> u32 {
+        let height = f64::from(self.height) * f64::from(width) / f64::from(self.width);
+        (height.round() as u32).max(1)
+    }
+
+    /// Scales the picture to a width; the height follows.
+    pub fn set_width(&mut self, width: u32) {
+        (self.width, self.height) = (width, self.height_for(width));
+    }
+
     /// Unit direction through the picture point `(x, y)` in pixels, (0, 0) = upper left corner.
     pub fn direction(&self, x: f32, y: f32) -> Vec3 {
         let scale = 2.0 * self.tan_half_height / self.height as f32;

@@ -205,7 +205,7 @@ kernels, so that the noise of the reference can be taken off the errors.
 In the folder:
   report.html     the page, one file that needs nothing else: error over time and over passes with slopes, by region;
                   pictures and their errors at equal time; maps of radius, bandwidth and eye rays; where time and
-                  memory go; what each feature costs; hard cases of the arithmetic; the machine and this command
+                  memory go; what each feature costs; the machine and this command
   report.json     all its numbers
   results.csv     errors, a line a point and region
   figure.svg      error over time of the glass ball (or of the first scene)

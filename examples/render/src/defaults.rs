@@ -4,10 +4,10 @@
 //! gives the same picture everywhere. Scaled with the scene's unit of length (and the media's coefficients with its inverse), all lengths
 //! scale alike and the counts stay. The grid's box is the survey's.
 
-use crate::mesh::MAX_COORDINATE;
 use crate::scene::{Scene, Settings};
 use crate::survey::Survey;
 use covbeam::{GridLayout, KernelShape, Schedule};
+use covbeam_geometry::MAX_COORDINATE;
 use glam::Vec3;
 
 /// Voxels of the grid. Few and wide: beside a shadow the dimmest voxel around bounds what a kernel may leak, and it must be seen from afar.

@@ -1,6 +1,5 @@
 //! Eye paths: from the camera through specular surfaces to the first diffuse or black one.
 
-use crate::geometry::Hit;
 use crate::media;
 use crate::optics::{Boundary, Interior, facing_normal, reflect};
 use crate::photon::{GOING_ON, LONG_PATH};
@@ -9,6 +8,7 @@ use crate::random::{Random, mix};
 use crate::scene::{Material, Scene};
 use crate::surface::SurfaceMap;
 use covbeam::{EyeRay, Medium};
+use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
 

@@ -4,11 +4,12 @@
 use std::fmt::Display;
 use std::ops::Range;
 
+use covbeam_geometry::MAX_COORDINATE;
+use covbeam_geometry::mesh::MeshError;
 use glam::Vec3;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::mesh::{MAX_COORDINATE, MeshError};
 use crate::volume::VolumeError;
 
 /// Why a scene was refused.

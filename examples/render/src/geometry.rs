@@ -4,30 +4,12 @@
 //! the scene's size or on its distance from the origin beyond what f32 positions can say.
 
 use covbeam::Curvature;
+use covbeam_geometry::edges::Surfaces;
+use covbeam_geometry::hit::Hit;
+use covbeam_geometry::triangles::TriangleHit;
 use glam::{DVec3, Vec3};
 
-use crate::edges::Surfaces;
 use crate::scene::{Material, Object, Scene, Shape};
-use crate::triangles::TriangleHit;
-
-/// Where a ray meets a surface.
-#[derive(Clone, Copy, Debug)]
-pub struct Hit {
-    /// Along the ray, > 0.
-    pub distance: f32,
-    /// The point, moved onto the surface.
-    pub position: Vec3,
-    /// Unit geometric normal, outward (see Shape), not flipped towards the ray.
-    pub geometric_normal: Vec3,
-    /// Unit shading normal (smooth on meshes), on the same side as `geometric_normal`.
-    pub normal: Vec3,
-    /// Of the shading normal field at the hit, positive = convex towards `normal`.
-    pub curvature: Curvature,
-    /// Index into `Scene::objects`.
-    pub object: u32,
-    /// How far [`Hit::leave`] moves off the surface [scene unit]: more than rounding can have moved `position`.
-    pub offset: f32,
-}
 
 impl Scene {
     /// Nearest hit with distance in (0, max_distance). Self-intersection is avoided by the caller starting at
@@ -94,15 +76,6 @@ impl Scene {
 impl Surfaces for Scene {
     fn nearest(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
         self.intersect(origin, direction, f32::INFINITY)
-    }
-}
-
-impl Hit {
-    /// A start point for a ray that leaves this surface along `direction`, offset just enough that it cannot
-    /// hit the same surface again at distance ~0.
-    pub fn leave(&self, direction: Vec3) -> Vec3 {
-        let side = if direction.dot(self.geometric_normal) < 0.0 { -self.offset } else { self.offset };
-        self.position + side * self.geometric_normal
     }
 }
 

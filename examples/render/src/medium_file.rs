@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use covbeam::{Density, ExponentialDensity, Medium, PhaseFunction, PhaseKind};
+use covbeam_geometry::MAX_COORDINATE;
 use glam::Vec3;
 
 use crate::camera::Camera;
 use crate::fields::{Field, SceneError, Table};
-use crate::mesh::MAX_COORDINATE;
 use crate::scene::{Light, MediumDensity, MediumId, Object, SceneMedium};
 use crate::scene_file::read_corners;
 use crate::volume::{MAX_DENSITY, Volume};

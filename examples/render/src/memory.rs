@@ -25,18 +25,25 @@ pub fn needed(scene: &Scene, photons: u32) -> u64 {
 /// None where the system does not tell.
 pub fn available() -> Option<u64> {
     let number = |path: &str| std::fs::read_to_string(path).ok()?.trim().parse::<u64>().ok();
-    let line = |path: &str, start: &str, field: usize| -> Option<u64> {
-        let text = std::fs::read_to_string(path).ok()?;
-        let line = text.lines().find_map(|line| line.strip_prefix(start))?;
-        line.split_whitespace().nth(field)?.parse().ok()
-    };
-    let free = line("/proc/meminfo", "MemAvailable:", 0).map(|kibibytes| kibibytes * 1024);
+    let free = line("/proc/meminfo", "MemAvailable:").map(|kibibytes| kibibytes * 1024);
     let group = number("/sys/fs/cgroup/memory.max")
         .map(|most| most.saturating_sub(number("/sys/fs/cgroup/memory.current").unwrap_or(0)));
-    let space = line("/proc/self/limits", "Max address space", 0).map(|most| {
-        most.saturating_sub(line("/proc/self/status", "VmSize:", 0).map_or(0, |kibibytes| kibibytes * 1024))
+    let space = line("/proc/self/limits", "Max address space").map(|most| {
+        most.saturating_sub(line("/proc/self/status", "VmSize:").map_or(0, |kibibytes| kibibytes * 1024))
     });
     [free, group, space].into_iter().flatten().min()
+}
+
+/// Largest resident set of this process so far \[bytes\]; None where the system does not tell.
+pub fn peak() -> Option<u64> {
+    line("/proc/self/status", "VmHWM:").map(|kibibytes| kibibytes * 1024)
+}
+
+/// The number after `start` in a file of such lines.
+fn line(path: &str, start: &str) -> Option<u64> {
+    let text = std::fs::read_to_string(path).ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix(start))?;
+    line.split_whitespace().next()?.parse().ok()
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! What a smooth surface does to a ray: reflection, refraction, Fresnel, and which media a ray is in.
 
-use crate::geometry::Hit;
 use crate::scene::{Material, MediumId, Scene};
 use covbeam::Curvature;
+use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 
 /// The closed dielectric objects that a ray is inside of, innermost last.

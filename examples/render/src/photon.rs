@@ -1,7 +1,5 @@
 //! Light paths: from a light through media and surfaces until they are absorbed or escape.
 
-use crate::edges::{Edge, find_edges};
-use crate::geometry::Hit;
 use crate::light::{EmittedPhoton, cosine_direction};
 use crate::media;
 use crate::operators::Operator;
@@ -12,6 +10,8 @@ pub use crate::record::{Deposit, Energy, PhotonRecord, Record, Splat};
 use crate::scene::{Material, Scene};
 use crate::surface::SurfacePhoton;
 use covbeam::{Beam, Column, CovarianceGrid, Curvature, Density, Knot, LightField, Medium, Segment};
+use covbeam_geometry::edges::{Edge, find_edges};
+use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 use smallvec::SmallVec;
 use std::time::Instant;

@@ -1,7 +1,6 @@
 //! Where a pass needs eye rays, and how wide their light is filtered: the spectrum of the picture, from the covariance grid.
 
 use crate::camera::Camera;
-use crate::geometry::Hit;
 use crate::media;
 use crate::random::mix;
 use crate::scene::{Material, Scene};
@@ -9,6 +8,7 @@ use covbeam::{
     EyeRay, FilmFilterNode, FilmFilters, FilmLattice, FluenceGrid, ImageSpectrum, Medium, film_regions,
     pixel_threshold,
 };
+use covbeam_geometry::hit::Hit;
 use rayon::prelude::*;
 use std::sync::Arc;
 

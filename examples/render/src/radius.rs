@@ -23,10 +23,8 @@ pub enum RadiusRule {
     /// A bound on the relative bias, from spectra (thesis 5.3.4). Plain kernels where no light field has been.
     #[default]
     Bias,
-    /// The same bound, but the fluence is that of all beams, and [`RadiusRule::BeamDensity`] speaks where no light field has been.
-    BiasEverywhere,
-    /// The least sum of squared bias and variance, from spectra and beams, with nothing to choose; otherwise as
-    /// [`RadiusRule::BiasEverywhere`].
+    /// The least sum of squared bias and variance, from spectra and beams, with nothing to choose;
+    /// [`RadiusRule::BeamDensity`] where no light field has been.
     LeastError,
     /// As many beams in each ball, from the beams alone. Traces no light fields, unless to plan eye rays.
     BeamDensity,
@@ -198,7 +196,6 @@ impl Radii {
             }
             let has_spectrum = found.weight > 0.0;
             let spectrum = match self.rule {
-                RadiusRule::Bias | RadiusRule::BiasEverywhere if has_spectrum => found.spectrum,
                 RadiusRule::LeastError if has_spectrum => {
                     // At σ = 1; l falls as 1/σ, so r² does as σ^(-6/5).
                     let beams = beams_a_metre(density, 1.0 / PI.sqrt()) / (SCHEDULE * EMISSION);

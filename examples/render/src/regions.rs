@@ -93,6 +93,23 @@ pub fn by_sharpness(reference: &Picture) -> [Region; 3] {
     ]
 }
 
+/// Regions in which errors of a scene's pictures are told: [`by_sharpness`], and in the ball scenes `volume`, `caustic` and
+/// `glass`; those that have pixels.
+pub fn of_scene(name: &str, reference: &Picture) -> Vec<Region> {
+    let mut regions = by_sharpness(reference).to_vec();
+    if is_ball(name) && reference.width == reference.height {
+        let named = of_ball(reference.width).into_iter();
+        regions.extend(named.filter(|region| ["volume", "caustic", "glass"].contains(&region.name)));
+    }
+    regions.retain(|region| region.count() > 0);
+    regions
+}
+
+/// Whether a scene's pictures have the places that [`of_ball`] names.
+pub fn is_ball(name: &str) -> bool {
+    ["glass-ball", "black-ball"].contains(&name)
+}
+
 /// Regions of the pictures of the glass-ball and black-ball scenes, which are square. The ball is in the middle, with a
 /// radius of 40.8 pixels of 256.
 ///

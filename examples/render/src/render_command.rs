@@ -10,6 +10,7 @@ use covbeam_render::pass::Renderer;
 use covbeam_render::progress::seconds;
 use covbeam_render::render::{End, Goal, Progress, RenderError, render};
 use covbeam_render::scene::Scene;
+use cpu_time::ProcessTime;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
 use std::io::{IsTerminal, Write, stderr, stdout};
@@ -340,30 +341,14 @@ fn summary(progress: &Progress) -> String {
     if times.shadow_rays > 0 {
         text += &format!("{:.1} million shadow rays\n", times.shadow_rays as f64 / 1e6);
     }
-    if let (Some(cpu), Some(megabytes)) = (cpu_seconds(), peak_memory_mb()) {
-        text += &format!("the system counts {cpu:.2} s of CPU time and a peak memory of {megabytes:.0} MB\n");
+    if let (Ok(cpu), Some(peak)) = (ProcessTime::try_now(), memory::peak()) {
+        text += &format!(
+            "the system counts {:.2} s of CPU time and a peak memory of {:.0} MB\n",
+            cpu.as_duration().as_secs_f64(),
+            peak as f64 / 1e6
+        );
     }
     text
-}
-
-/// CPU time of all threads so far, user and system [s]; None where the system does not tell. Unlike the split by
-/// part, which is measured with a clock, it does not grow when other programs share the cores.
-fn cpu_seconds() -> Option<f64> {
-    /// `/proc` counts in 1/100 s on every Linux.
-    const TICKS_PER_SECOND: f64 = 100.0;
-    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // The second field, the program's name in brackets, may hold spaces; utime and stime are the 14th and 15th.
-    let mut after_name = stat.rsplit_once(')')?.1.split_whitespace().skip(11);
-    let mut ticks = || after_name.next()?.parse::<f64>().ok();
-    Some((ticks()? + ticks()?) / TICKS_PER_SECOND)
-}
-
-/// Largest resident set so far [10⁶ bytes]; None where the system does not tell.
-fn peak_memory_mb() -> Option<f64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kibibytes: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kibibytes * 1024.0 / 1e6)
 }
 
 #[cfg(test)]
@@ -388,25 +373,6 @@ mod tests {
         assert!(text.contains("8.00 core-seconds"), "{text}");
         assert!(text.contains("gather           4.00 s  50.0 %"), "{text}");
         assert!(text.contains("24.0 million accepted pairs, 6.00 million a core-second"), "{text}");
-    }
-
-    #[test]
-    fn the_peak_memory_of_this_process_is_between_one_megabyte_and_a_terabyte() {
-        if cfg!(target_os = "linux") {
-            assert!((1.0..1e6).contains(&peak_memory_mb().unwrap()));
-        }
-    }
-
-    #[test]
-    fn the_cpu_time_grows_with_work() {
-        if cfg!(target_os = "linux") {
-            let (before, start) = (cpu_seconds().unwrap(), Instant::now());
-            let mut sum = 0_u64;
-            while cpu_seconds().unwrap() < before + 0.05 {
-                sum = std::hint::black_box(sum + 1);
-                assert!(start.elapsed() < Duration::from_secs(60), "CPU time stands still");
-            }
-        }
     }
 
     #[test]

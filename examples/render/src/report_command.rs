@@ -107,7 +107,7 @@ fn options(args: &ReportArgs) -> Options {
         usual_width: width,
         references: args.references.clone(),
         quick: args.quick,
-        extras: true,
+        features: true,
     }
 }
 

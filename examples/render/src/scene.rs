@@ -1,9 +1,9 @@
 //! What a scene is: objects, lights, media, camera and the defaults of a render.
 
 use crate::camera::Camera;
-use crate::mesh::Mesh;
 use crate::volume::Volume;
 use covbeam::{ExponentialDensity, Medium};
+use covbeam_geometry::mesh::Mesh;
 use glam::Vec3;
 use std::f32::consts::PI;
 

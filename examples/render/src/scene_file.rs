@@ -7,6 +7,8 @@ use std::io::Read;
 use std::path::Path;
 
 use covbeam::{GridLayout, KernelShape, Schedule};
+use covbeam_geometry::MAX_COORDINATE;
+use covbeam_geometry::mesh::{Mesh, Placement};
 use glam::{Quat, Vec3};
 
 use crate::camera::Camera;
@@ -14,7 +16,6 @@ use crate::defaults;
 pub use crate::fields::SceneError;
 use crate::fields::{Field, Source, Table};
 use crate::medium_file::{check_exponential, read_media, read_medium_name};
-use crate::mesh::{MAX_COORDINATE, Mesh, Placement};
 use crate::scene::{Light, Material, MediumDensity, Object, Scene, SceneMedium, Settings, Shape};
 use crate::survey::Survey;
 

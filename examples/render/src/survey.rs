@@ -3,7 +3,6 @@
 use crate::defaults::divide;
 use crate::eye::{EyeSegment, EyeTracer};
 use crate::media;
-use crate::mesh::MAX_COORDINATE;
 use crate::optics::Interior;
 use crate::photon::{PhotonRecord, PhotonTracer, Record};
 use crate::radius::BeamVoxels;
@@ -11,6 +10,7 @@ use crate::random::{Emission, Random};
 use crate::scene::Scene;
 use crate::surface::SurfaceMap;
 use covbeam::{GridLayout, Medium};
+use covbeam_geometry::MAX_COORDINATE;
 use glam::Vec3;
 
 /// Light paths of the survey. Their beams need only say where there is light, not how much to a digit.

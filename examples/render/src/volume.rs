@@ -29,9 +29,8 @@ use std::io::Read;
 use std::path::Path;
 
 use covbeam::GridLayout;
+use covbeam_geometry::MAX_COORDINATE;
 use glam::Vec3;
-
-use crate::mesh::MAX_COORDINATE;
 
 /// Most voxels of a volume: 64 MiB of densities.
 pub const MAX_VOXELS: u32 = 1 << 24;

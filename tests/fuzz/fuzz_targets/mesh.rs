@@ -1,8 +1,8 @@
 //! Any bytes as an OBJ file: a mesh that can be traced, or an error.
 #![no_main]
 
-use covbeam_render::mesh::{Mesh, Placement};
-use covbeam_render::obj;
+use covbeam_geometry::mesh::{Mesh, Placement};
+use covbeam_geometry::obj;
 use covbeam_render::scene::{Material, Object, Scene, Shape};
 use glam::Vec3;
 use libfuzzer_sys::fuzz_target;

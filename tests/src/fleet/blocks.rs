@@ -85,7 +85,7 @@ fn judge(tested: Sample, against: Sample) -> Verdict {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use covbeam_hard_cases::random::Stream;
+    use crate::random::Stream;
     use glam::Vec3;
 
     fn picture(width: u32, height: u32, value: impl FnMut(u32) -> f32) -> Picture {

@@ -5,7 +5,7 @@
 
 use super::objects::{Clear, Obstacle, Plate};
 use super::text::{Text, color, number, vector};
-use covbeam_hard_cases::random::Stream;
+use crate::random::Stream;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 

@@ -81,7 +81,7 @@ pub fn true_over_stated(picture: &Picture, [a, b]: [&Picture; 2]) -> Option<f64>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use covbeam_hard_cases::random::Stream;
+    use crate::random::Stream;
     use glam::Vec3;
 
     /// A reference with halves of 10 % of noise, pictures with 10 and 20 %: relMSE .01 and .04.

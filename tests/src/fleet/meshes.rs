@@ -102,8 +102,8 @@ fn pebble() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use covbeam_render::mesh::{Mesh, Placement};
-    use covbeam_render::obj;
+    use covbeam_geometry::mesh::{Mesh, Placement};
+    use covbeam_geometry::obj;
     use glam::{Quat, Vec3};
 
     #[test]

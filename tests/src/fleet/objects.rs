@@ -3,7 +3,7 @@
 use super::draw::{Room, View, chance, tint};
 use super::meshes;
 use super::text::{Text, color, number, vector};
-use covbeam_hard_cases::random::Stream;
+use crate::random::Stream;
 use glam::DVec3;
 
 /// What is already in the room, which everything else keeps clear of.

@@ -292,6 +292,15 @@ fn sums_do_not_depend_on_the_order_and_know_their_halves() {
 }
 
 #[test]
+fn the_unit_is_a_power_of_two_below_what_is_typical() {
+    // 2 is the power of two below 3.
+    let unit = FilmUnit::new(3.0);
+    assert_eq!([0.0, 1.0, 2.0, 1e-30].map(|radiance| unit.whole(radiance)), [0, 1 << 31, 1 << 32, 0]);
+    assert_eq!(unit.whole(f32::INFINITY), i64::MAX);
+    assert_eq!(unit.whole(f32::NAN), 0);
+}
+
+#[test]
 fn a_tile_is_its_pixels() {
     let mut stream = Stream::new(11);
     let film = Film::new(1, |_, _| stream.uniform());

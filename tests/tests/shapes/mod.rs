@@ -2,8 +2,8 @@
 
 #![allow(dead_code, reason = "each test binary uses the part it needs")]
 
-use covbeam_render::mesh::Mesh;
-use covbeam_render::obj::ObjTriangles;
+use covbeam_geometry::mesh::Mesh;
+use covbeam_geometry::obj::ObjTriangles;
 use covbeam_render::scene::{Material, Object, Scene, Shape};
 use glam::{DVec3, Vec3};
 

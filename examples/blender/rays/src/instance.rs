@@ -4,9 +4,9 @@ use crate::failure::{Result, invalid};
 use crate::mesh::Mesh;
 use crate::wide::Wide;
 use covbeam::Curvature;
-use covbeam_render::geometry::Hit;
-use covbeam_render::mesh::MAX_COORDINATE;
-use covbeam_render::triangles::{TriangleHit, Triangles, area_vector, shade};
+use covbeam_geometry::MAX_COORDINATE;
+use covbeam_geometry::hit::Hit;
+use covbeam_geometry::triangles::{TriangleHit, Triangles, area_vector, shade};
 use glam::{DMat3, DMat4, DVec3, Vec3};
 
 /// Columns of a transform are taken as dependent if the box that they span, of sides made unit, has a volume below

@@ -3,7 +3,7 @@
 //!
 //! - [`geometry`]: meshes and their instances, made ready on native threads ([`job`]) while the caller asks how it
 //!   goes.
-//! - [`scene`]: nearest hits, and silhouettes beside rays, found by covbeam-render's triangles and edges.
+//! - [`scene`]: nearest hits, and silhouettes beside rays, found by covbeam-geometry's triangles and edges.
 //! - [`tasks`]: calls of covbeam's C functions on all threads.
 //! - [`abi`]: the C interface, and all unsafe code.
 

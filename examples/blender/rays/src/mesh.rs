@@ -2,8 +2,8 @@
 
 use crate::failure::{Result, invalid};
 use crate::wide::Wide;
-use covbeam_render::mesh::MAX_COORDINATE;
-use covbeam_render::triangles::{Frame, Triangles, area_vector};
+use covbeam_geometry::MAX_COORDINATE;
+use covbeam_geometry::triangles::{Frame, Triangles, area_vector};
 use glam::{DVec3, Vec3};
 
 /// How far the squared length of a unit normal may be from 1.

@@ -1,8 +1,8 @@
 //! The records of arrays that Python reads and writes: the dtypes HIT and EDGE of the module.
 
 use covbeam::Curvature;
-use covbeam_render::edges::Edge;
-use covbeam_render::geometry::Hit;
+use covbeam_geometry::edges::Edge;
+use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 
 /// Where a ray meets a surface: see HIT in the Python module. A ray that meets none has the distance infinity.

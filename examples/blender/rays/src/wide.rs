@@ -1,7 +1,7 @@
 //! A hierarchy of eight boxes a node, for rays that have nothing in common: the eight are tested side by side, and a
 //! ray waits for memory a third as often as in a binary one.
 
-use covbeam_render::triangles::{Hierarchy, build_hierarchy};
+use covbeam_geometry::triangles::{Hierarchy, build_hierarchy};
 use glam::Vec4;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;

@@ -5,7 +5,7 @@ mod shapes;
 use covbeam_rays::failure::Failure;
 use covbeam_rays::geometry::Geometry;
 use covbeam_rays::job::Job;
-use covbeam_rays::records::HitRecord;
+use covbeam_rays::records::{EdgeRecord, HitRecord};
 use covbeam_rays::tasks;
 use glam::{DMat4, DVec3};
 use rayon::ThreadPoolBuilder;
@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 const QUICK: Duration = Duration::from_millis(50);
 
 #[test]
-fn hits_do_not_depend_on_the_number_of_threads() {
+fn hits_and_edges_do_not_depend_on_the_number_of_threads() {
     let geometry = Geometry::default();
     let mesh = add(&geometry, &lumpy(4), 3, None);
     let mut random = Random(6);
@@ -29,14 +29,23 @@ fn hits_do_not_depend_on_the_number_of_threads() {
     let origins: Vec<[f32; 3]> = (0..20_000).map(|_| (8.0 * random.cube()).as_vec3().to_array()).collect();
     let directions: Vec<[f32; 3]> =
         (0..20_000).map(|_| random.direction().as_vec3().normalize().to_array()).collect();
-    let hits = [1, 2, 3, 7].map(|count| {
+    let found = [1, 2, 3, 7].map(|count| {
         let pool = ThreadPoolBuilder::new().num_threads(count).build().expect("starts");
         let mut hits = vec![HitRecord::MISS; origins.len()];
-        pool.install(|| scene.cast_many(&origins, &directions, &[9.0], &mut hits)).expect("valid rays");
-        hits
+        pool.install(|| scene.cast_many(&origins, &directions, &[f32::INFINITY], &mut hits))
+            .expect("valid rays");
+        let (few, mut counts, mut edges) = (1000, [0; 1000], [[EdgeRecord::default(); 4]; 1000]);
+        let search = || {
+            let (origins, directions) = (&origins[..few], &directions[..few]);
+            scene.edges_many(origins, directions, &hits[..few], &[0; 4], &mut counts, &mut edges)
+        };
+        pool.install(search).expect("valid rays");
+        (hits, counts, edges)
     });
-    assert!(hits[0].iter().filter(|hit| hit.object >= 0).count() > 2000);
-    assert!(hits[1..].iter().all(|others| *others == hits[0]));
+    let (hits, counts, _) = &found[0];
+    assert!(hits.iter().filter(|hit| hit.object >= 0).count() > 2000);
+    assert!(counts.iter().filter(|count| **count > 0).count() > 100);
+    assert!(found[1..].iter().all(|others| *others == found[0]));
 }
 
 #[test]

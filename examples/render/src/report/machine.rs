@@ -74,9 +74,7 @@ impl PeakMemory {
 
     /// So far.
     pub(super) fn bytes(&self) -> Option<u64> {
-        let peak = value("/proc/self/status", "VmHWM", ':')?;
-        let kibibytes: u64 = peak.strip_suffix("kB")?.trim().parse().ok()?;
-        Some(kibibytes * 1024)
+        crate::memory::peak()
     }
 }
 

@@ -4,7 +4,6 @@ mod curves;
 mod features;
 mod files;
 pub mod fit;
-mod hard_cases;
 mod machine;
 mod measure;
 mod methods;
@@ -18,12 +17,11 @@ mod tables;
 
 pub use features::{Feature, Memory};
 pub use files::{csv, json};
-pub use hard_cases::HardCase;
 pub use machine::Machine;
 pub use measure::{Budget, PARTS, Parts, Point, Run, Watch};
 pub use methods::{METHODS, Method};
 pub use page::page;
-pub use plots::{PlotError, figure};
+pub use plots::figure;
 pub use references::{Reference, ReferenceError, RegionError};
 
 use crate::film::{FilmError, Picture};
@@ -48,10 +46,10 @@ pub struct Options {
     pub usual_width: u32,
     /// Folder of references.
     pub references: Option<PathBuf>,
-    /// Leaves out the hard cases that take long, and runs fewer passes of the features.
+    /// Runs fewer passes of the features.
     pub quick: bool,
-    /// Whether the hard cases and the costs of features are measured, which depend on no scene.
-    pub extras: bool,
+    /// Whether the costs of features are measured, on the glass ball whatever the scenes are.
+    pub features: bool,
 }
 
 /// A scene with its name.
@@ -122,8 +120,6 @@ pub struct Report {
     pub cpu_seconds: f64,
     /// Scenes that have at least one run.
     pub scenes: Vec<SceneResult>,
-    /// The hard cases; empty if they were left out.
-    pub hard_cases: Vec<HardCase>,
     /// Costs of features; empty if they were left out.
     pub features: Vec<Feature>,
 }
@@ -151,13 +147,13 @@ impl Options {
     pub fn cpu_seconds(&self, subjects: &[(Subject, Option<Reference>)]) -> f64 {
         let runs = self.methods.len() as f64 * f64::from(self.seeds) * self.budget;
         let missing = subjects.iter().filter(|(_, reference)| reference.is_none()).count() as f64;
-        let extras = if self.extras { self.extras_seconds() } else { 0.0 };
-        subjects.len() as f64 * runs + missing * 2.0 * self.reference_budget + extras
+        let features = if self.features { self.features_seconds() } else { 0.0 };
+        subjects.len() as f64 * runs + missing * 2.0 * self.reference_budget + features
     }
 
-    /// About what the hard cases and features take.
-    fn extras_seconds(&self) -> f64 {
-        if self.quick { 4.0 } else { 40.0 }
+    /// About what the features take.
+    fn features_seconds(&self) -> f64 {
+        if self.quick { 1.0 } else { 10.0 }
     }
 
     /// Where a scene's reference is, if one is given.
@@ -174,7 +170,7 @@ impl Options {
         match self.reference_path(&subject.name) {
             Some(path) => Reference::load(&path, &subject.name, &mut subject.scene, self.width).map(Some),
             None => {
-                references::set_width(&mut subject.scene, self.width.unwrap_or(self.usual_width));
+                subject.scene.camera.set_width(self.width.unwrap_or(self.usual_width));
                 Ok(None)
             }
         }
@@ -206,7 +202,6 @@ pub fn measure(
         elapsed: 0.0,
         cpu_seconds: 0.0,
         scenes: Vec::new(),
-        hard_cases: Vec::new(),
         features: Vec::new(),
     };
     for (subject, reference) in subjects {
@@ -218,20 +213,15 @@ pub fn measure(
             break;
         }
     }
-    if options.extras && report.stopped.is_none() {
-        watch.begin("cost of features, hard cases".to_owned(), Budget::CpuSeconds(options.extras_seconds()));
+    if options.features && report.stopped.is_none() {
+        watch.begin("cost of features".to_owned(), Budget::CpuSeconds(options.features_seconds()));
         let mut glass_ball = glass_ball.clone();
-        references::set_width(&mut glass_ball, options.width.unwrap_or(options.usual_width));
-        let found =
-            features::features(&glass_ball, if options.quick { 1 } else { 4 }, &|| watch.is_cancelled());
-        let cases = found
-            .is_some()
-            .then(|| hard_cases::hard_cases(options.quick, &|| watch.is_cancelled()))
-            .flatten();
-        if cases.is_none() {
-            report.stopped = Some("stopped by the user after the last scene".to_owned());
+        glass_ball.camera.set_width(options.width.unwrap_or(options.usual_width));
+        let passes = if options.quick { 1 } else { 4 };
+        match features::features(&glass_ball, passes, &|| watch.is_cancelled()) {
+            Some(found) => report.features = found,
+            None => report.stopped = Some("stopped by the user after the last scene".to_owned()),
         }
-        (report.features, report.hard_cases) = (found.unwrap_or_default(), cases.unwrap_or_default());
     }
     (report.elapsed, report.cpu_seconds) = (start.elapsed().as_secs_f64(), cpu.elapsed().as_secs_f64());
     Ok(report)

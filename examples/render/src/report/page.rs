@@ -1,10 +1,11 @@
 //! The page: one HTML file that needs nothing else.
 
 use super::curves::Over;
-use super::plots::{PlotError, error_panel, part_bars, shown_scene};
+use super::plots::{error_panel, part_bars, shown_scene};
 use super::scene_section::{inline, section};
 use super::tables::{escape, method_label};
 use super::{Method, Report, tables};
+use crate::plot::PlotError;
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("page.css");
@@ -40,15 +41,6 @@ pub fn page(report: &Report) -> Result<String, PlotError> {
              pass, of each part the fastest of three runs. A scene pays only for what it has.</p>\n<div class=\"panels\">{}</div>\n{}</section>\n",
             inline(&part_bars(&rows)?, "core-milliseconds a pass of each feature, by part"),
             tables::features(&report.features)
-        );
-    }
-    if !report.hard_cases.is_empty() {
-        let _ = write!(
-            html,
-            "<section id=\"hard-cases\"><h2>Hard cases of the arithmetic</h2>\n<p>Largest error of the fluence's covariance, relative to its largest \
-             entry, against a computation in 1600 bits. The textbook form keeps the covariance itself in single precision; covbeam keeps \
-             its square root.</p>\n{}</section>\n",
-            tables::hard_cases(&report.hard_cases)
         );
     }
     html += &machine(report);
@@ -110,7 +102,6 @@ fn at_a_glance(report: &Report) -> Result<String, PlotError> {
     }
     for (shown, id, title) in [
         (!report.features.is_empty(), "features", "what each feature costs"),
-        (!report.hard_cases.is_empty(), "hard-cases", "hard cases"),
         (true, "machine", "machine and command"),
     ] {
         if shown {

@@ -5,7 +5,7 @@ use crate::compare::{CompareError, compare, luminance};
 use crate::film::{Film, FilmError, Picture};
 use crate::output::{OutputError, read_picture};
 use crate::pass::{Method, Renderer};
-use crate::regions::{Region, by_sharpness, of_ball};
+use crate::regions::{Region, of_scene};
 use crate::scene::Scene;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -127,15 +127,7 @@ impl Reference {
             None => [mean.clone(), mean.clone()],
         };
         let floor = (0.01 * mean.iter().sum::<f64>() / mean.len() as f64).powi(2);
-        let mut regions = by_sharpness(&picture).to_vec();
-        if is_ball(scene) && picture.width == picture.height {
-            regions.extend(
-                of_ball(picture.width)
-                    .into_iter()
-                    .filter(|r| ["volume", "caustic", "glass"].contains(&r.name)),
-            );
-        }
-        regions.retain(|region| region.count() > 0);
+        let regions = of_scene(scene, &picture);
         let mut reference = Self { picture, halves, mean, floor, regions, noise: None, origin };
         if first.is_some() {
             // (R₁ - R)² is a quarter of (R₁ - R₂)², and that is the variance of R.
@@ -202,7 +194,7 @@ impl Reference {
         let picture = read_picture(path)?;
         let (across, down) = (picture.width, picture.height);
         if let Some(asked) = width.filter(|asked| *asked != across) {
-            let asked_height = height_for(scene, asked);
+            let asked_height = scene.camera.height_for(asked);
             return Err(ReferenceError::Width {
                 path: path.to_owned(),
                 width: across,
@@ -211,8 +203,8 @@ impl Reference {
                 asked_height,
             });
         }
-        if height_for(scene, across) != down {
-            let expected = format!("{across} x {}", height_for(scene, across));
+        if scene.camera.height_for(across) != down {
+            let expected = format!("{across} x {}", scene.camera.height_for(across));
             return Err(ReferenceError::Shape {
                 path: path.to_owned(),
                 width: across,
@@ -237,7 +229,7 @@ impl Reference {
         };
         let reference = Self::new(name, half.as_ref(), picture, origin)
             .map_err(|source| ReferenceError::Bad { path: path.to_owned(), source })?;
-        set_width(scene, across);
+        scene.camera.set_width(across);
         Ok(reference)
     }
 
@@ -284,23 +276,6 @@ impl Reference {
         let reference = Self::new(name, Some(first), mean, origin);
         reference.map(Some).map_err(|source| ReferenceError::Dark { scene: name.to_owned(), source })
     }
-}
-
-/// Scales the scene's pictures to a width; the height follows.
-pub(super) fn set_width(scene: &mut Scene, width: u32) {
-    let height = height_for(scene, width);
-    (scene.camera.width, scene.camera.height) = (width, height);
-}
-
-fn height_for(scene: &Scene, width: u32) -> u32 {
-    let camera = &scene.camera;
-    let height = f64::from(camera.height) * f64::from(width) / f64::from(camera.width);
-    (height.round() as u32).max(1)
-}
-
-/// Whether the scene's pictures have the places that [`of_ball`] names.
-fn is_ball(scene: &str) -> bool {
-    ["glass-ball", "black-ball"].contains(&scene)
 }
 
 fn luminances(picture: &Picture) -> Vec<f64> {

@@ -1,9 +1,10 @@
 //! What the page says of one scene.
 
 use super::curves::Over;
-use super::plots::{PlotError, error_panel, part_bars};
+use super::plots::{error_panel, part_bars};
 use super::tables::escape;
 use super::{SceneResult, pictures, tables};
+use crate::plot::PlotError;
 use std::fmt::Write;
 
 /// An SVG inside the page, with a description for those who cannot see it.

@@ -2,7 +2,7 @@
 
 use super::curves::{Value, common_time, curves};
 use super::palette::{PART_COLORS, hex};
-use super::{Feature, HardCase, METHODS, Method, PARTS, Report, SceneResult};
+use super::{Feature, METHODS, Method, PARTS, Report, SceneResult};
 use std::fmt::Write;
 
 /// Text as HTML shows it.
@@ -250,28 +250,6 @@ pub(super) fn features(features: &[Feature]) -> String {
         cells.push(format!("{:.2}", feature.parts.pairs as f64 / 1e6));
         cells.push(format!("<span class=\"about\">{}</span>", escape(feature.about)));
         table.row(&cells);
-    }
-    table.end()
-}
-
-/// Errors of the light field's arithmetic.
-pub(super) fn hard_cases(cases: &[HardCase]) -> String {
-    let columns = ["light path", "covbeam", "accepted", "textbook, f32", "textbook, f64 operators"];
-    let mut table = Table::new("Hard cases", &columns);
-    for case in cases {
-        let fails = case.tolerance.is_some_and(|tolerance| !(case.covbeam <= tolerance));
-        let found = if fails {
-            format!("<b class=\"bad\">{} fails</b>", number(case.covbeam))
-        } else {
-            number(case.covbeam)
-        };
-        table.row(&[
-            escape(&case.name),
-            found,
-            optional(case.tolerance),
-            optional(case.textbook),
-            optional(case.textbook_wide),
-        ]);
     }
     table.end()
 }

@@ -1,7 +1,8 @@
 //! Equivalent Gaussians of the predicted spectra at chosen points, after the thesis' Figure 5.18.
 
 use super::walk::{index_of, voxel_at, voxel_size};
-use super::{Analysis, Bounds, Drawing, Voxel};
+use super::{Analysis, Bounds, Voxel};
+use crate::plot::{Area, PlotError, sheet};
 use glam::{DMat3, DVec3, Vec3};
 use plotters::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -46,17 +47,13 @@ fn bounded(voxel: &Voxel, bounds: &[Bounds; 3]) -> DMat3 {
 ///
 /// # Errors
 /// Those of the drawing library.
-pub fn draw_gaussians(analysis: &Analysis, points: &[Point]) -> Drawing {
+pub fn draw_gaussians(analysis: &Analysis, points: &[Point]) -> Result<String, PlotError> {
     let size = voxel_size(&analysis.layout);
     let bounds = Bounds::of_voxel_edges(&size);
     // The same scales for all points, so that they can be compared.
     let frequencies = 1.1 * bounds.iter().map(|b| b.high).fold(0.0, f64::max);
     let distances = 1.1 * bounds.iter().map(|b| 1.0 / (2.0 * PI * b.low)).fold(0.0, f64::max);
-    let mut svg = String::new();
-    {
-        let height = (PANEL + CAPTION) * points.len() as u32;
-        let root = SVGBackend::with_string(&mut svg, (6 * PANEL, height)).into_drawing_area();
-        root.fill(&WHITE)?;
+    sheet((6 * PANEL, (PANEL + CAPTION) * points.len() as u32), |root| {
         for (point, row) in points.iter().zip(root.split_evenly((points.len(), 1))) {
             let voxel = &analysis.voxels[index_of(&analysis.layout, point.cell)];
             let [x, y, z] = voxel.center.to_array();
@@ -75,9 +72,8 @@ pub fn draw_gaussians(analysis: &Analysis, points: &[Point]) -> Drawing {
                 draw_view(&panels[3 + number], &name, distances, outline(&light, view), &[], Some(square))?;
             }
         }
-        root.present()?;
-    }
-    Ok(svg)
+        Ok(())
+    })
 }
 
 /// The outline of a Gaussian's ellipsoid at one standard deviation, seen along the third axis.
@@ -108,13 +104,13 @@ fn crosses(voxel: &Voxel, bounds: &[Bounds; 3], view: [usize; 2]) -> Vec<(f64, f
 }
 
 fn draw_view(
-    panel: &DrawingArea<SVGBackend, plotters::coord::Shift>,
+    panel: &Area,
     name: &str,
     reach: f64,
     outline: Vec<(f64, f64)>,
     marks: &[(f64, f64)],
     square: Option<[f64; 2]>,
-) -> Result<(), DrawingAreaErrorKind<std::io::Error>> {
+) -> Result<(), PlotError> {
     let mut chart = ChartBuilder::on(panel)
         .caption(name, ("sans-serif", 14))
         .margin(6)

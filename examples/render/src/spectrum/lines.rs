@@ -1,7 +1,8 @@
 //! Predicted and measured standard deviations along straight lines.
 
 use super::walk::{voxel_size, walk};
-use super::{Analysis, Bounds, Drawing, Voxel};
+use super::{Analysis, Bounds, Voxel};
+use crate::plot::{Area, PlotError, sheet};
 use glam::Vec3;
 use plotters::prelude::*;
 
@@ -35,12 +36,8 @@ const MEASURED: RGBColor = RGBColor(30, 80, 170);
 ///
 /// # Errors
 /// Those of the drawing library.
-pub fn draw_lines(analysis: &Analysis, lines: &[Line]) -> Drawing {
-    let mut svg = String::new();
-    {
-        let root =
-            SVGBackend::with_string(&mut svg, (WIDTH, HEIGHT * lines.len() as u32)).into_drawing_area();
-        root.fill(&WHITE)?;
+pub fn draw_lines(analysis: &Analysis, lines: &[Line]) -> Result<String, PlotError> {
+    sheet((WIDTH, HEIGHT * lines.len() as u32), |root| {
         for (line, row) in lines.iter().zip(root.split_evenly((lines.len(), 1))) {
             let title = format!(
                 "from {} to {}: red = predicted, blue = measured, with its noise and a factor of 2",
@@ -55,16 +52,13 @@ pub fn draw_lines(analysis: &Analysis, lines: &[Line]) -> Drawing {
                 draw_axis(&panels[1 + axis], analysis, &voxels, axis)?;
             }
         }
-        root.present()?;
-    }
-    Ok(svg)
+        Ok(())
+    })
 }
 
 fn position(point: Vec3) -> String {
     format!("({:.2}, {:.2}, {:.2})", point.x, point.y, point.z)
 }
-
-type Panel<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
 /// Range of the distances along a line.
 fn range(voxels: &[(f64, f64, &Voxel)]) -> std::ops::Range<f64> {
@@ -72,10 +66,7 @@ fn range(voxels: &[(f64, f64, &Voxel)]) -> std::ops::Range<f64> {
     start..voxels.last().map_or(start + 1.0, |(_, to, _)| *to)
 }
 
-fn draw_fluence(
-    panel: &Panel,
-    voxels: &[(f64, f64, &Voxel)],
-) -> Result<(), DrawingAreaErrorKind<std::io::Error>> {
+fn draw_fluence(panel: &Area, voxels: &[(f64, f64, &Voxel)]) -> Result<(), PlotError> {
     let lit = || voxels.iter().map(|(_, _, voxel)| voxel.fluence).filter(|fluence| *fluence > 0.0);
     let high = lit().fold(f64::MIN_POSITIVE, f64::max);
     let low = lit().fold(high, f64::min).max(1e-6 * high);
@@ -91,11 +82,11 @@ fn draw_fluence(
 }
 
 fn draw_axis(
-    panel: &Panel,
+    panel: &Area,
     analysis: &Analysis,
     voxels: &[(f64, f64, &Voxel)],
     axis: usize,
-) -> Result<(), DrawingAreaErrorKind<std::io::Error>> {
+) -> Result<(), PlotError> {
     let bounds = Bounds::of_voxel(voxel_size(&analysis.layout)[axis]);
     let clamp = |sigma: f64| bounds.clamp(sigma);
     let mut chart = ChartBuilder::on(panel)

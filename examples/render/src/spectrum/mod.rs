@@ -42,9 +42,6 @@ use walk::{center_of, index_of, voxel_of, voxel_size};
 /// The test looks at the brightest voxels that together hold this share of the energy.
 pub const ENERGY: f64 = 0.99;
 
-/// An SVG document, or why the drawing library refused.
-pub type Drawing = Result<String, plotters::drawing::DrawingAreaErrorKind<std::io::Error>>;
-
 /// World axes.
 const AXES: [Vec3; 3] = [Vec3::X, Vec3::Y, Vec3::Z];
 

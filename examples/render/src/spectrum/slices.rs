@@ -2,8 +2,8 @@
 
 use super::table::log_ratio;
 use super::walk::{index_of, voxel_size};
-use super::{Analysis, Bounds, Drawing, Voxel};
-use plotters::coord::Shift;
+use super::{Analysis, Bounds, Voxel};
+use crate::plot::{Area, PlotError, sheet};
 use plotters::prelude::*;
 
 /// Edge of a map, space between maps and their titles, in pixels.
@@ -43,15 +43,11 @@ const ACROSS: [[usize; 2]; 3] = [[2, 1], [0, 2], [0, 1]];
 ///
 /// # Errors
 /// Those of the drawing library.
-pub fn draw_slice(analysis: &Analysis, through: [u32; 3], normal: usize) -> Drawing {
-    let mut svg = String::new();
-    {
-        let slice = Slice { analysis, through, normal };
-        // At least as high as the scales.
-        let (across, down) = (MAP + GAP, GAP + slice.size()[1].round().max(200.0) as i32);
-        let root =
-            SVGBackend::with_string(&mut svg, (4 * across as u32, 3 * down as u32)).into_drawing_area();
-        root.fill(&WHITE)?;
+pub fn draw_slice(analysis: &Analysis, through: [u32; 3], normal: usize) -> Result<String, PlotError> {
+    let slice = Slice { analysis, through, normal };
+    // At least as high as the scales.
+    let (across, down) = (MAP + GAP, GAP + slice.size()[1].round().max(200.0) as i32);
+    sheet((4 * across as u32, 3 * down as u32), |root| {
         let panel =
             |column: i32, row: i32| root.clone().shrink((column * across, row * down), (across, down));
         let brightest = analysis.voxels.iter().map(|voxel| voxel.fluence).fold(0.0, f64::max);
@@ -77,9 +73,8 @@ pub fn draw_slice(analysis: &Analysis, through: [u32; 3], normal: usize) -> Draw
                 }
             })?;
         }
-        root.present()?;
-    }
-    Ok(svg)
+        Ok(())
+    })
 }
 
 /// `level` 0..=1 along a scale.
@@ -98,8 +93,7 @@ struct Slice<'a> {
     normal: usize,
 }
 
-type Panel<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
+type Drawn = Result<(), PlotError>;
 
 impl Slice<'_> {
     /// Width and height of a map in pixels: the larger side of the box fills it.
@@ -109,7 +103,7 @@ impl Slice<'_> {
         sides.map(|side| f64::from(MAP) * side / sides[0].max(sides[1]))
     }
 
-    fn draw(&self, panel: &Panel, title: &str, color: impl Fn(&Voxel) -> RGBColor) -> Drawn {
+    fn draw(&self, panel: &Area, title: &str, color: impl Fn(&Voxel) -> RGBColor) -> Drawn {
         let layout = &self.analysis.layout;
         let [right, up] = ACROSS[self.normal];
         let [width, height] = self.size();
@@ -140,7 +134,7 @@ impl Slice<'_> {
     }
 
     /// What the colours mean.
-    fn draw_scales(&self, panel: &Panel) -> Drawn {
+    fn draw_scales(&self, panel: &Area) -> Drawn {
         let center = super::walk::center_of(&self.analysis.layout, self.through)[self.normal];
         let axis = ["x", "y", "z"][self.normal];
         let text = |line: String, y: i32| panel.draw(&Text::new(line, (GAP / 2, y), ("sans-serif", 13)));

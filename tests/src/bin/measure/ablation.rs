@@ -1,6 +1,6 @@
 //! What each operator on light fields buys.
 
-use crate::rendering::{Reference, Run, SHARPNESS, load, name};
+use crate::rendering::{Run, error_cells, error_heads, load, load_both, name, print_heads};
 use crate::truth::{COLUMNS, DEFINITION, Test, microseconds};
 use crate::{Effort, Outcome, Size};
 use covbeam_render::operators::Operator;
@@ -8,39 +8,41 @@ use covbeam_render::pass::Method;
 use std::path::Path;
 
 pub(crate) fn run(path: &Path, reference: Option<&Path>, effort: Effort, size: Size) -> Outcome<()> {
-    let scene = load(path, size)?;
-    let reference = reference.map(|reference| Reference::load(reference, &scene, Vec::new())).transpose()?;
+    let (scene, reference) = match reference {
+        Some(reference) => load_both(path, reference, size).map(|(scene, found)| (scene, Some(found)))?,
+        None => (load(path, size)?, None),
+    };
     let (settings, passes) = (&scene.settings, effort.passes);
-    let noise = reference.as_ref().map_or_else(|| "No reference".to_owned(), Reference::about_noise);
+    let origin = reference.as_ref().map_or("none", |reference| &reference.origin);
     let test = Test::new(&scene, effort);
     println!(
-        "{}: each operator on light fields left out in turn; {passes} passes of {} light paths, {} x {} pixels. {DEFINITION}. {noise}. \
-         Times are core-microseconds\n",
+        "{}: each operator on light fields left out in turn; {passes} passes of {} light paths, {} x {} pixels. \
+         {DEFINITION}. Reference: {origin}. Times are core-microseconds\n",
         name(path),
         settings.photons,
         scene.camera.width,
         scene.camera.height
     );
-    let errors = format!("relMSE {} | bias [%] {}", SHARPNESS.join(" | "), SHARPNESS.join(" | "));
-    println!("| left out | {COLUMNS} | {errors} | trace a light path | light field on top |");
-    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+    let mut heads = vec!["left out".to_owned()];
+    heads.extend(COLUMNS.map(str::to_owned));
+    heads.extend(reference.iter().flat_map(error_heads));
+    heads.extend(["trace a light path", "light field on top"].map(str::to_owned));
+    print_heads(&heads);
     let mut rows = vec![("nothing", Method::Adaptive, None)];
     rows.extend(Operator::ALL.map(|operator| (operator.name(), Method::Adaptive, Some(operator))));
     rows.push(("all: plain beams", Method::Ppb, None));
     for (label, method, left_out) in rows {
         eprintln!("left out: {label}");
-        let truth = match method {
+        let mut cells = vec![label.to_owned()];
+        cells.extend(match method {
             Method::Adaptive => test.judge(settings, passes, left_out).cells(),
-            _ => ["–"; 7].join(" | "),
-        };
+            _ => COLUMNS.map(|_| "–".to_owned()),
+        });
         let (picture, times) =
             Run { left_out, ..Run::new(&scene, method, settings.seed, passes) }.picture()?;
-        let errors = match &reference {
-            Some(reference) => reference.errors(&picture)?.cells().join(" | "),
-            None => ["–"; 6].join(" | "),
-        };
-        let [trace, field] = microseconds(&times, settings, passes);
-        println!("| {label} | {truth} | {errors} | {trace:.1} | {field:.1} |");
+        cells.extend(reference.iter().flat_map(|reference| error_cells(reference, &picture)));
+        cells.extend(microseconds(&times, settings, passes).map(|time| format!("{time:.1}")));
+        println!("| {} |", cells.join(" | "));
     }
     Ok(())
 }

@@ -1,21 +1,14 @@
 //! The long measurements behind the figures in the documents: run one, read its table.
 
 mod ablation;
-mod budget;
-mod convergence;
-mod cost;
 mod emission;
-mod equal_time;
 mod fleet;
 mod grids;
 mod marching;
 mod means;
 mod picture;
-mod planned;
 mod reference;
 mod rendering;
-mod rules;
-mod scenes;
 mod speed;
 mod truth;
 mod wedges;
@@ -48,23 +41,6 @@ enum Measurement {
         #[command(flatten)]
         size: Size,
     },
-    /// Error over passes of plain and adaptive beams, and of independent emission; writes a log-log plot.
-    Convergence {
-        /// The scene.
-        scene: PathBuf,
-        /// Its reference.
-        reference: PathBuf,
-        /// The plot (SVG).
-        plot: PathBuf,
-        /// Passes, a power of two.
-        #[arg(long, default_value_t = 64)]
-        passes: u32,
-        /// Independent runs to average the error over.
-        #[arg(long, default_value_t = 3)]
-        seeds: u32,
-        #[command(flatten)]
-        size: Size,
-    },
     /// Region means of all three methods, each over independent runs, with t-tests. The light tracer does not see what is
     /// behind glass: in scenes other than the balls the whole picture is compared, so these should have no glass.
     Means {
@@ -90,66 +66,6 @@ enum Measurement {
         /// Pairs of runs.
         #[arg(long, default_value_t = 2)]
         pairs: u32,
-        #[command(flatten)]
-        size: Size,
-    },
-    /// Core time of a pass by part, pairs per core-second at the scene's radius and at 0.08 of it, and peak memory.
-    Cost {
-        /// The scene.
-        scene: PathBuf,
-        /// Passes to average over.
-        #[arg(long, default_value_t = 8)]
-        passes: u32,
-        #[command(flatten)]
-        size: Size,
-    },
-    /// Adaptive against plain beams at equal passes and photons: error, bias and time over passes.
-    Scenes {
-        /// The scenes.
-        #[arg(required = true)]
-        scenes: Vec<PathBuf>,
-        /// Folder of the references: NAME.exr for NAME.toml.
-        #[arg(long)]
-        references: PathBuf,
-        /// Passes, a power of two.
-        #[arg(long, default_value_t = 64, value_parser = power_of_two)]
-        passes: u32,
-        /// Independent runs to average over.
-        #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..))]
-        seeds: u32,
-        #[command(flatten)]
-        size: Size,
-    },
-    /// Adaptive beams with planned eye rays: error over passes with its slope, and what planning and reconstruction cost.
-    Planned {
-        /// The scene.
-        scene: PathBuf,
-        /// Its reference.
-        reference: PathBuf,
-        /// Passes, a power of two.
-        #[arg(long, default_value_t = 512, value_parser = power_of_two)]
-        passes: u32,
-        /// Seed.
-        #[arg(long, default_value_t = 1)]
-        seed: u32,
-        #[command(flatten)]
-        size: Size,
-    },
-    /// Plain beams against adaptive ones with planned eye rays at equal CPU time: error by region, reference's noise taken off where its first run is
-    /// kept beside it.
-    EqualTime {
-        /// The scenes.
-        #[arg(required = true)]
-        scenes: Vec<PathBuf>,
-        /// Folder of the references: NAME.exr for NAME.toml.
-        #[arg(long)]
-        references: PathBuf,
-        /// CPU-seconds, rising.
-        #[arg(long, value_delimiter = ',', default_values_t = [20.0, 60.0, 240.0])]
-        seconds: Vec<f64>,
-        /// Independent runs to average over.
-        #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
-        seeds: u32,
         #[command(flatten)]
         size: Size,
     },
@@ -190,29 +106,6 @@ enum Measurement {
         /// A folder for the pictures of the first run.
         #[arg(long)]
         out: Option<PathBuf>,
-        #[command(flatten)]
-        size: Size,
-    },
-    /// Rules for the kernel's radius, against plain beams: error at equal passes and at equal CPU time.
-    Rules {
-        /// The scenes.
-        #[arg(required = true)]
-        scenes: Vec<PathBuf>,
-        /// Folder of the references: NAME.exr for NAME.toml.
-        #[arg(long)]
-        references: PathBuf,
-        /// Passes, rising.
-        #[arg(long, value_delimiter = ',', default_values_t = [4, 16, 64])]
-        passes: Vec<u32>,
-        /// CPU-seconds, rising.
-        #[arg(long, value_delimiter = ',')]
-        seconds: Vec<f64>,
-        /// Few eye rays where the picture is smooth; otherwise one through every pixel.
-        #[arg(long)]
-        planned: bool,
-        /// Independent runs to average over.
-        #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..))]
-        seeds: u32,
         #[command(flatten)]
         size: Size,
     },
@@ -278,7 +171,7 @@ enum Measurement {
 /// Of the pictures.
 #[derive(clap::Args, Clone, Copy)]
 struct Size {
-    /// Pixels across; the height follows [default: the scene's]
+    /// Pixels across; the height follows [default: those of the reference, if there is one, or of the scene]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=16384))]
     width: Option<u32>,
 }
@@ -294,11 +187,6 @@ struct Effort {
     paths: u32,
 }
 
-fn power_of_two(text: &str) -> Result<u32, String> {
-    let passes: u32 = text.parse().map_err(|_| "expected a whole number".to_owned())?;
-    if passes.is_power_of_two() { Ok(passes) } else { Err("expected a power of two".to_owned()) }
-}
-
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
 fn main() -> Outcome<()> {
@@ -306,31 +194,15 @@ fn main() -> Outcome<()> {
         Measurement::Reference { scene, out, passes, photons, size } => {
             reference::run(&scene, &out, passes, photons, size)
         }
-        Measurement::Convergence { scene, reference, plot, passes, seeds, size } => {
-            convergence::run(&scene, &reference, &plot, passes, seeds, size)
-        }
         Measurement::Means { scene, reference, runs, size } => {
             means::run(&scene, reference.as_deref(), runs, size)
         }
         Measurement::Emission { scene, passes, pairs, size } => emission::run(&scene, passes, pairs, size),
-        Measurement::Cost { scene, passes, size } => cost::run(&scene, passes, size),
-        Measurement::Scenes { scenes, references, passes, seeds, size } => {
-            scenes::run(&scenes, &references, passes, seeds, size)
-        }
-        Measurement::Planned { scene, reference, passes, seed, size } => {
-            planned::run(&scene, &reference, passes, seed, size)
-        }
-        Measurement::EqualTime { scenes, references, seconds, seeds, size } => {
-            equal_time::run(&scenes, &references, &seconds, seeds, size)
-        }
         Measurement::Fleet { scenes, seed, first, width, seconds, out } => {
             fleet::run(&fleet::Fleet { scenes, seed, first, width, seconds, out })
         }
         Measurement::Wedges { scene, reference, passes, seeds, out, size } => {
             wedges::run(&scene, &reference, passes, seeds, out, size)
-        }
-        Measurement::Rules { scenes, references, passes, seconds, planned, seeds, size } => {
-            rules::run(&scenes, &references, &rules::Stops { passes, seconds }, planned, seeds, size)
         }
         Measurement::Marching { scenes, budgets, seeds, reference, plot, size } => {
             marching::run(&scenes, &budgets, seeds, reference, plot.as_deref(), size)

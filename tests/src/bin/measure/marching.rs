@@ -6,9 +6,10 @@ use covbeam_render::compare::compare;
 use covbeam_render::film::{Film, Picture};
 use covbeam_render::march::{Marching, Placement};
 use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::plot::{self, Plot, sheet};
 use covbeam_render::scene::Scene;
+use covbeam_tests::fleet::runs::mean;
 use covbeam_tests::statistics::Sample;
-use plotters::prelude::*;
 use std::path::{Path, PathBuf};
 
 const PLACEMENTS: [(Placement, &str); 4] = [
@@ -67,10 +68,9 @@ pub(crate) fn run(
         // Two methods that are not judged against the third: their difference is the noise of their mean.
         let [first, second] = [Placement::EquiAngular, Placement::Uniform]
             .map(|placement| picture(&scene, placement, reference_samples, 1001));
-        let (first, second) = (first?.0, second?.0);
-        let radiance = first.radiance.iter().zip(&second.radiance).map(|(a, b)| 0.5 * (*a + *b)).collect();
-        let reference = Picture { radiance, layers: None, ..first.clone() };
-        let noise = compare(&first, &second, |_, _| true)?.rel_mse / 4.0;
+        let halves = [first?.0, second?.0];
+        let reference = mean(&halves);
+        let noise = compare(&halves[0], &halves[1], |_, _| true)?.rel_mse / 4.0;
         println!(
             "\n{name}, {} x {} pixels, {seeds} runs; noise of the reference (relMSE) {noise:.1e}\n",
             reference.width, reference.height
@@ -108,7 +108,7 @@ pub(crate) fn run(
         all.push((name, curves));
     }
     if let Some(plot) = plot {
-        draw(plot, &all)?;
+        std::fs::write(plot, drawn(&all)?)?;
         println!("\nwrote {}", plot.display());
     }
     Ok(())
@@ -153,55 +153,35 @@ fn print_ratios(curves: &[Curve]) {
     }
 }
 
-/// One log-log plot of relMSE over shadow rays a pixel for each scene.
-fn draw(path: &Path, scenes: &[(String, Vec<Curve>)]) -> Outcome<()> {
-    let root = SVGBackend::new(path, (460 * scenes.len() as u32, 440)).into_drawing_area();
-    root.fill(&WHITE)?;
-    for (area, (name, curves)) in root.split_evenly((1, scenes.len())).iter().zip(scenes) {
-        let all = || curves.iter().flat_map(|curve| &curve.points);
-        let range = |value: fn(&Point) -> f64| {
-            all().map(value).fold((f64::MAX, 0.0), |(low, high): (f64, f64), v| (low.min(v), high.max(v)))
-        };
-        let (fewest, most) = range(|point| point.rays);
-        let (low, high) = range(|point| point.rel_mse);
-        let mut chart = ChartBuilder::on(area)
-            .caption(name, ("sans-serif", 20))
-            .margin(12)
-            .x_label_area_size(36)
-            .y_label_area_size(64)
-            .build_cartesian_2d(
-                (0.8 * fewest..1.25 * most).log_scale(),
-                (0.5 * low..2.0 * high).log_scale(),
-            )?;
-        chart
-            .configure_mesh()
-            .x_desc("shadow rays a pixel")
-            .y_desc("relMSE")
-            .light_line_style(TRANSPARENT)
-            .y_label_formatter(&|v| format!("{v:.0e}"))
-            .x_label_formatter(&|v| format!("{v}"))
-            .draw()?;
-        for (Curve { label, points }, color) in curves.iter().zip([RED, MAGENTA, GREEN, BLUE]) {
-            let style = color.stroke_width(2);
-            chart
-                .draw_series(LineSeries::new(points.iter().map(|point| (point.rays, point.rel_mse)), style))?
-                .label(*label)
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], style));
-            // The spread of a run.
-            chart.draw_series(points.iter().map(|point| {
-                let ends = [1.0 / (1.0 + point.spread), 1.0 + point.spread];
-                PathElement::new(ends.map(|end| (point.rays, end * point.rel_mse)).to_vec(), style)
-            }))?;
-        }
-        if name == &scenes[0].0 {
-            chart
-                .configure_series_labels()
-                .position(SeriesLabelPosition::LowerLeft)
-                .background_style(WHITE.mix(0.8))
-                .border_style(BLACK)
-                .draw()?;
-        }
-    }
-    root.present()?;
-    Ok(())
+/// Error over shadow rays a pixel, a plot for each scene side by side; the bands are the spread of a run.
+fn drawn(scenes: &[(String, Vec<Curve>)]) -> Outcome<String> {
+    const COLORS: [[u8; 3]; 4] = [[213, 94, 0], [204, 121, 167], [0, 158, 115], [0, 114, 178]];
+    let point = |point: &Point| plot::Point {
+        x: point.rays,
+        y: point.rel_mse,
+        band: [1.0 / (1.0 + point.spread), 1.0 + point.spread].map(|factor| factor * point.rel_mse),
+    };
+    let curve = |(mark, (curve, color)): (usize, (&Curve, [u8; 3]))| plot::Curve {
+        name: curve.label.to_owned(),
+        color,
+        mark,
+        points: curve.points.iter().map(point).collect(),
+    };
+    let plot = |(name, curves): &(String, Vec<Curve>)| Plot {
+        title: name.clone(),
+        axes: ["shadow rays a pixel", "relMSE"],
+        curves: curves.iter().zip(COLORS).enumerate().map(curve).collect(),
+        laws: &[],
+        text: 18,
+    };
+    let plots: Vec<Plot> = scenes.iter().map(plot).collect();
+    let (width, height) = (460 * scenes.len() as u32, 440);
+    let legend = plots.iter().map(Plot::legend_height).max().unwrap_or(0);
+    let svg = sheet((width, height + legend), |root| {
+        root.split_evenly((1, plots.len()))
+            .iter()
+            .zip(&plots)
+            .try_for_each(|(area, plot)| plot.draw(area, height))
+    });
+    Ok(svg?)
 }

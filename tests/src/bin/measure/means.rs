@@ -1,16 +1,21 @@
 //! Means of regions, which all methods must agree on.
 
-use crate::rendering::{Run, ball_regions, in_region, load, load_reference, regions};
+use crate::rendering::{Run, in_region, load, load_both, name, regions};
 use crate::{Outcome, Size};
 use covbeam_render::pass::Method;
+use covbeam_tests::regions::is_ball;
 use covbeam_tests::statistics::{Sample, sidak, welch};
 use std::path::Path;
 
 pub(crate) fn run(path: &Path, reference: Option<&Path>, runs: u32, size: Size) -> Outcome<()> {
-    let scene = load(path, size)?;
-    let reference = reference.map(|reference| load_reference(reference, &scene)).transpose()?;
+    let (scene, reference) = match reference {
+        Some(reference) => {
+            load_both(path, reference, size).map(|(scene, found)| (scene, Some(found.picture)))?
+        }
+        None => (load(path, size)?, None),
+    };
     // The light tracer sees neither the glass nor anything through it.
-    let blind: &[&str] = if ball_regions(path, &scene).is_some() { &["whole", "glass"] } else { &[] };
+    let blind: &[&str] = if is_ball(&name(path)) { &["whole", "glass"] } else { &[] };
     let mut compared = regions(path, &scene, reference.as_ref());
     compared.retain(|region| !blind.contains(&region.name));
     let methods = [

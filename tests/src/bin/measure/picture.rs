@@ -1,10 +1,11 @@
 //! What making a picture of the passes costs, over its size.
 
 use crate::Outcome;
-use crate::rendering::{cpu_seconds, name};
+use crate::rendering::name;
 use covbeam_render::film::Film;
 use covbeam_render::pass::{Method, Renderer};
 use covbeam_render::scene::Scene;
+use cpu_time::ProcessTime;
 use std::path::Path;
 
 /// Square pictures of these sides, after `passes` passes.
@@ -21,7 +22,7 @@ pub(crate) fn run(path: &Path, sides: &[u32], passes: u32) -> Outcome<()> {
         renderer.plan_eye_rays();
         let mut film = Film::of_scene(&scene);
         let mut rays = 0;
-        let start = cpu_seconds()?;
+        let start = ProcessTime::now();
         for pass in 1..=passes {
             let (image, _) = renderer.pass(pass, &|| false).expect("never cancelled");
             rays += image
@@ -30,13 +31,14 @@ pub(crate) fn run(path: &Path, sides: &[u32], passes: u32) -> Outcome<()> {
                 .map_or(0, |sparse| sparse.samples.iter().filter(|sample| sample.wanted.volume).count());
             film.add(&image)?;
         }
-        let rendered = cpu_seconds()?;
+        let rendered = start.elapsed().as_secs_f64();
+        let start = ProcessTime::now();
         let picture = film.picture();
-        let seconds = cpu_seconds()? - rendered;
+        let seconds = start.elapsed().as_secs_f64();
         let pixels = picture.radiance.len();
         println!(
             "| {side} x {side} | {:.2} | {} | {seconds:.2} | {:.2} |",
-            (rendered - start) / f64::from(passes),
+            rendered / f64::from(passes),
             rays / passes as usize,
             1e6 * seconds / pixels as f64
         );

@@ -14,9 +14,9 @@ pub(crate) const DEFINITION: &str = "Truth: predicted standard deviation of the 
     the measured one, too small or too large by more, in % of the voxel-axes of 99 % of the energy that the measurement \
     decides; of all, and of those that are not flat to the grid (the rest to 100 %: no light field came by)";
 
-/// Head of the columns of [`Truth::cells`].
-pub(crate) const COLUMNS: &str =
-    "all: within | too small | too large | not flat: within | too small | too large | axes";
+/// Heads of the columns of [`Truth::cells`].
+pub(crate) const COLUMNS: [&str; 7] =
+    ["all: within", "too small", "too large", "not flat: within", "too small", "too large", "axes"];
 
 /// The truth test with a fluence measured once.
 pub(crate) struct Test<'a> {
@@ -59,13 +59,13 @@ pub(crate) struct Truth {
 
 impl Truth {
     /// See [`COLUMNS`].
-    pub(crate) fn cells(&self) -> String {
+    pub(crate) fn cells(&self) -> [String; 7] {
         let percent = |shares: &Shares| {
             [Verdict::Within, Verdict::TooSmall, Verdict::TooLarge]
                 .map(|verdict| format!("{:.1}", 100.0 * shares.by_count(verdict)))
-                .join(" | ")
         };
-        format!("{} | {} | {}", percent(&self.all), percent(&self.rough), self.rough.judged())
+        let ([a, b, c], [d, e, f]) = (percent(&self.all), percent(&self.rough));
+        [a, b, c, d, e, f, self.rough.judged().to_string()]
     }
 }
 

@@ -1,6 +1,6 @@
 //! Wedges of beams that run nearly along an eye ray: how bright they are after few passes, and whether their light is all there.
 
-use crate::rendering::{load, load_reference};
+use crate::rendering::load_both;
 use crate::{Outcome, Size};
 use covbeam_render::compare::luminance;
 use covbeam_render::film::{Film, Picture};
@@ -23,8 +23,7 @@ pub(crate) fn run(
     out: Option<PathBuf>,
     size: Size,
 ) -> Outcome<()> {
-    let scene = load(path, size)?;
-    let reference = load_reference(reference, &scene)?;
+    let (scene, reference) = load_both(path, reference, size)?;
     let regions = of_ball(scene.camera.width);
     let smooth = regions.iter().find(|region| region.name == "smooth").ok_or("no region `smooth`")?;
     println!("{passes} passes, {seeds} seeds; pixels of the region `smooth` over the reference's:");
@@ -47,7 +46,7 @@ pub(crate) fn run(
             if let (Some(folder), 1) = (&out, seed) {
                 write_png(&folder.join(format!("{}.png", label.replace([',', ' '], "-"))), &picture)?;
             }
-            let (brightness, mean) = against(&picture, &reference, smooth);
+            let (brightness, mean) = against(&picture, &reference.picture, smooth);
             ratios.extend(brightness);
             means.push(mean);
         }

@@ -1,15 +1,16 @@
 //! The default method on scenes that nobody tuned: is it right, and is it ever worse than simpler ones?
 
+mod budget;
 mod page;
 mod row;
 mod table;
 
 use crate::Outcome;
-use crate::rendering::cpu_seconds;
 use covbeam_render::progress::Display;
 use covbeam_tests::fleet::agreement::level;
 use covbeam_tests::fleet::blocks::SUSPECT;
 use covbeam_tests::fleet::member;
+use cpu_time::ProcessTime;
 use row::{Row, measure};
 use std::path::PathBuf;
 
@@ -29,7 +30,7 @@ const SHOWN: usize = 5;
 pub(crate) fn run(fleet: &Fleet) -> Outcome<()> {
     let folder = fleet.out.join("scenes");
     let display = Display::new();
-    let start = cpu_seconds()?;
+    let start = ProcessTime::now();
     let mut rows: Vec<Row> = Vec::new();
     for index in 0..fleet.scenes {
         let number = fleet.first + index;
@@ -49,7 +50,7 @@ pub(crate) fn run(fleet: &Fleet) -> Outcome<()> {
         row.failures = row.suspects.iter().filter(|suspect| suspect.fails(level)).copied().collect();
     }
     std::fs::write(fleet.out.join("fleet.csv"), table::csv(&rows, &fleet.seconds))?;
-    let spent = cpu_seconds()? - start;
+    let spent = start.elapsed().as_secs_f64();
     println!(
         "{} scenes of seed {}, from number {}, {} x {} pixels; {spent:.0} CPU-seconds, {:.1} a scene\n",
         fleet.scenes,

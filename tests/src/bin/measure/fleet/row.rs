@@ -1,8 +1,7 @@
 //! What is measured of one scene.
 
+use super::budget::spend;
 use crate::Outcome;
-use crate::budget::spend;
-use crate::rendering::cpu_seconds;
 use covbeam_render::film::Picture;
 use covbeam_render::scene::Scene;
 use covbeam_tests::fleet::Member;
@@ -11,6 +10,7 @@ use covbeam_tests::fleet::blocks;
 use covbeam_tests::fleet::errors::{Errors, true_over_stated};
 use covbeam_tests::fleet::rings::{ENDS, Ratio, ratios, rings};
 use covbeam_tests::fleet::runs::{Estimator, mean, narrow};
+use cpu_time::ProcessTime;
 
 /// CPU-seconds of all runs of a method for the test of blocks, about, in the last budget; a power of two of passes is chosen, so that it
 /// seldom depends on the machine. Either half of the reference costs what a method does at equal time: what they leave is in the standard
@@ -58,18 +58,18 @@ pub(super) struct Row {
 }
 
 /// Passes of one of the runs, from the time of one pass.
-fn passes(scene: &Scene, estimator: Estimator, effort: f64) -> Outcome<u32> {
+fn passes(scene: &Scene, estimator: Estimator, effort: f64) -> u32 {
     let narrowed = narrow(scene);
     let scene = if estimator == Estimator::Reference { &narrowed } else { scene };
     let mut renderer = estimator.renderer(scene, 1);
-    let start = cpu_seconds()?;
+    let start = ProcessTime::now();
     // The first pass is not typical: the grid is empty.
     for pass in 1..=2 {
         renderer.pass(pass, &|| false).expect("never cancelled");
     }
-    let a_pass = ((cpu_seconds()? - start) / 2.0).max(0.005);
+    let a_pass = (start.elapsed().as_secs_f64() / 2.0).max(0.005);
     let exponent = (effort / (f64::from(RUNS) * a_pass)).log2().round();
-    Ok(2_f64.powf(exponent.clamp(1.0, 6.0)) as u32)
+    2_f64.powf(exponent.clamp(1.0, 6.0)) as u32
 }
 
 pub(super) fn measure(
@@ -78,12 +78,12 @@ pub(super) fn measure(
     budgets: &[f64],
     report: &dyn Fn(&str, f64),
 ) -> Outcome<Row> {
-    let start = cpu_seconds()?;
+    let start = ProcessTime::now();
     let scene = &member.scene;
     report("blocks", 0.05);
     let [default, reference, light] =
         EFFORT.map(|(estimator, share)| passes(scene, estimator, share * budgets[budgets.len() - 1]));
-    let passes = Passes { default: default?, reference: reference?, light: light? };
+    let passes = Passes { default, reference, light };
     let Agreement { suspects, light_traced, tested, reference } = examine(scene, passes)?;
     let halves = reference.split_at(RUNS as usize / 2);
     let (a, b, whole) = (mean(halves.0), mean(halves.1), mean(&reference));
@@ -116,7 +116,7 @@ pub(super) fn measure(
         calibration: curves[0].last().and_then(|spent| true_over_stated(&spent.picture, [&a, &b])),
         points: points.collect(),
         noise: covbeam_render::compare::compare(&a, &b, |_, _| true)?.rel_mse / 2.0,
-        cpu_seconds: cpu_seconds()? - start,
+        cpu_seconds: start.elapsed().as_secs_f64(),
         pictures: curves
             .into_iter()
             .filter_map(|curve| curve.into_iter().next_back())

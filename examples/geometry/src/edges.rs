@@ -4,7 +4,7 @@
 //! however grazing the plane is, and a miss is w = 0. So a surface, its creases and a floor that runs to the horizon are
 //! continuous in w, with a slope that the normal at the hit gives; only an occluder makes w jump.
 
-use crate::geometry::Hit;
+use crate::hit::Hit;
 use glam::Vec3;
 use smallvec::SmallVec;
 use std::f32::consts::TAU;

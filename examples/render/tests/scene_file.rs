@@ -125,7 +125,7 @@ fn meshes() -> tempfile::TempDir {
 }
 
 fn shipped(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/scenes").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(name)
 }
 
 #[test]

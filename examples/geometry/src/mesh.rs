@@ -5,12 +5,9 @@ use std::path::Path;
 use covbeam::Curvature;
 use glam::{DVec3, Quat, Vec3};
 
+use crate::MAX_COORDINATE;
 use crate::obj::{self, ObjError, ObjTriangles};
 use crate::triangles::{Frame, TriangleHit, Triangles, area_vector, shade};
-
-/// Largest magnitude of a coordinate in a scene, and the inverse of the smallest size of an object: squares and
-/// products of lengths stay far inside the range of f32.
-pub const MAX_COORDINATE: f32 = 1e9;
 
 /// A triangle mesh with smooth normals and its hierarchy.
 #[derive(Clone)]
@@ -79,11 +76,15 @@ pub enum MeshError {
 }
 
 /// The surface at a hit.
-pub(crate) struct MeshSurface {
-    pub(crate) position: DVec3,
-    pub(crate) geometric_normal: Vec3,
-    pub(crate) normal: Vec3,
-    pub(crate) curvature: Curvature,
+pub struct MeshSurface {
+    /// The point, on the triangle.
+    pub position: DVec3,
+    /// Of the triangle, outward, unit.
+    pub geometric_normal: Vec3,
+    /// For shading: unit, on the same side.
+    pub normal: Vec3,
+    /// Of the field of shading normals \[1 / scene unit\], positive = convex towards `normal`.
+    pub curvature: Curvature,
 }
 
 impl Mesh {
@@ -195,28 +196,28 @@ impl Mesh {
     }
 
     /// How far rounding may put a computed point from the surface, besides the rounding of the point itself.
-    pub(crate) fn position_error(&self) -> f32 {
+    pub fn position_error(&self) -> f32 {
         self.triangles.position_error()
     }
 
     /// Nearest hit with distance in (0, max_distance). Watertight: a ray through a shared edge or vertex hits
     /// one of the triangles that share it.
-    pub(crate) fn intersect(&self, origin: DVec3, direction: Vec3, max_distance: f64) -> Option<TriangleHit> {
+    pub fn intersect(&self, origin: DVec3, direction: Vec3, max_distance: f64) -> Option<TriangleHit> {
         self.triangles.intersect(origin, direction.as_dvec3(), max_distance)
     }
 
     /// True if anything is hit with distance in (0, max_distance).
-    pub(crate) fn occluded(&self, origin: DVec3, direction: Vec3, max_distance: f64) -> bool {
+    pub fn occluded(&self, origin: DVec3, direction: Vec3, max_distance: f64) -> bool {
         self.triangles.occluded(origin, direction.as_dvec3(), max_distance)
     }
 
     /// Outward normal of the hit's triangle.
-    pub(crate) fn geometric_normal(&self, hit: &TriangleHit) -> Vec3 {
+    pub fn geometric_normal(&self, hit: &TriangleHit) -> Vec3 {
         area_vector(*self.triangles.corners(hit)).normalize().as_vec3()
     }
 
     /// Position, normals and curvature at a hit.
-    pub(crate) fn surface(&self, hit: &TriangleHit) -> MeshSurface {
+    pub fn surface(&self, hit: &TriangleHit) -> MeshSurface {
         let (corners, normals) = (self.triangles.corners(hit), self.triangles.normals(hit));
         let geometric_normal = self.geometric_normal(hit);
         let (normal, mut curvature) = shade(corners, normals, hit.weights, geometric_normal);
@@ -228,7 +229,7 @@ impl Mesh {
 
     /// True if `point` lies inside a closed mesh: the nearest surface is seen from behind. Three directions
     /// vote, because one of them may hit an edge between a front and a back.
-    pub(crate) fn contains(&self, point: DVec3) -> bool {
+    pub fn contains(&self, point: DVec3) -> bool {
         // No two of them are related to each other or to a coordinate axis.
         const DIRECTIONS: [Vec3; 3] = [
             Vec3::new(0.408_107_3, 0.867_205_1, 0.285_342_9),
