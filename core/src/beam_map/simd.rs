@@ -34,6 +34,19 @@ pub(super) fn load<S: Simd>(simd: S, floats: &Floats) -> f32x8<S> {
     f32x8::from_slice(simd, floats)
 }
 
+/// `a < b ? a : b`: b of two equal numbers or zeros of either sign, and if one is NaN. The crate's own minimum leaves these to the
+/// processor.
+#[inline(always)]
+pub(super) fn min<S: Simd>(a: f32x8<S>, b: f32x8<S>) -> f32x8<S> {
+    a.simd_lt(b).select(a, b)
+}
+
+/// `a > b ? a : b`; see [`min`].
+#[inline(always)]
+pub(super) fn max<S: Simd>(a: f32x8<S>, b: f32x8<S>) -> f32x8<S> {
+    a.simd_gt(b).select(a, b)
+}
+
 impl<S: Simd> Vec3x8<S> {
     #[inline(always)]
     pub(super) fn load(simd: S, vectors: &Vectors) -> Self {
