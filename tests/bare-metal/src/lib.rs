@@ -1,8 +1,11 @@
-//! What a kernel module or a console would link: covbeam behind two C functions, with nothing under it but `core`.
+//! What a kernel module or a console would link: covbeam behind three C functions, with nothing under it but `core`.
 //!
 //! The panic handler below clashes with std's own, so this crate links only if no dependency pulls std in.
 #![no_std]
 #![deny(missing_docs)]
+
+mod vectors;
+mod words;
 
 use core::{ptr, slice};
 
@@ -73,6 +76,12 @@ pub unsafe extern "C" fn covbeam_bare_metal(
         }
         None => 1,
     }
+}
+
+/// Replays `tests/vectors.txt`, as this program was built with it.
+#[unsafe(no_mangle)]
+pub extern "C" fn covbeam_bare_metal_vectors() -> vectors::Replay {
+    vectors::replay(include_bytes!("../../vectors.txt"))
 }
 
 fn chain(
