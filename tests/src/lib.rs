@@ -2,6 +2,7 @@
 
 pub mod energy;
 pub mod fleet;
+pub mod golden;
 pub mod header;
 pub mod single_scatter;
 pub mod statistics;
