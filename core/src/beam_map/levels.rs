@@ -52,13 +52,13 @@ fn beams(random: &mut Random) -> Vec<Beam> {
     let beam = |i: usize| {
         let direction = random.vector(1.0).normalize();
         // Every third is cut by a surface, every seventh runs along an axis.
-        let direction = if i % 7 == 0 { Vec3::AXES[i % 3] } else { direction };
+        let direction = if i.is_multiple_of(7) { Vec3::AXES[i % 3] } else { direction };
         Beam {
             origin: random.vector(2.0),
             direction,
             length: 4.0 * random.uniform(),
             power: random.vector(0.5) + 0.5,
-            start_normal: if i % 3 == 0 { direction } else { Vec3::ZERO },
+            start_normal: if i.is_multiple_of(3) { direction } else { Vec3::ZERO },
             end_normal: Vec3::ZERO,
         }
     };

@@ -1,4 +1,5 @@
-//! Reads density volumes: Mitsuba's grid volume format, version 3 (`.vol`).
+//! Reads density volumes: Mitsuba's grid volume format, version 3 (`.vol`). (The one reader of OpenVDB in Rust panics on hostile bytes and
+//! reserves memory that the file only claims.)
 //!
 //! | bytes | type | what |
 //! |---|---|---|
