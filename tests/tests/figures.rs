@@ -108,3 +108,15 @@ fn what_documents_link_to_is_there_and_no_picture_is_left_over() {
         assert!(kept, "{} is shown nowhere", picture.display());
     }
 }
+
+#[test]
+fn the_readme_names_the_rust_that_cargo_asks_for() {
+    let version = |manifest: &str| {
+        let text = read(manifest);
+        let (_, rest) = text.split_once("rust-version = \"").unwrap();
+        rest.split('"').next().unwrap().to_owned()
+    };
+    let oldest = version("Cargo.toml");
+    assert!(read("README.md").contains(&format!("| Rust | {oldest} or newer")), "{oldest}");
+    assert_eq!(version("tests/bare-metal/Cargo.toml"), oldest);
+}
