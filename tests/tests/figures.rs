@@ -1,4 +1,5 @@
-//! Every figure has its source: `examples/figures.md` is what `measure figures` writes, the README's numbers are in it, and pictures exist.
+//! Every figure has its source: `examples/figures.md` is what `measure figures` writes, the README's numbers
+//! are in it, and pictures exist.
 
 use covbeam_tests::figures::{Answer, DOCUMENT, MARKS, PICTURES, sections, with_table};
 use covbeam_tests::header::repository;

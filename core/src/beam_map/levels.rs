@@ -16,7 +16,8 @@ use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
 use std::vec::Vec;
 
-/// From the scalar code of processors without vectors (the feature `force_support_fallback` of the tests keeps it) to the best.
+/// From the scalar code of processors without vectors (the feature `force_support_fallback` of the tests
+/// keeps it) to the best.
 fn levels() -> Vec<Level> {
     let mut levels = Vec::from([Level::fallback()]);
     let best = Level::new();

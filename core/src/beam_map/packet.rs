@@ -7,8 +7,9 @@ use crate::beam::{BeamBlock, EyeRay};
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x8};
 use glam::Vec3;
 
-/// Eye rays that share a walk through the hierarchy. One at a time, 72 tests a ray remain however thin the beams are; in packets that are
-/// not halved, rays that glass has spread all test what any of them might meet.
+/// Eye rays that share a walk through the hierarchy. One at a time, 72 tests a ray remain however thin the
+/// beams are; in packets that are not halved, rays that glass has spread all test what any of them might
+/// meet.
 pub(super) const PACKET: usize = 256;
 
 /// A packet whose rays spread more than this (chord between unit directions) is halved before it walks.

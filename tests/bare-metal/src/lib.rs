@@ -1,4 +1,5 @@
-//! What a kernel module or a console would link: covbeam behind three C functions, with nothing under it but `core`.
+//! What a kernel module or a console would link: covbeam behind three C functions, with nothing under it but
+//! `core`.
 //!
 //! The panic handler below clashes with std's own, so this crate links only if no dependency pulls std in.
 #![no_std]
@@ -47,13 +48,13 @@ pub extern "C" fn covbeam_bare_metal_cells() -> usize {
     LAYOUT.cell_count()
 }
 
-/// A lamp with `angular_variance`, an edge after `before`, a deposit after another `behind`, a look-up and the gather
-/// of one pair. 0 = done.
+/// A lamp with `angular_variance`, an edge after `before`, a deposit after another `behind`, a look-up and
+/// the gather of one pair. 0 = done.
 ///
 /// # Safety
 ///
-/// `sums` and `means` are zeroed arrays of `count` cells (56 and 28 bytes each), `results` is one struct; all are
-/// aligned and not shared.
+/// `sums` and `means` are zeroed arrays of `count` cells (56 and 28 bytes each), `results` is one struct; all
+/// are aligned and not shared.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_bare_metal(
     angular_variance: f32,

@@ -1,4 +1,5 @@
-//! Prints the hashes of three small pictures, and compares them with `tests/golden.txt` or, with `--write`, writes that.
+//! Prints the hashes of three small pictures, and compares them with `tests/golden.txt` or, with `--write`,
+//! writes that.
 
 use covbeam_tests::{golden, header::repository};
 use std::error::Error;
@@ -10,7 +11,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     if std::env::args().nth(1).as_deref() == Some("--write") {
         std::fs::write(&path, &text)?;
     } else if std::fs::read_to_string(&path)? != text {
-        return Err("pictures have other bits than tests/golden.txt says; if that was meant, or the C library is another: --write".into());
+        return Err(
+            "other bits than in tests/golden.txt: --write, if that was meant or the C library is another"
+                .into(),
+        );
     }
     Ok(())
 }

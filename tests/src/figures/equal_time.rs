@@ -85,7 +85,8 @@ fn row(scene: &str, points: &Points) -> Result<Row, String> {
 mod tests {
     use super::*;
 
-    /// Errors that fall as 1/t, after 1, 2 and 4 s; covbeam's passes take half as long and its errors are half as large at equal time.
+    /// Errors that fall as 1/t, after 1, 2 and 4 s; covbeam's passes take half as long and its errors are
+    /// half as large at equal time.
     fn results() -> String {
         let mut text = "scene,method,seed,passes,cpu_seconds,region,rel_mse,bias,standard_error\n".to_owned();
         for scene in SHORT {

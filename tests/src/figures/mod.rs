@@ -1,4 +1,5 @@
-//! `examples/figures.md`, and the figures in the README: written by `measure figures`, from what commands print.
+//! `examples/figures.md`, and the figures in the README: written by `measure figures`, from what commands
+//! print.
 
 mod equal_time;
 mod sections;
