@@ -613,7 +613,7 @@ typedef struct covbeam_kernel {
      */
     uint32_t shape;
     /**
-     * The radius where the grid knows nothing, and the smallest one [m] > 0.
+     * The radius where the grid has no data, and the smallest one [m] > 0.
      */
     float min_radius;
     /**
@@ -2163,8 +2163,8 @@ covbeam_status covbeam_grid_resolve(struct covbeam_grid *grid);
  * @param grid a grid that has been resolved.
  * @param count number of points; with 0 nothing is done.
  * @param positions, position_stride points [m].
- * @param spectra, spectrum_stride receive the spectra [cycles^2/m^2]; 0 where the grid knows nothing.
- * @param found, found_stride receive 1, or 0 where the grid knows nothing: outside, and where no light has
+ * @param spectra, spectrum_stride receive the spectra [cycles^2/m^2]; 0 where the grid has no data.
+ * @param found, found_stride receive 1, or 0 where the grid has no data: outside, and where no light has
  *     passed. May be NULL.
  * @note Thesis Eq 5.15. 20 ns a point.
  */
@@ -2302,7 +2302,7 @@ covbeam_status covbeam_kernel_radius_from_error(uint32_t shape, float error, flo
  * @param position the closest point on the eye ray [m].
  * @param axis of the kernel, unit, across ray and beam: that of the covbeam_crossing.
  * @param radius [m] in [min_radius, max_radius].
- * @param sigma deviation of the spectrum along the axis [cycles/m]; 0 where the grid knows nothing.
+ * @param sigma deviation of the spectrum along the axis [cycles/m]; 0 where the grid has no data.
  * @note Thesis 5.3.4.
  */
 covbeam_status covbeam_kernel_radius_at(const struct covbeam_kernel *kernel,

@@ -497,7 +497,7 @@ inline float kernel_radius_from_error(uint32_t shape, float error, float varianc
 }
 
 struct ImageFilter : covbeam_image_filter {
-    /// None: a pixel keeps to its own rays.
+    /// Zeros, which is no filter: a pixel keeps to its own rays.
     ImageFilter() noexcept : covbeam_image_filter() {}
     ImageFilter(const covbeam_image_filter& f) noexcept : covbeam_image_filter(f) {}
     float density() const { float v; check(covbeam_image_filter_density(this, &v)); return v; }

@@ -7,15 +7,17 @@ use glam::Vec3;
 
 /// Pairs whose directions differ by less than this sine are skipped.
 ///
-/// The contribution of a pair grows as 1/sin θ while such pairs grow rare as sin² θ, so skipping them loses
-/// a fraction of about `2/π · PARALLEL_SINE` of the in-scattered light of an isotropic field (6e-6) and bounds every
-/// contribution by 1e5 kernel heights. In single precision the crossing of such a pair is noise anyway.
+/// The contribution of a pair grows as 1/sin θ while such pairs grow rare as sin² θ, so skipping them loses a
+/// fraction of about `2/π · PARALLEL_SINE` of the in-scattered light of an isotropic field (6e-6) and bounds
+/// every contribution by 1e5 kernel heights. In single precision the crossing of such a pair is noise anyway.
 pub const PARALLEL_SINE: f32 = 1e-5;
 
 /// A photon beam: the straight segment of a photon's path through a medium.
 ///
-/// It is *long*: it runs on to the next surface whatever the photon's free flight was, and the gather multiplies by
-/// the transmittance (Jarosz et al. 2011, "long beams").
+/// It is *long*: it runs on to the next surface whatever the photon's free flight was, and the gather
+/// multiplies by the transmittance (Jarosz et al. 2011, "long beams"). A short beam, which ends at the
+/// collision, brings the noise of the free flight, and is no smooth function of the numbers that its path was
+/// emitted with.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Beam {
@@ -27,7 +29,8 @@ pub struct Beam {
     pub length: f32,
     /// Flux at the origin per colour channel, already divided by the number of light paths \[W\].
     pub power: Vec3,
-    /// Unit normal of the surface on which the beam starts, towards the medium; zero if it starts in the open.
+    /// Unit normal of the surface on which the beam starts, towards the medium; zero if it starts in the
+    /// open.
     pub start_normal: Vec3,
     /// Unit normal of the surface on which the beam ends, towards the medium; zero if it ends in the open.
     pub end_normal: Vec3,
@@ -143,8 +146,8 @@ pub(crate) fn meet(ray: &EyeRay, beam: &Beam, from: f32, to: f32, kernel: &Kerne
     inside(beam, from, to, point, s, gap, r).then_some(Meeting { point, crossing, radius: r, sigma })
 }
 
-/// Whether a point on an eye ray, `gap` from `beam` and beside its distance `s`, lies beside the part `[from, to)` of the beam; at its ends: on the
-/// medium's side of the surface.
+/// Whether a point on an eye ray, `gap` from `beam` and beside its distance `s`, lies beside the part
+/// `[from, to)` of the beam; at its ends: on the medium's side of the surface.
 #[inline]
 pub(crate) fn inside(beam: &Beam, from: f32, to: f32, point: Vec3, s: f32, gap: f32, r: f32) -> bool {
     // Within `slack` of its ends the kernel's cap lies inside the capsule of radius r around the beam.
@@ -174,14 +177,15 @@ pub(crate) fn inside(beam: &Beam, from: f32, to: f32, point: Vec3, s: f32, gap: 
     true
 }
 
-/// The column along a beam up to `distance` \[m\]. Within the slack of a cut end that may be negative: as far before the surface as the
-/// column says beyond it.
+/// The column along a beam up to `distance` \[m\]. Within the slack of a cut end that may be negative: as far
+/// before the surface as the column says beyond it.
 #[inline(always)]
 pub(crate) fn along_beam(column: &Column, distance: f32) -> f32 {
     if distance < 0.0 { -column.at(-distance) } else { column.at(distance) }
 }
 
-/// σ_s p(θ) T_eye T_beam per channel \[1/(m sr)\]: what a pair scatters of the beam's power, but for the kernel.
+/// σ_s p(θ) T_eye T_beam per channel \[1/(m sr)\]: what a pair scatters of the beam's power, but for the
+/// kernel.
 ///
 /// - `position`: on the eye ray.
 /// - `cos_theta`: as [`crate::PhaseFunction::evaluate`] takes it.
@@ -192,21 +196,23 @@ pub(crate) fn product(medium: &Medium, position: Vec3, cos_theta: f32, column: f
     medium.scattering * medium.transmittance(column) * scale
 }
 
-/// Gathers one beam whose crossing's `beam_distance` lies in `[from, to)`, and adds it to `gathered`. Returns whether it was accepted.
+/// Gathers one beam whose crossing's `beam_distance` lies in `[from, to)`, and adds it to `gathered`. Returns
+/// whether it was accepted.
 ///
 /// Beam x ray estimator with a 1D kernel across the common perpendicular (thesis 5.3.4, Jarosz et al. 2011):
-/// `L += σ_s p(θ) T_eye T_beam Φ K_r(d) / sin θ` if `d < r`, `r = max(r_i, r_σ)`, with r_σ looked up at the closest
-/// point on the *eye ray*.
+/// `L += σ_s p(θ) T_eye T_beam Φ K_r(d) / sin θ` if `d < r`, `r = max(r_i, r_σ)`, with r_σ looked up at the
+/// closest point on the *eye ray*.
 ///
 /// - `ray`, `beam`: see there; NaN anywhere makes the pair be skipped.
-/// - `[from, to]`: part of the beam that counts \[m\]; `[0, beam.length]` for the whole beam. Cutting a beam into
-///   adjoining parts changes nothing.
+/// - `[from, to]`: part of the beam that counts \[m\]; `[0, beam.length]` for the whole beam. Cutting a beam
+///   into adjoining parts changes nothing.
 /// - `medium`: what both lie in; its density is taken at the point on the *eye ray*.
 /// - `[ray_column, beam_column]`: the columns from the start of both, [`crate::Density::column`].
 /// - `kernel`: its shape, and how wide it may be.
 ///
-/// Differs from the thesis at surfaces: a beam that starts or ends on a surface is cut there by the surface's tangent
-/// plane through the *eye's* point, not square to the beam; otherwise a kernel loses light next to every wall.
+/// Differs from the thesis at surfaces: a beam that starts or ends on a surface is cut there by the surface's
+/// tangent plane through the *eye's* point, not square to the beam; otherwise a kernel loses light next to
+/// every wall.
 #[inline]
 pub fn gather_pair(
     ray: &EyeRay,
@@ -231,7 +237,8 @@ pub const BLOCK: usize = 8;
 
 /// Eight sub-beams side by side, so that one eye ray is tested against all of them at once.
 ///
-/// The test is a filter: it may let a few pairs pass that [`gather_pair`] then refuses, never the other way round.
+/// The test is a filter: it may let a few pairs pass that [`gather_pair`] then refuses, never the other way
+/// round.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub struct BeamBlock {

@@ -56,8 +56,8 @@ impl KernelShape {
         }
     }
 
-    /// The radius r_σ \[m\] at which blurring a signal of this spectrum costs a relative bias of `error`, to second
-    /// order: sqrt(ε / (2π² μ₂ σ²)).
+    /// The radius r_σ \[m\] at which blurring a signal of this spectrum costs a relative bias of `error`, to
+    /// second order: sqrt(ε / (2π² μ₂ σ²)).
     ///
     /// - `error` ε > 0.
     /// - `variance` σ² of the spectrum along the kernel's axis \[cycles²/m²\], >= 0; 0 gives infinity.
@@ -90,17 +90,18 @@ const EXACT_PASSES: u32 = 4096;
 /// The radius r_i of plain progressive photon beams: r_1 = `initial`, r_{i+1} = r_i (i+α)/(i+1).
 ///
 /// - `initial` r_1 \[m\] > 0.
-/// - `alpha` α in (0, 1); r_i falls as i^(α-1). 1 keeps the radius. With 4/5 squared bias and variance fall alike, as with [`error_bound`]; below,
-///   it is noise that is left.
+/// - `alpha` α in (0, 1); r_i falls as i^(α-1). 1 keeps the radius. With 4/5 squared bias and variance fall
+///   alike, as with [`error_bound`]; below, it is noise that is left.
 /// - `pass` i, counted from 1 (0 is taken as 1).
 ///
 /// NaN gives NaN from pass 2 on.
 ///
-/// Guarantee: depends on `pass` alone, so passes may run in any order. Computed in f64: the error stays below the last digit of
-/// an f32 for every pass. Cost: a few ns a pass up to pass 4096, and no more from there on.
+/// Guarantee: depends on `pass` alone, so passes may run in any order. Computed in f64: the error stays below
+/// the last digit of an f32 for every pass. Cost: a few ns a pass up to pass 4096, and no more from there on.
 ///
-/// Source: Jarosz et al., Progressive Photon Beams (2011), with a kernel in one dimension. Beyond pass 4096 the product, a
-/// quotient of Gamma functions, goes on by their asymptotic quotient (Tricomi and Erdélyi 1951).
+/// Source: Jarosz et al., Progressive Photon Beams (2011), with a kernel in one dimension. Beyond pass 4096
+/// the product, a quotient of Gamma functions, goes on by their asymptotic quotient (Tricomi and Erdélyi
+/// 1951).
 ///
 /// ```
 /// // (1 + 1/2)/2, then (2 + 1/2)/3.
@@ -155,12 +156,13 @@ pub struct Kernel<'a> {
 impl Kernel<'_> {
     /// The radius \[m\] of a pair, and σ \[cycles/m\] along its kernel's axis (0 where the grid has no data).
     ///
-    /// - `position`: where the spectrum is looked up; the closest point on the *eye ray* (looked up on the beam, the
-    ///   steps of the grid print into the image).
+    /// - `position`: where the spectrum is looked up; the closest point on the *eye ray* (looked up on the
+    ///   beam, the steps of the grid print into the image).
     /// - `axis`: the kernel's axis, unit: perpendicular to beam and eye ray.
     ///
-    /// The bias is bounded relative to the dimmest light around: σ² is the looked-up variance times the fluence there over the
-    /// harmonic mean of the voxels' around. Beside a bright shaft, in the dark, a kernel that is right for the shaft would leak it.
+    /// The bias is bounded relative to the dimmest light around: σ² is the looked-up variance times the
+    /// fluence there over the harmonic mean of the voxels' around. Beside a bright shaft, in the dark, a
+    /// kernel that is right for the shaft would leak it.
     ///
     /// Guarantee: never below `min_radius`; never above `max_radius`, unless `min_radius` is.
     ///
@@ -197,7 +199,8 @@ impl Schedule {
     /// The kernel of a pass.
     ///
     /// - `pass`: counted from 1. Passes may run in any order.
-    /// - `grid`: spectra to look radii up in; `None`: plain progressive photon beams, all of them `min_radius` wide.
+    /// - `grid`: spectra to look radii up in; `None`: plain progressive photon beams, all of them
+    ///   `min_radius` wide.
     ///
     /// ```
     /// use covbeam::{KernelShape, Schedule};
@@ -226,7 +229,8 @@ mod tests {
 
     use super::*;
 
-    /// Γ(n+α)/(Γ(1+α) Γ(n+1)) by Stirling's formula for both, with what cancels between them taken out: the next term is below n⁻³/360.
+    /// Γ(n+α)/(Γ(1+α) Γ(n+1)) by Stirling's formula for both, with what cancels between them taken out: the
+    /// next term is below n⁻³/360.
     fn gamma_quotient(n: f64, alpha: f64) -> f64 {
         let stirling = (alpha - 1.0) * log(n) + (n + alpha - 0.5) * log1p(alpha / n)
             - (n + 0.5) * log1p(1.0 / n)
@@ -264,7 +268,8 @@ mod tests {
                     );
                 } else if pass < EXACT_PASSES + 1000 || pass % 100_000 == 0 {
                     let radius = progressive_radius(0.05, alpha, pass);
-                    // One rounding to f32, 5.97e-8, and 1e-9 of the power; a million f64 steps lose 3e-10 at most.
+                    // One rounding to f32, 5.97e-8, and 1e-9 of the power; a million f64 steps lose 3e-10 at
+                    // most.
                     let error = f64::from(radius) / product - 1.0;
                     assert!(error.abs() < 6.12e-8, "α {alpha} pass {pass}: {error}");
                 }

@@ -1,6 +1,7 @@
 //! Frequency-aware photon beams.
 //!
-//! Where light is smooth, kernels and filters may be wide; the covariance of the light's local spectrum says how wide.
+//! Where light is smooth, kernels and filters may be wide; the covariance of the light's local spectrum says
+//! how wide.
 //!
 #![cfg_attr(feature = "bvh", doc = "```")]
 #![cfg_attr(not(feature = "bvh"), doc = "```ignore")]
@@ -39,13 +40,13 @@
 //!   in metres, `u, v` direction slopes along the same axes in radians. The frame `(x, y, z)` is right-handed
 //!   and `z` is the direction of propagation.
 //! - **Fourier kernel** `exp(-i 2π ω·q)`: frequencies in cycles/m and cycles/rad.
-//! - **Covariance** Σ is the second moment of the spectrum, normalised by its integral (thesis Eq 5.12), so that
-//!   `Hess f(p) = -4π² f(p) Σ`. A Gaussian of standard deviation `w` has Σ = 1/(4π²w²).
+//! - **Covariance** Σ is the second moment of the spectrum, normalised by its integral (thesis Eq 5.12), so
+//!   that `Hess f(p) = -4π² f(p) Σ`. A Gaussian of standard deviation `w` has Σ = 1/(4π²w²).
 //! - **Units**: any unit of length will do (the docs say metre); powers are watts per colour channel.
 //! - **cos θ** of a scattering event is dot(incoming propagation, outgoing propagation): forward is +1.
 //!
-//! Section and equation numbers without a source refer to L. Belcour, *A Frequency Analysis of Light Transport:
-//! from Theory to Implementation* (2012).
+//! Section and equation numbers without a source refer to L. Belcour, *A Frequency Analysis of Light
+//! Transport: from Theory to Implementation* (2012).
 //!
 //! # Where to read
 //!

@@ -1,7 +1,8 @@
 //! Adaptive sampling along an eye ray for light scattered once: where shadow rays are worth their cost.
 //!
-//! All of the integrand but the visibility of the light is known without a shadow ray. The host tabulates it at knots along the
-//! ray, beside what the covariance grid says about them; [`March`] places the shadow rays, in one round or in two.
+//! All of the integrand but the visibility of the light is known without a shadow ray. The host tabulates it
+//! at knots along the ray, beside what the covariance grid says about them; [`March`] places the shadow rays,
+//! in one round or in two.
 //!
 //! ```
 //! use covbeam::{MARCH_KNOTS, March, MarchCell, MarchKnot, MarchSample, Vec3};
@@ -37,12 +38,12 @@ use libm::{atanf, pow, sqrt, tanf, tanh};
 /// A number of knots that serves well: shadow borders are told apart down to a hundredth of the stretch.
 pub const MARCH_KNOTS: usize = 97;
 
-/// Share of the strata that follow the expected light alone, whatever is known about its changes: a change that nothing announced
-/// never meets a stratum that is longer than 1/DEFENSIVE times the mean.
+/// Share of the strata that follow the expected light alone, whatever is known about its changes: a change
+/// that nothing announced never meets a stratum that is longer than 1/DEFENSIVE times the mean.
 const DEFENSIVE: f64 = 0.1;
 
-/// Where the expected visibility is below half of this, samples are as dense as if it were half of this: light that was not expected gets no
-/// weight above 1/LEAST_EXPECTED times the mean.
+/// Where the expected visibility is below half of this, samples are as dense as if it were half of this:
+/// light that was not expected gets no weight above 1/LEAST_EXPECTED times the mean.
 const LEAST_EXPECTED: f64 = 0.1;
 
 /// Changes that are expected along the whole table where nothing else is known, and in any case besides.
@@ -53,7 +54,8 @@ const LEAST_CHANGES: f64 = 0.1;
 const RAYS_A_CHANGE: f64 = 16.0;
 const LEAST_RAYS: usize = 12;
 
-/// Share of the rays in the first round.
+/// Share of the rays in the first round. It places the second one and is thrown away: to count it again
+/// biases by up to 3 %, and a control variate made of it is negative at times, and noise in the dark.
 const FIRST_ROUND: f64 = 0.3;
 
 /// One knot of the table along an eye ray.
@@ -62,14 +64,15 @@ const FIRST_ROUND: f64 = 0.3;
 pub struct MarchKnot {
     /// From the ray's origin \[m\].
     pub distance: f32,
-    /// Light that one metre of the ray scatters to the eye if nothing is in the lights' way, as one number such as its luminance
-    /// \[W/(m³ sr)\] >= 0: T_eye σ_s p(θ) T_light I/d². NaN, infinity and negative numbers count as 0.
+    /// Light that one metre of the ray scatters to the eye if nothing is in the lights' way, as one number
+    /// such as its luminance \[W/(m³ sr)\] >= 0: T_eye σ_s p(θ) T_light I/d². NaN, infinity and negative
+    /// numbers count as 0.
     pub radiance: f32,
     /// Standard deviation of the fluence spectrum along the ray, sqrt(dᵀΣd) \[cycles/m\] >= 0, from
     /// [`FluenceGrid::look_up`](crate::FluenceGrid::look_up); NaN, infinity and negative numbers: not known.
     pub deviation: f32,
-    /// Share of the light that is expected to arrive, in \[0, 1\], such as that of a few rays from the light past this place; NaN and
-    /// negative numbers: not known.
+    /// Share of the light that is expected to arrive, in \[0, 1\], such as that of a few rays from the light
+    /// past this place; NaN and negative numbers: not known.
     pub visibility: f32,
 }
 
@@ -95,12 +98,14 @@ pub struct MarchCell {
 pub struct MarchSample {
     /// From the ray's origin \[m\].
     pub distance: f32,
-    /// The sum over a round of `weight` x radiance x visibility, at `distance`, is the estimate of the light scattered to the
-    /// eye \[m\]. 0 = no shadow ray is needed.
+    /// The sum over a round of `weight` x radiance x visibility, at `distance`, is the estimate of the light
+    /// scattered to the eye \[m\]. 0 = no shadow ray is needed.
     pub weight: f32,
-    /// What the shadow ray found, in \[0, 1\], written by the host; read from the first round by [`March::refine`].
+    /// What the shadow ray found, in \[0, 1\], written by the host; read from the first round by
+    /// [`March::refine`].
     pub visibility: f32,
-    /// The table's expected light up to `distance` \[W/(m² sr)\], which [`March::refine`] finds the first round by.
+    /// The table's expected light up to `distance` \[W/(m² sr)\], which [`March::refine`] finds the first
+    /// round by.
     pub mass: f64,
 }
 
@@ -125,16 +130,19 @@ impl fmt::Display for MarchError {
 impl core::error::Error for MarchError {}
 
 impl MarchKnot {
-    /// Lays knots along a stretch of a ray, at equal steps of the angle at which a light sees it; all else is as in
-    /// [`MarchKnot::default`].
+    /// Lays knots along a stretch of a ray, at equal steps of the angle at which a light sees it; all else is
+    /// as in [`MarchKnot::default`].
     ///
     /// - `origin`, `direction`: of the ray; unit direction.
-    /// - `from`, `to` \[m\]: the stretch, `from` <= `to`. Infinity stands for where the light sees the rest under 1/1000 rad.
+    /// - `from`, `to` \[m\]: the stretch, `from` <= `to`. Infinity stands for where the light sees the rest
+    ///   under 1/1000 rad.
     /// - `light`: its position, or centre. On the ray itself, the steps are equal in distance.
     ///
-    /// Cost: 5 ns a knot. Error: [`MarchError`], and nothing written, for fewer than two knots or a number that is not finite.
+    /// Cost: 5 ns a knot. Error: [`MarchError`], and nothing written, for fewer than two knots or a number
+    /// that is not finite.
     ///
-    /// Source: C. Kulla and M. Fajardo, *Importance Sampling Techniques for Path Tracing in Participating Media*, 2012.
+    /// Source: C. Kulla and M. Fajardo, *Importance Sampling Techniques for Path Tracing in Participating
+    /// Media*, 2012.
     pub fn lay(
         origin: Vec3,
         direction: Vec3,
@@ -163,7 +171,8 @@ impl MarchKnot {
                 // In f64: the length of a stretch may be beyond what `f32` holds.
                 (f64::from(from) + f64::from(share) * (f64::from(to) - f64::from(from))) as f32
             };
-            // Rounding neither turns the order nor leaves the stretch; NaN, of an angle that overflowed, stays where it is.
+            // Rounding neither turns the order nor leaves the stretch; NaN, of an angle that overflowed,
+            // stays where it is.
             before = if index == last {
                 to
             } else if distance > before {
@@ -179,19 +188,21 @@ impl MarchKnot {
 
 /// Where shadow rays should go along one eye ray.
 ///
-/// The expected density of changes of the visibility along the ray is λ = 4v(1 - v) σ_t + |dv/dt|: σ_t is the standard deviation of the
-/// fluence spectrum along it, v the expected visibility. Jittered strata that hold the light m around a change leave a variance of
-/// m²/6, so that the best density of strata is (λ U²)^(1/3), U being the light that is expected. A first round says between
-/// which places the visibility changes; for changes at random, their expected number is λΔt coth(λΔt) between places
-/// that differ and λΔt tanh(λΔt) between places that do not, and with it the second round's density is made. Inside its stratum
-/// a sample is drawn in proportion to U.
+/// The expected density of changes of the visibility along the ray is λ = 4v(1 - v) σ_t + |dv/dt|: σ_t is the
+/// standard deviation of the fluence spectrum along it, v the expected visibility. Jittered strata that hold
+/// the light m around a change leave a variance of m²/6, so that the best density of strata is (λ U²)^(1/3),
+/// U being the light that is expected. A first round says between which places the visibility changes; for
+/// changes at random, their expected number is λΔt coth(λΔt) between places that differ and λΔt tanh(λΔt)
+/// between places that do not, and with it the second round's density is made. Inside its stratum a sample is
+/// drawn in proportion to U.
 ///
-/// Every round is an unbiased estimate of its own, whatever the table says, as long as no cell hides light between two dark
-/// knots: every place with light has a density, by which its sample is divided. The first round's rays are not used in the second
-/// round's estimate, which would bias it.
+/// Every round is an unbiased estimate of its own, whatever the table says, as long as no cell hides light
+/// between two dark knots: every place with light has a density, by which its sample is divided. The first
+/// round's rays are not used in the second round's estimate, which would bias it.
 ///
-/// Source: thesis 5.3.3. Differs from it in the exponent (there the density is T σ_s L σ_t; but in strata the error of a border falls with the square
-/// of the stratum), in the light that is known without a shadow ray, and in the expected visibility.
+/// Source: thesis 5.3.3. Differs from it in the exponent (there the density is T σ_s L σ_t; but in strata the
+/// error of a border falls with the square of the stratum), in the light that is known without a shadow ray,
+/// and in the expected visibility.
 #[derive(Debug)]
 pub struct March<'a> {
     knots: &'a [MarchKnot],
@@ -203,8 +214,8 @@ pub struct March<'a> {
 impl<'a> March<'a> {
     /// Prepares a table.
     ///
-    /// - `knots`: two or more, by distance. Between them the radiance is taken as linear, and where two neighbours are dark no
-    ///   sample is placed: lay them where light is, such as inside a spot's cone.
+    /// - `knots`: two or more, by distance. Between them the radiance is taken as linear, and where two
+    ///   neighbours are dark no sample is placed: lay them where light is, such as inside a spot's cone.
     /// - `cells`: as many as knots.
     ///
     /// Cost: 25 ns a knot.
@@ -238,26 +249,28 @@ impl<'a> March<'a> {
         Ok(Self { knots, cells, radiance, expected })
     }
 
-    /// The light that would be scattered to the eye without occluders \[W/(m² sr)\]: the integral of the table.
+    /// The light that would be scattered to the eye without occluders \[W/(m² sr)\]: the integral of the
+    /// table.
     pub fn radiance(&self) -> f32 {
         self.radiance as f32
     }
 
-    /// The light that is expected to be scattered to the eye \[W/(m² sr)\]: with the knots' visibility, half where it is not known.
+    /// The light that is expected to be scattered to the eye \[W/(m² sr)\]: with the knots' visibility, half
+    /// where it is not known.
     pub fn expected_radiance(&self) -> f32 {
         self.expected as f32
     }
 
-    /// The standard deviation that the estimate from one round is expected to have, times the number of its shadow rays
-    /// \[W/(m² sr)\]. To spread rays over pixels, give to each in proportion to a power of it.
+    /// The standard deviation that the estimate from one round is expected to have, times the number of its
+    /// shadow rays \[W/(m² sr)\]. To spread rays over pixels, give to each in proportion to a power of it.
     pub fn expected_error(&self) -> f32 {
         let measure = self.total().measure;
         sqrt(measure * measure * measure / 6.0) as f32
     }
 
-    /// How many of `rays` should be spent on a first round; 0 = all in one round, because the expected changes are too many to be
-    /// found one by one. For a light with an extent one round is better whatever this says: two shadow rays to different
-    /// points of it differ without a border between them.
+    /// How many of `rays` should be spent on a first round; 0 = all in one round, because the expected
+    /// changes are too many to be found one by one. For a light with an extent one round is better whatever
+    /// this says: two shadow rays to different points of it differ without a border between them.
     pub fn first_round(&self, rays: usize) -> usize {
         let worth = rays >= LEAST_RAYS && rays as f64 >= RAYS_A_CHANGE * self.total().changes;
         if worth { (FIRST_ROUND * rays as f64) as usize } else { 0 }
@@ -270,15 +283,16 @@ impl<'a> March<'a> {
     ///
     /// A table without light gives samples of weight 0 at the first knot.
     ///
-    /// Guarantee: unbiased (test `both_rounds_are_unbiased_and_a_wrong_weight_is_not`); no sample where two neighbouring knots
-    /// are dark. Cost: 1 µs for 10 samples with 97 knots (bench `march`).
+    /// Guarantee: unbiased (test `both_rounds_are_unbiased_and_a_wrong_weight_is_not`); no sample where two
+    /// neighbouring knots are dark. Cost: 1 µs for 10 samples with 97 knots (bench `march`).
     pub fn place(&self, jitter: &[f32], samples: &mut [MarchSample]) {
         self.stratify(&[], jitter, samples);
     }
 
     /// Places a second round of samples, dense where the first one saw changes.
     ///
-    /// - `first`: what [`March::place`] wrote, with the visibilities found. A NaN, and a sample of weight 0, say nothing.
+    /// - `first`: what [`March::place`] wrote, with the visibilities found. A NaN, and a sample of weight 0,
+    ///   say nothing.
     /// - `jitter`, `samples`: as in [`March::place`], independent of the first round.
     ///
     /// The estimate is the sum over `samples` alone.
@@ -408,7 +422,8 @@ impl MarchKnot {
         if self.radiance > 0.0 && self.radiance < f32::INFINITY { f64::from(self.radiance) } else { 0.0 }
     }
 
-    /// What samples are drawn in proportion to. Half of the visibility is as good as all of it: where it is in doubt, all may arrive.
+    /// What samples are drawn in proportion to. Half of the visibility is as good as all of it: where it is
+    /// in doubt, all may arrive.
     fn light(&self) -> f64 {
         (2.0 * self.expected_visibility()).clamp(LEAST_EXPECTED, 1.0) * self.unoccluded()
     }

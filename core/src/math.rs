@@ -1,4 +1,5 @@
-//! Functions of single precision that compile to vector code inside loops, with the same bits on every processor, and symmetric matrices.
+//! Functions of single precision that compile to vector code inside loops, with the same bits on every
+//! processor, and symmetric matrices.
 
 use libm::sqrtf;
 
@@ -14,11 +15,12 @@ pub(crate) fn sqrt(x: f32) -> f32 {
 
 /// e^x.
 ///
-/// Guarantee: a relative error below 1.2e-7 (2⁻²³) for x in [-87, 87]; below -87, where e^x < 2e-38, 0; above 87, infinity; NaN for NaN. (Tests
-/// `the_exponential_…`.)
+/// Guarantee: a relative error below 1.2e-7 (2⁻²³) for x in [-87, 87]; below -87, where e^x < 2e-38, 0; above
+/// 87, infinity; NaN for NaN. (Tests `the_exponential_…`.)
 ///
-/// Source: range reduction to [-ln 2 / 2, ln 2 / 2] as in Cody and Waite (1980), polynomial of degree 7 by Moshier (Cephes).
-// Eight-wide twin: beam_map/simd.rs.
+/// Source: range reduction to [-ln 2 / 2, ln 2 / 2] as in Cody and Waite (1980), polynomial of degree 7 by
+/// Moshier (Cephes).
+// libm's cannot be computed eight at a time. Eight-wide twin: beam_map/simd.rs.
 #[inline(always)]
 pub(crate) fn exp(x: f32) -> f32 {
     let rounded = x * core::f32::consts::LOG2_E + ROUND;
@@ -65,7 +67,8 @@ impl Sym2 {
         let (middle, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
         let spread = sqrtf(half * half + xy * xy);
         let (high, low) = (middle + spread, middle - spread);
-        // Of a nearly singular matrix the difference has no digits left; determinant over the other eigenvalue has.
+        // Of a nearly singular matrix the difference has no digits left; determinant over the other
+        // eigenvalue has.
         let low = if middle > 0.0 && high > 0.0 { low.max((xx * yy - xy * xy) / high) } else { low };
         [high, low]
     }
@@ -77,8 +80,8 @@ impl Sym2 {
         let spread = sqrtf(half * half + xy * xy);
         let [high, low] = self.eigenvalues();
         let (a, b) = (change(high), change(low));
-        // Cosine and sine of twice the angle of the first axis, and squares of those of the angle: nothing here cancels, so that the
-        // smaller of two very unequal values keeps its digits.
+        // Cosine and sine of twice the angle of the first axis, and squares of those of the angle: nothing
+        // here cancels, so that the smaller of two very unequal values keeps its digits.
         let (c, s) = if spread > 0.0 { (half / spread, xy / spread) } else { (1.0, 0.0) };
         let large = 0.5 * (1.0 + c.abs());
         let small = 0.25 * s * s / large;
@@ -87,8 +90,9 @@ impl Sym2 {
         (changed.xx + changed.yy + changed.xy).is_finite().then_some(changed)
     }
 
-    /// The largest matrix that is neither above `self` nor above `bound` on the axes on which the two are both diagonal: the ellipse
-    /// inside both ellipses. `bound` is positive definite; None unless all of it is finite.
+    /// The largest matrix that is neither above `self` nor above `bound` on the axes on which the two are
+    /// both diagonal: the ellipse inside both ellipses. `bound` is positive definite; None unless all of it
+    /// is finite.
     pub(crate) fn within(&self, bound: &Self) -> Option<Self> {
         // With bound = L Lᵀ and K = L⁻¹ self L⁻ᵀ: L min(K, 1) Lᵀ.
         let l_xx = sqrtf(bound.xx);

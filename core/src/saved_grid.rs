@@ -14,9 +14,10 @@
 //! | 48..56 | checksum, u64: FNV-1a of all other bytes, in their order |
 //! | 56 + 56 i .. | voxel i, x first, then y, then z: Σ w·(xx, yy, zz, xy, xz, yz) and Σ w, f64 each |
 //!
-//! Why a checksum: with one bit of a mantissa turned over, a sum is still a sum that deposits could have made. FNV-1a (Fowler, Noll
-//! and Vo) needs no tables; each of its steps is invertible, so a single damaged byte never goes unseen. It is no
-//! protection against forgery: that is what the checks of the values are for.
+//! Why a checksum: with one bit of a mantissa turned over, a sum is still a sum that deposits could have
+//! made. FNV-1a (Fowler, Noll and Vo) needs no tables; each of its steps is invertible, so a single damaged
+//! byte never goes unseen. It is no protection against forgery: that is what the checks of the values are
+//! for.
 
 use libm::sqrt;
 
@@ -34,17 +35,19 @@ const HEADER: usize = CHECKED + 8;
 /// Bytes of a voxel.
 const VOXEL: usize = 7 * 8;
 
-/// Relative error allowed to a voxel's sums. The six numbers of a deposit are rounded to f32 at most three times each, 4e-7 between
-/// a covariance and its variances, and n additions in f64 lose at most n/2⁵³, 1e-6 in 10¹⁰ deposits. Ten times that harms nobody: a
-/// variance along an axis is never read below 0.
+/// Relative error allowed to a voxel's sums. The six numbers of a deposit are rounded to f32 at most three
+/// times each, 4e-7 between a covariance and its variances, and n additions in f64 lose at most n/2⁵³, 1e-6
+/// in 10¹⁰ deposits. Ten times that does no harm: a variance along an axis is never read below 0.
 const ROUNDING: f64 = 1e-5;
 
-/// Absolute error allowed to a deposit's mean variance: below f32's range, where a variance of 1e-60 is 0 while its covariance with one
-/// of 1 is still 1e-30. A deposit is rounded to multiples of 2⁻¹⁴⁹ at most three times, the variances down and the covariance up.
+/// Absolute error allowed to a deposit's mean variance: below f32's range, where a variance of 1e-60 is 0
+/// while its covariance with one of 1 is still 1e-30. A deposit is rounded to multiples of 2⁻¹⁴⁹ at most
+/// three times, the variances down and the covariance up.
 const UNDERFLOW: f64 = 4.0 * f32::from_bits(1) as f64;
 
 impl GridLayout {
-    /// Number of bytes that [`GridLayout::save`] writes for a grid of this layout (saturating at the largest `usize`).
+    /// Number of bytes that [`GridLayout::save`] writes for a grid of this layout (saturating at the largest
+    /// `usize`).
     ///
     /// ```
     /// use covbeam::{GridLayout, Vec3};
@@ -59,11 +62,12 @@ impl GridLayout {
     ///
     /// - `bytes`: all that [`GridLayout::save`] wrote.
     ///
-    /// Guarantee: the layout is sound, and `bytes` has its [`GridLayout::saved_size`]: who allocates for it needs no more than the
-    /// bytes do. The checksum is left to [`CovarianceGrid::load`]: the cost does not depend on the length.
+    /// Guarantee: the layout is sound, and `bytes` has its [`GridLayout::saved_size`]: who allocates for it
+    /// needs no more than the bytes do. The checksum is left to [`CovarianceGrid::load`]: the cost does not
+    /// depend on the length.
     ///
-    /// Errors: `Format` for anything that does not start as a saved grid of version 1 does, `Layout` for a layout that
-    /// [`CovarianceGrid::new`] would refuse, `Length` for bytes that are missing or too many.
+    /// Errors: `Format` for anything that does not start as a saved grid of version 1 does, `Layout` for a
+    /// layout that [`CovarianceGrid::new`] would refuse, `Length` for bytes that are missing or too many.
     pub fn of_saved(bytes: &[u8]) -> Result<GridLayout, GridError> {
         let (header, _) = bytes.split_first_chunk::<HEADER>().ok_or(GridError::Format)?;
         let (start, rest) = header.split_at(START.len());
@@ -83,11 +87,12 @@ impl GridLayout {
     /// - `cells`: those of the grid, as many as the layout has.
     /// - `out`: [`GridLayout::saved_size`] bytes.
     ///
-    /// Guarantee: what is written can be loaded, and gives the cells back bit for bit. Grids with equal bits give equal bytes. Cost:
-    /// 0.1 µs a voxel.
+    /// Guarantee: what is written can be loaded, and gives the cells back bit for bit. Grids with equal bits
+    /// give equal bytes. Cost: 0.1 µs a voxel.
     ///
-    /// Errors, with nothing written: `Layout` if it is not sound; `Length` for `cells` or an `out` of another length; `Value` where the sums of a voxel are none
-    /// that deposits of covariances add up to, as [`CovarianceGrid::load`] would refuse them.
+    /// Errors, with nothing written: `Layout` if it is not sound; `Length` for `cells` or an `out` of another
+    /// length; `Value` where the sums of a voxel are none that deposits of covariances add up to, as
+    /// [`CovarianceGrid::load`] would refuse them.
     ///
     /// ```
     /// use covbeam::{CovarianceGrid, FluenceSpectrum, GridCell, GridLayout, Vec3};
@@ -130,14 +135,16 @@ impl GridLayout {
 impl CovarianceGrid<'_> {
     /// Replaces the cells by those of a saved grid.
     ///
-    /// - `bytes`: all that [`GridLayout::save`] wrote, from a grid whose layout equals this one's bit for bit.
+    /// - `bytes`: all that [`GridLayout::save`] wrote, from a grid whose layout equals this one's bit for
+    ///   bit.
     ///
-    /// Guarantee: bytes of any content are safe. Depositing goes on as if the grid had never been saved. Cost: 0.1 µs a voxel.
+    /// Guarantee: bytes of any content are safe. Depositing goes on as if the grid had never been saved.
+    /// Cost: 0.1 µs a voxel.
     ///
-    /// Errors, with no cell changed: those of [`GridLayout::of_saved`]; `Damaged` if the checksum differs; `OtherLayout` if
-    /// the layout does; `Value` where a voxel cannot come from deposits of covariances: a number not finite, a weight
-    /// below 0, a variance below 0 or with a mean beyond f32 (so that without weight all is 0), a
-    /// covariance beyond the root of its two variances' product by more than rounding.
+    /// Errors, with no cell changed: those of [`GridLayout::of_saved`]; `Damaged` if the checksum differs;
+    /// `OtherLayout` if the layout does; `Value` where a voxel cannot come from deposits of covariances: a
+    /// number not finite, a weight below 0, a variance below 0 or with a mean beyond f32 (so that without
+    /// weight all is 0), a covariance beyond the root of its two variances' product by more than rounding.
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), GridError> {
         GridLayout::of_saved(bytes)?;
         let (header, body) = bytes.split_at(HEADER);
@@ -178,8 +185,8 @@ fn cell_of(voxel: &[u8; VOXEL]) -> GridCell {
     GridCell { sum: [0, 1, 2, 3, 4, 5].map(at), weight: at(6) }
 }
 
-/// Whether deposits of covariances can add up to these sums. By Cauchy and Schwarz a sum of covariances obeys the bound that each
-/// of them does.
+/// Whether deposits of covariances can add up to these sums. By Cauchy and Schwarz a sum of covariances obeys
+/// the bound that each of them does.
 fn is_possible(cell: &GridCell) -> bool {
     let GridCell { sum: [xx, yy, zz, xy, xz, yz], weight } = *cell;
     let largest = f64::from(f32::MAX) * weight * (1.0 + ROUNDING);

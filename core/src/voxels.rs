@@ -1,4 +1,5 @@
-//! Boxes of voxels: their layout, trilinear interpolation between their centres, and the walk of a segment over them (3D-DDA).
+//! Boxes of voxels: their layout, trilinear interpolation between their centres, and the walk of a segment
+//! over them (3D-DDA).
 
 use core::fmt;
 use glam::Vec3;
@@ -26,7 +27,8 @@ pub enum GridError {
     Layout,
     /// The slice's length is not `layout.cell_count()`, or that of the bytes not [`GridLayout::saved_size`].
     Length,
-    /// A density is negative or not finite, or the sums of a voxel are none that deposits of covariances add up to.
+    /// A density is negative or not finite, or the sums of a voxel are none that deposits of covariances add
+    /// up to.
     Value,
     /// The bytes are no saved grid, or one of another version.
     Format,
@@ -56,7 +58,8 @@ impl fmt::Display for GridError {
 impl core::error::Error for GridError {}
 
 impl GridLayout {
-    /// Number of voxels, which is the length of the slices that a grid takes (saturating at the largest `usize`).
+    /// Number of voxels, which is the length of the slices that a grid takes (saturating at the largest
+    /// `usize`).
     pub fn cell_count(&self) -> usize {
         self.cells.iter().fold(1_usize, |count, &n| count.saturating_mul(n as usize))
     }
@@ -88,7 +91,8 @@ impl GridLayout {
     }
 }
 
-/// Trilinear interpolation between the centres of a layout's voxels, held over the half voxel at the border of the box.
+/// Trilinear interpolation between the centres of a layout's voxels, held over the half voxel at the border
+/// of the box.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Trilinear {
     pub(crate) layout: GridLayout,
@@ -116,8 +120,8 @@ impl Trilinear {
         Ok(Self { layout, scale, last: layout.resolution() - 1.0, strides, corners })
     }
 
-    /// Index of the lowest of the eight voxels around a point, and the share of the next one on each axis, in \[0, 1\].
-    /// None outside the box and for NaN.
+    /// Index of the lowest of the eight voxels around a point, and the share of the next one on each axis, in
+    /// \[0, 1\]. None outside the box and for NaN.
     // Eight-wide twin: beam_map/eight.rs.
     #[inline(always)]
     pub(crate) fn around(&self, position: Vec3) -> Option<(usize, Vec3)> {
@@ -139,13 +143,13 @@ impl Trilinear {
 pub(crate) enum Lattice {
     /// The voxels themselves.
     Voxels,
-    /// The cells between the voxels' centres: `n + 1` on each axis, the outer ones half outside the box. Cell i lies
-    /// between the centres i - 1 and i.
+    /// The cells between the voxels' centres: `n + 1` on each axis, the outer ones half outside the box. Cell
+    /// i lies between the centres i - 1 and i.
     Centres,
 }
 
-/// A 3D-DDA: the walk over the cells that a segment crosses inside the box, in f64: planes are computed afresh at each step, so
-/// nothing drifts.
+/// A 3D-DDA: the walk over the cells that a segment crosses inside the box, in f64: planes are computed
+/// afresh at each step, so nothing drifts.
 ///
 /// Source: Amanatides and Woo (1987).
 pub(crate) struct Dda {

@@ -1,4 +1,5 @@
-//! A call on an array: everything is checked before anything is written.
+//! A call on an array: everything is checked before anything is written, since a host would not look at a
+//! status an element.
 
 use crate::memory::Outputs;
 use crate::status::Failure;

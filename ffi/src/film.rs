@@ -1,4 +1,8 @@
-//! A picture from few eye rays: its regions, where it needs eye rays, what they saw, and each pixel through its filter.
+//! A picture from few eye rays: its regions, where it needs eye rays, what they saw, and each pixel through
+//! its filter.
+//!
+//! The sums are the handle's own memory: blocks of them are summed once and then read by all threads, and
+//! must not change in between.
 
 use crate::beam_map::{covbeam_poll, go_on};
 use crate::check::{finite_not_negative, positive};

@@ -388,8 +388,8 @@ pub unsafe extern "C" fn covbeam_grid_resolve(grid: *mut covbeam_grid) -> covbea
 /// @param grid a grid that has been resolved.
 /// @param count number of points; with 0 nothing is done.
 /// @param positions, position_stride points [m].
-/// @param spectra, spectrum_stride receive the spectra [cycles^2/m^2]; 0 where the grid knows nothing.
-/// @param found, found_stride receive 1, or 0 where the grid knows nothing: outside, and where no light has
+/// @param spectra, spectrum_stride receive the spectra [cycles^2/m^2]; 0 where the grid has no data.
+/// @param found, found_stride receive 1, or 0 where the grid has no data: outside, and where no light has
 ///     passed. May be NULL.
 /// @note Thesis Eq 5.15. 20 ns a point.
 #[unsafe(no_mangle)]

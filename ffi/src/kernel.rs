@@ -28,7 +28,7 @@ pub struct covbeam_kernel {
     pub struct_size: u32,
     /// A value of covbeam_kernel_shape.
     pub shape: u32,
-    /// The radius where the grid knows nothing, and the smallest one [m] > 0.
+    /// The radius where the grid has no data, and the smallest one [m] > 0.
     pub min_radius: f32,
     /// The largest radius [m], finite and >= min_radius.
     pub max_radius: f32,
@@ -247,7 +247,7 @@ pub unsafe extern "C" fn covbeam_kernel_radius_from_error(
 /// @param position the closest point on the eye ray [m].
 /// @param axis of the kernel, unit, across ray and beam: that of the covbeam_crossing.
 /// @param radius [m] in [min_radius, max_radius].
-/// @param sigma deviation of the spectrum along the axis [cycles/m]; 0 where the grid knows nothing.
+/// @param sigma deviation of the spectrum along the axis [cycles/m]; 0 where the grid has no data.
 /// @note Thesis 5.3.4.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_kernel_radius_at(

@@ -20,6 +20,12 @@ int32_t covbeam_bare_metal(float angular_variance, float before, float edge, flo
                            struct fluence_cell *means, size_t count, struct results *results);
 _Noreturn void covbeam_bare_metal_panicked(void);
 
+struct replay {
+    uint32_t replayed, left_out, wrong;
+};
+
+struct replay covbeam_bare_metal_vectors(void);
+
 /* The four functions that a compiler may call on its own in a freestanding program. */
 void *memcpy(void *restrict to, const void *restrict from, size_t count) {
     unsigned char *t = to;
@@ -44,6 +50,46 @@ int memcmp(const void *left, const void *right, size_t count) {
     for (; count--; l++, r++)
         if (*l != *r) return *l - *r;
     return 0;
+}
+
+static long call(long number, long a, long b, long c) {
+#if defined(__x86_64__)
+    long result;
+    __asm__ volatile("syscall" : "=a"(result) : "a"(number), "D"(a), "S"(b), "d"(c) : "rcx", "r11", "memory");
+    return result;
+#elif defined(__aarch64__)
+    register long x8 __asm__("x8") = number;
+    register long x0 __asm__("x0") = a;
+    register long x1 __asm__("x1") = b;
+    register long x2 __asm__("x2") = c;
+    __asm__ volatile("svc 0" : "+r"(x0) : "r"(x8), "r"(x1), "r"(x2) : "memory");
+    return x0;
+#else
+#error "the system call of this machine is missing"
+#endif
+}
+
+#if defined(__x86_64__)
+enum { WRITE = 1, EXIT = 60 };
+#else
+enum { WRITE = 64, EXIT = 93 };
+#endif
+
+/* A number and what it is, to standard output. */
+static void say(uint32_t number, const char *what) {
+    char digits[10];
+    int first = 10;
+    do digits[--first] = (char)('0' + number % 10);
+    while ((number /= 10) != 0);
+    long length = 0;
+    while (what[length] != 0) length++;
+    call(WRITE, 1, (long)(digits + first), 10 - first);
+    call(WRITE, 1, (long)what, length);
+}
+
+_Noreturn static void leave(long code) {
+    call(EXIT, code, 0, 0);
+    __builtin_unreachable();
 }
 
 static int near(double value, double expected, double tolerance) {
@@ -77,17 +123,16 @@ static int check(void) {
     return sums[32].weight == 2.0 && means[32].weight == 1.0f ? 0 : 10;
 }
 
-_Noreturn static void leave(long code) {
-#if defined(__x86_64__)
-    __asm__ volatile("syscall" : : "a"(60L), "D"(code) : "rcx", "r11", "memory");
-#elif defined(__aarch64__)
-    register long number __asm__("x8") = 93;
-    register long status __asm__("x0") = code;
-    __asm__ volatile("svc 0" : : "r"(number), "r"(status) : "memory");
-#else
-#error "the exit call of this machine is missing"
-#endif
-    __builtin_unreachable();
+/* The answers that hosts in every language get are those of a program without std. */
+static int check_vectors(void) {
+    struct replay found = covbeam_bare_metal_vectors();
+    say(found.replayed, " calls of tests/vectors.txt with the same bits, ");
+    say(found.left_out, " left out (maps, films, marches)\n");
+    if (found.wrong != 0) {
+        say(found.wrong, " is the first line with other bits\n");
+        return 11;
+    }
+    return found.replayed > 2000 ? 0 : 12;
 }
 
 _Noreturn void covbeam_bare_metal_panicked(void) { leave(99); }
@@ -97,5 +142,6 @@ _Noreturn void covbeam_bare_metal_panicked(void) { leave(99); }
 __attribute__((force_align_arg_pointer))
 #endif
 void _start(void) {
-    leave(check());
+    int failed = check();
+    leave(failed != 0 ? failed : check_vectors());
 }

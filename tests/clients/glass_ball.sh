@@ -1,10 +1,13 @@
 #!/bin/bash
-# Whether examples/c/glass_ball.c and the Rust renderer make the same picture at equal work: tests/clients/glass_ball.sh PREFIX
+# Whether examples/c/glass_ball.c and the Rust renderer make the same picture at equal work:
+#   tests/clients/glass_ball.sh PREFIX [PROGRAM]     PROGRAM: glass_ball of covbeam-tests; if it is not given, it is built
 # And whether the comparison would notice fog of the same extinction that scatters 2 % more.
 set -euo pipefail
 root="$(cd "$(dirname "$0")/../.." && pwd)"
-[ $# -eq 1 ] || { echo "usage: $0 PREFIX" >&2; exit 1; }
+[ $# -ge 1 ] || { echo "usage: $0 PREFIX [PROGRAM]" >&2; exit 1; }
 prefix="$(cd "$1" && pwd)"
+program=(cargo run --quiet --locked --release --package covbeam-tests --bin glass_ball --)
+[ $# -eq 1 ] || program=("$2")
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
 # Regions are means over many pixels: light paths make their noise, not pixels. So few pixels and many paths.
@@ -19,8 +22,7 @@ done
 echo "glass ball: the host's last picture: $(cat "$work/log")"
 
 compare() {
-    (cd "$root" && cargo run --quiet --locked --release --package covbeam-tests --bin glass_ball -- \
-        "$1" "$passes" "$photons" "$work"/?.pfm < /dev/null)
+    (cd "$root" && "${program[@]}" "$1" "$passes" "$photons" "$work"/?.pfm < /dev/null)
 }
 scene="$root/examples/scenes/open-glass-ball.toml"
 compare "$scene"

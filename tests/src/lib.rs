@@ -1,7 +1,9 @@
 //! What checks covbeam from outside: the naive high-precision twin, hard cases, statistics.
 
 pub mod energy;
+pub mod figures;
 pub mod fleet;
+pub mod golden;
 pub mod header;
 pub mod random;
 pub mod single_scatter;

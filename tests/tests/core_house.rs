@@ -105,3 +105,17 @@ fn no_function_is_longer_than_a_screen() {
         }
     }
 }
+
+#[test]
+fn eight_numbers_side_by_side_meet_no_operation_that_processors_do_differently() {
+    // Of NaN and of zeros of two signs the crate's least and greatest are the processor's choice; fused and approximate operations
+    // round as it does.
+    let forbidden = [".min(", ".max(", "_precise(", "reduce_", "clamp(", "mul_add", "mul_sub", "approximate"];
+    let modules = all();
+    for module in ["eight", "packet", "shade", "simd"] {
+        let code = &modules[&format!("beam_map/{module}")];
+        assert!(code.contains("fearless_simd"), "{module}");
+        let found: Vec<&str> = forbidden.into_iter().filter(|name| code.contains(name)).collect();
+        assert!(found.is_empty(), "{module}: {found:?}");
+    }
+}

@@ -1,4 +1,8 @@
-//! A bounding volume hierarchy over sub-beams, eight to a node, made from a binary one; built in slices of bounded work.
+//! A bounding volume hierarchy over sub-beams, eight to a node, made from a binary one; built in slices of
+//! bounded work.
+//!
+//! Clusters are merged as obvhs merges them (locally ordered clustering). Its own builder cannot be stopped,
+//! and takes quadratic time over many equal boxes.
 
 use super::cancel::{Poll, Stop, with_room};
 use super::simd::{LANES, Vectors};

@@ -1,6 +1,6 @@
 //! The gather of [`crate::gather_pair`], eight pairs side by side and bit for bit: each function names the one that defines it.
 
-use super::simd::{Floats, LANES, Vec3x8, Vectors, bits, exp, load};
+use super::simd::{Floats, LANES, Vec3x8, Vectors, bits, exp, load, max, min};
 use super::sub_beams::{ROOM, SubBeam};
 use crate::beam::{Beam, BeamBlock, EyeRay, Gathered, PARALLEL_SINE, inside};
 use crate::grid::FluenceGrid;
@@ -273,14 +273,11 @@ fn radii<S: Simd>(
         [load(simd, &sums[3]) / flux, load(simd, &sums[4]) / flux, load(simd, &sums[5]) / flux];
     let Vec3x8 { x, y, z } = axis;
     let along = x * x * xx + y * y * yy + z * z * zz + 2.0 * (x * y * xy + x * z * xz + y * z * yz);
-    let along = along.simd_gt(zero).select(along, zero);
-    let dimmest = share_sum / inverse;
-    let dimmest = dimmest.simd_lt(flux).select(dimmest, flux);
+    let along = max(along, zero);
+    let dimmest = min(share_sum / inverse, flux);
     let variance = along * (flux / dimmest);
     let wanted = (f32x8::splat(simd, kernel.shape.error_over_moment(kernel.error)) / variance).sqrt();
-    let max_radius = f32x8::splat(simd, kernel.max_radius);
-    let wanted = wanted.simd_lt(max_radius).select(wanted, max_radius);
-    let wanted = wanted.simd_gt(min_radius).select(wanted, min_radius);
+    let wanted = max(min(wanted, f32x8::splat(simd, kernel.max_radius)), min_radius);
     let lit = flux.simd_gt(zero);
     (lit.select(wanted, min_radius), lit.select(variance.sqrt(), zero))
 }
@@ -350,9 +347,9 @@ fn spectra(grid: &FluenceGrid, bases: &[usize; LANES], factors: &[Floats; 8], ma
 #[inline(always)]
 fn cell<S: Simd>(simd: S, at: f32x8<S>, last: f32) -> (f32x8<S>, f32x8<S>) {
     let zero = f32x8::splat(simd, 0.0);
-    let at = at.max(zero).min(f32x8::splat(simd, last));
+    let at = min(max(at, zero), f32x8::splat(simd, last));
     // The last centre is reached with weight 1 from the voxel before it.
-    let low = at.min(f32x8::splat(simd, last - 1.0)).max(zero).floor();
+    let low = max(min(at, f32x8::splat(simd, last - 1.0)), zero).floor();
     (low, at - low)
 }
 

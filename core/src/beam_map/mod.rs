@@ -20,9 +20,10 @@ use crate::medium::Medium;
 use bvh::{Bvh, WideNode};
 use cancel::Poll;
 use columns::{BeamColumns, MediumKey};
+use fearless_simd::Level;
 use glam::Vec3;
 use rays::RayTables;
-use search::{Search, Shade};
+use search::{Query, Search, Shade};
 use shade::{HostMedium, OurMedium};
 use std::vec::Vec;
 use sub_beams::{SUB_BEAMS_PER_BEAM, SubBeam, morton_codes};
@@ -232,7 +233,10 @@ impl BeamMap {
         shade: &mut impl Shade,
     ) -> Result<(), Stop> {
         let kernel = Kernel { max_radius: kernel.max_radius.min(self.max_radius), ..*kernel };
-        Poll::new(go_on)
-            .and_then(|mut poll| search.all(&self.beams, &self.bvh, rays, &kernel, &mut poll, shade))
+        let query = Query { level: Level::new(), beams: &self.beams, bvh: &self.bvh, rays, kernel: &kernel };
+        Poll::new(go_on).and_then(|mut poll| search.all(&query, &mut poll, shade))
     }
 }
+
+#[cfg(test)]
+mod levels;

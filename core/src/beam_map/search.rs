@@ -41,31 +41,24 @@ pub(super) struct Search {
 
 /// What does not change during a search.
 #[derive(Clone, Copy)]
-struct Query<'a> {
-    level: Level,
-    beams: &'a [Beam],
-    bvh: &'a Bvh,
-    rays: &'a [EyeRay],
-    kernel: &'a Kernel<'a>,
+pub(super) struct Query<'a> {
+    /// The processor's vector instructions that are used.
+    pub(super) level: Level,
+    pub(super) beams: &'a [Beam],
+    pub(super) bvh: &'a Bvh,
+    pub(super) rays: &'a [EyeRay],
+    pub(super) kernel: &'a Kernel<'a>,
 }
 
 impl Search {
     /// Gives `shade` the pairs of all rays, packet after packet, those of a ray in the order of the hierarchy.
-    pub(super) fn all(
-        &mut self,
-        beams: &[Beam],
-        bvh: &Bvh,
-        rays: &[EyeRay],
-        kernel: &Kernel,
-        poll: &mut Poll,
-        shade: &mut impl Shade,
-    ) -> Result<(), Stop> {
-        if bvh.nodes.is_empty() {
+    pub(super) fn all(&mut self, query: &Query, poll: &mut Poll, shade: &mut impl Shade) -> Result<(), Stop> {
+        if query.bvh.nodes.is_empty() {
             return Ok(());
         }
-        let query = Query { level: Level::new(), beams, bvh, rays, kernel };
-        for first in (0..rays.len()).step_by(PACKET) {
-            self.packet(&query, first..(first + PACKET).min(rays.len()), poll, shade)?;
+        let count = query.rays.len();
+        for first in (0..count).step_by(PACKET) {
+            self.packet(query, first..(first + PACKET).min(count), poll, shade)?;
             shade.packet(poll)?;
         }
         Ok(())

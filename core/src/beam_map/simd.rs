@@ -1,9 +1,13 @@
 //! Eight numbers, and eight vectors, side by side: one instruction for all where the processor has it.
 //!
-//! What is called from here on down to a call of `dispatch!` is marked `inline(always)`, and no closure computes with eight numbers: what is not
-//! inlined is compiled for the oldest processor.
+//! What is called from here on down to a call of `dispatch!` is marked `inline(always)`, and no closure
+//! computes with eight numbers: what is not inlined is compiled for the oldest processor.
 //!
-//! Each operation rounds as its scalar counterpart does, and none are fused: results are the same bits on every processor.
+//! Each operation rounds as its scalar counterpart does, and none are fused: results are the same bits on
+//! every processor.
+//!
+//! By hand, since the compiler finds vectors in only half of these loops. Pairs stand in dense blocks, not in
+//! lists of those that may meet: to gather eight beams from memory costs more than the lanes that are lost.
 
 use core::ops::{Add, Mul, Sub};
 use fearless_simd::{Bytes, Select, Simd, SimdBase, f32x8, u32x8};
@@ -32,6 +36,19 @@ pub(super) struct Vec3x8<S: Simd> {
 #[inline(always)]
 pub(super) fn load<S: Simd>(simd: S, floats: &Floats) -> f32x8<S> {
     f32x8::from_slice(simd, floats)
+}
+
+/// `a < b ? a : b`: b of two equal numbers or zeros of either sign, and if one is NaN. The crate's own
+/// minimum leaves these to the processor.
+#[inline(always)]
+pub(super) fn min<S: Simd>(a: f32x8<S>, b: f32x8<S>) -> f32x8<S> {
+    a.simd_lt(b).select(a, b)
+}
+
+/// `a > b ? a : b`; see [`min`].
+#[inline(always)]
+pub(super) fn max<S: Simd>(a: f32x8<S>, b: f32x8<S>) -> f32x8<S> {
+    a.simd_gt(b).select(a, b)
 }
 
 impl<S: Simd> Vec3x8<S> {

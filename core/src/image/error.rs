@@ -3,16 +3,18 @@
 use super::{FilmPixel, FilmSizeError, pixel_count};
 use libm::sqrtf;
 
-/// Pixels to each side over which the squared difference of the two halves is averaged: one difference alone says little.
+/// Pixels to each side over which the squared difference of the two halves is averaged: one difference alone
+/// says little.
 const WINDOW: i64 = 2;
 
 /// Standard error of each pixel's luminance, from the two halves of the passes.
 ///
 /// - `pixels`: of [`super::Reconstruction::tile`], with the `difference` of everything that was not filtered.
-/// - `rows`: receives the errors of some rows, the first of them `first_row`: all of them, or a share of a thread.
+/// - `rows`: receives the errors of some rows, the first of them `first_row`: all of them, or a share of a
+///   thread.
 ///
-/// Half the difference of two halves with independent errors has the variance of their mean. Its square is averaged over 5 x 5 pixels, and
-/// the filtered light's variance added.
+/// Half the difference of two halves with independent errors has the variance of their mean. Its square is
+/// averaged over 5 x 5 pixels, and the filtered light's variance added.
 ///
 /// Errors: a slice of another length, or no whole rows.
 pub fn standard_errors(

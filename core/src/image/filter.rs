@@ -10,7 +10,8 @@ pub(crate) const PIXEL_VARIANCE: f32 = 1.0 / 12.0;
 /// Largest variance of a filter \[pixels²\]: flat over any picture, and its square within what `f32` holds.
 pub(super) const WIDEST: f32 = 1e12;
 
-/// Eye rays under a filter, a pass: with fewer, whether a ray lies near the middle of the filter is left to chance.
+/// Eye rays under a filter, a pass: with fewer, whether a ray lies near the middle of the filter is left to
+/// chance.
 const RAYS_A_FILTER: f32 = 2.0;
 
 /// Covariance of a Gaussian reconstruction filter \[pixels²\]: x to the right, y down.
@@ -31,7 +32,8 @@ impl ImageFilter {
 
     /// Eye rays a pixel and pass, in (0, 1\]: two under each filter.
     ///
-    /// A Gaussian filter averages over 4π sqrt(det H) pixels. With the pixel's own variance of 1/12, no filter gives 1.
+    /// A Gaussian filter averages over 4π sqrt(det H) pixels. With the pixel's own variance of 1/12, no
+    /// filter gives 1.
     ///
     /// Source: thesis 5.3.2, density in proportion to sqrt(det C).
     ///

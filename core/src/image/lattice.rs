@@ -1,4 +1,5 @@
-//! The filters of a picture: known at some pixels, interpolated between them, and none reaching where a narrower one is asked for.
+//! The filters of a picture: known at some pixels, interpolated between them, and none reaching where a
+//! narrower one is asked for.
 
 use super::{FilmSizeError, ImageFilter, ImageSpectrum, pixel_count};
 use crate::math::Sym2;
@@ -22,8 +23,9 @@ const RAYS_A_PATH: f32 = 0.5;
 /// Rounds of limiting: one is enough where no silhouette is in the way.
 const ROUNDS: u32 = 2;
 
-/// Where the picture's spectrum is found: at the middle of each of a lattice of square blocks of pixels, some 43 across and down whatever
-/// the picture's size, because the voxels that it is read from do not shrink with the pixels.
+/// Where the picture's spectrum is found: at the middle of each of a lattice of square blocks of pixels, some
+/// 43 across and down whatever the picture's size, because the voxels that it is read from do not shrink with
+/// the pixels.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FilmLattice {
@@ -68,8 +70,8 @@ impl FilmLattice {
         [at(node % across, self.width), at(node / across, self.height)]
     }
 
-    /// Least density of eye rays in a pass of so many light paths, in \[0, 1\]: half a ray a path, however smooth the light is. With
-    /// fewer, most beams pass between the rays and are traced for nothing.
+    /// Least density of eye rays in a pass of so many light paths, in \[0, 1\]: half a ray a path, however
+    /// smooth the light is. With fewer, most beams pass between the rays and are traced for nothing.
     pub fn least_density(&self, paths: u32) -> f32 {
         let pixels = self.width as f32 * self.height as f32;
         if pixels > 0.0 { (RAYS_A_PATH * paths as f32 / pixels).min(1.0) } else { 1.0 }
@@ -115,20 +117,24 @@ pub struct FilmFilters<'a> {
 }
 
 impl<'a> FilmFilters<'a> {
-    /// Finds the filters of a lattice's nodes: as wide as the spectrum allows, and no wider than a narrower one nearby.
+    /// Finds the filters of a lattice's nodes: as wide as the spectrum allows, and no wider than a narrower
+    /// one nearby.
     ///
-    /// A spectrum tells how the light varies close by, and nothing of what lies a few widths away. A filter ends at three standard
-    /// deviations; so that none reaches where a narrower one is asked for, its standard deviation in any direction is at most
-    /// that of any other in its region plus a third of the distance.
+    /// A spectrum tells how the light varies close by, and nothing of what lies a few widths away. A filter
+    /// ends at three standard deviations; so that none reaches where a narrower one is asked for, its
+    /// standard deviation in any direction is at most that of any other in its region plus a third of the
+    /// distance.
     ///
-    /// - `regions`: of [`super::film_regions`], one a pixel, or 1 everywhere. At a border (0) there is no filter.
+    /// - `regions`: of [`super::film_regions`], one a pixel, or 1 everywhere. At a border (0) there is no
+    ///   filter.
     /// - `spectra`: one a node, of the eye ray through the middle of its pixel.
     /// - `error` > 0: relative bias that a filter may cause, as [`ImageSpectrum::filter`] takes it.
     /// - `nodes`: as many; receive the filters.
     ///
     /// Errors: a slice of another length; nothing changes.
     ///
-    /// Source: thesis 5.3.2; the bound is the gradation of meshes (F. Alauzet, *Size gradation control of anisotropic meshes*, 2010).
+    /// Source: thesis 5.3.2; the bound is the gradation of meshes (F. Alauzet, *Size gradation control of
+    /// anisotropic meshes*, 2010).
     pub fn new(
         lattice: FilmLattice,
         regions: &'a [u32],
@@ -170,7 +176,8 @@ impl<'a> FilmFilters<'a> {
         Ok(Self { lattice, regions, nodes })
     }
 
-    /// Filters that [`FilmFilters::new`] or [`super::verify_filters`] found before, of the same lattice and regions.
+    /// Filters that [`FilmFilters::new`] or [`super::verify_filters`] found before, of the same lattice and
+    /// regions.
     ///
     /// Errors: a slice of another length.
     pub fn of(
@@ -188,9 +195,11 @@ impl<'a> FilmFilters<'a> {
         &self.lattice
     }
 
-    /// The filter of pixel (x, y): none at a border of regions, where the grid has no data, and outside the picture.
+    /// The filter of pixel (x, y): none at a border of regions, where the grid has no data, and outside the
+    /// picture.
     ///
-    /// Inverse covariances are interpolated between the nodes around that lie in the pixel's region, weighted by light.
+    /// Inverse covariances are interpolated between the nodes around that lie in the pixel's region, weighted
+    /// by light.
     pub fn filter(&self, x: u32, y: u32) -> ImageFilter {
         self.at(x, y).map_or(ImageFilter::NONE, |(filter, _)| filter)
     }

@@ -1,21 +1,22 @@
 //! Which pixels get an eye ray in which pass.
 
-/// Steps of the low-discrepancy pattern over x, y (M. Roberts' R2 sequence: 1/ρ and 1/ρ², ρ³ = ρ + 1) and over passes (the
-/// golden ratio), as fractions of 2³².
+/// Steps of the low-discrepancy pattern over x, y (M. Roberts' R2 sequence: 1/ρ and 1/ρ², ρ³ = ρ + 1) and
+/// over passes (the golden ratio), as fractions of 2³².
 const ACROSS: u32 = 0xc13f_a9a9;
 const DOWN: u32 = 0x91e1_0da5;
 const PASS: u32 = 0x9e37_79b9;
 
 /// A pixel's threshold in a pass, in [0, 1): the pixel gets an eye ray if its density is above.
 ///
-/// At any density the pixels chosen in a pass are spread evenly over the picture, and a pixel is chosen evenly over the passes;
-/// each pass chooses others.
+/// At any density the pixels chosen in a pass are spread evenly over the picture, and a pixel is chosen
+/// evenly over the passes; each pass chooses others.
 ///
 /// - `seed`: shifts the pattern.
 ///
-/// Guarantee: over all 2³² passes each threshold comes equally often. Among 64 passes in a row a pixel of density p
-/// is chosen 64 p times within 2.7 (test `a_pixel_is_chosen_evenly_over_the_passes`), and in each pass 256 p of 16 x 16 pixels are,
-/// within 7.4 and typically within a third of what chance would stray by (test `every_block_of_pixels_gets_its_share_in_every_pass`).
+/// Guarantee: over all 2³² passes each threshold comes equally often. Among 64 passes in a row a pixel of
+/// density p is chosen 64 p times within 2.7 (test `a_pixel_is_chosen_evenly_over_the_passes`), and in each
+/// pass 256 p of 16 x 16 pixels are, within 7.4 and typically within a third of what chance would stray by
+/// (test `every_block_of_pixels_gets_its_share_in_every_pass`).
 ///
 /// ```
 /// let density = 0.25;

@@ -1,18 +1,22 @@
-//! Image space: how many eye rays the in-scattered light needs where, and the picture from the rays that were traced.
+//! Image space: how many eye rays the in-scattered light needs where, and the picture from the rays that were
+//! traced.
 //!
-//! The grid knows how fast the light varies across the picture ([`ImageSpectrum`]); where it varies slowly, a few rays under a
-//! wide filter ([`ImageFilter`]) tell as much as one a pixel. A pass of a host:
+//! The grid knows how fast the light varies across the picture ([`ImageSpectrum`]); where it varies slowly, a
+//! few rays under a wide filter ([`ImageFilter`]) tell as much as one a pixel. A pass of a host:
 //!
-//! 1. [`ImageSpectrum::along`] the eye rays of the nodes of a [`FilmLattice`], and [`FilmFilters::new`]: filters as wide as the spectra
-//!    allow, none of which reaches where a narrower one is asked for;
-//! 2. an eye ray through each pixel whose [`pixel_threshold`] is below its density: that of its filter, [`ImageFilter::density`], or
-//!    [`FilmLattice::least_density`]. The host adds up what the rays saw ([`FilmSums`]) and the densities of all passes, pixel by pixel;
-//! 3. whenever a picture is wanted: a [`Reconstruction`] of the sums over the densities, inside regions between silhouettes
-//!    ([`film_regions`]); the samples' say on the filters ([`FilmFilters::evidence`], [`verify_filters`]): a spectrum is local, a filter
-//!    is not, so each is narrowed until what it gives agrees with what narrower ones give; then the picture, tile by tile
-//!    ([`Reconstruction::tile`]), and its error ([`standard_errors`]).
+//! 1. [`ImageSpectrum::along`] the eye rays of the nodes of a [`FilmLattice`], and [`FilmFilters::new`]:
+//!    filters as wide as the spectra allow, none of which reaches where a narrower one is asked for;
+//! 2. an eye ray through each pixel whose [`pixel_threshold`] is below its density: that of its filter,
+//!    [`ImageFilter::density`], or [`FilmLattice::least_density`]. The host adds up what the rays saw
+//!    ([`FilmSums`]) and the densities of all passes, pixel by pixel;
+//! 3. whenever a picture is wanted: a [`Reconstruction`] of the sums over the densities, inside regions
+//!    between silhouettes ([`film_regions`]); the filters checked by the samples ([`FilmFilters::evidence`],
+//!    [`verify_filters`]): a spectrum is local, a filter is not, so each is narrowed until what it gives
+//!    agrees with what narrower ones give; then the picture, tile by tile ([`Reconstruction::tile`]), and its
+//!    error ([`standard_errors`]).
 //!
-//! Surfaces have spectra that the grid does not know: a host samples them on their own and adds them to the picture.
+//! Surfaces have spectra that the grid does not know: a host samples them on their own and adds them to the
+//! picture.
 
 mod error;
 mod filter;
@@ -46,8 +50,8 @@ pub(crate) fn luminance(color: Vec3) -> f32 {
 /// Largest number of pixels across or down.
 pub(crate) const MOST_PIXELS: u32 = 1 << 16;
 
-/// A slice whose length is not the one that the picture asks for, or a picture of more than 65536 pixels across or down, or 2³¹
-/// in all.
+/// A slice whose length is not the one that the picture asks for, or a picture of more than 65536 pixels
+/// across or down, or 2³¹ in all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FilmSizeError;
 

@@ -6,14 +6,16 @@ use super::{FilmFilters, FilmSizeError, ImageFilter, luminance, pixel_count};
 use glam::Vec3;
 use libm::{expf, sqrtf};
 
-/// A filter ends at this many standard deviations; what it is there is subtracted from all of it, so that it ends at 0.
+/// A filter ends at this many standard deviations; what it is there is subtracted from all of it, so that it
+/// ends at 0.
 const REACH: f32 = 3.0;
 const AT_REACH: f32 = 0.011_108_997; // exp(-REACH²/2)
 
 /// Pixels are taken together in blocks no larger than this share of the filter's smallest standard deviation.
 const BLOCK_SHARE: f32 = 1.0;
 
-/// Least weight and largest numbers of a sample: sums over 2³¹ pixels and their ratio stay within what `f32` holds.
+/// Least weight and largest numbers of a sample: sums over 2³¹ pixels and their ratio stay within what `f32`
+/// holds.
 const LEAST_WEIGHT: f32 = 1e-9;
 const LARGEST: f32 = 1e29;
 
@@ -25,9 +27,9 @@ const LEVELS: usize = 16;
 
 /// What the eye rays of one pixel saw.
 ///
-/// Both over Σ density, the number of rays that was expected over all passes: pixels then count for their area, whatever their
-/// density. (Each ray over its own pass' density does so too, but one from an early pass, when the grid knew little and wanted few,
-/// outweighs hundreds of later ones.)
+/// Both over Σ density, the number of rays that was expected over all passes: pixels then count for their
+/// area, whatever their density. (Each ray over its own pass' density does so too, but one from an early
+/// pass, when the grid knew little and wanted few, outweighs hundreds of later ones.)
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FilmSample {
@@ -35,8 +37,8 @@ pub struct FilmSample {
     pub radiance: Vec3,
     /// Number of rays / Σ density; 0 = no ray yet.
     pub weight: f32,
-    /// Σ luminance (Rec. 709) of the odd passes / Σ density of all: how far the two halves of the passes are apart says how large the
-    /// error is.
+    /// Σ luminance (Rec. 709) of the odd passes / Σ density of all: how far the two halves of the passes are
+    /// apart says how large the error is.
     pub first: f32,
     /// Number of rays of the odd passes / Σ density of all.
     pub first_weight: f32,
@@ -96,10 +98,10 @@ pub struct FilmNode {
 
 /// Filters a picture's samples.
 ///
-/// A pixel is the ratio Σ w radiance / Σ w weight over the pixels of its region under its filter: exact where the light is
-/// even, whichever pixels have rays. Round filters of any width cost about the same, long
-/// ones in proportion to length over width: blocks of pixels that are small against the filter and lie in one region are taken
-/// as one.
+/// A pixel is the ratio Σ w radiance / Σ w weight over the pixels of its region under its filter: exact where
+/// the light is even, whichever pixels have rays. Round filters of any width cost about the same, long ones
+/// in proportion to length over width: blocks of pixels that are small against the filter and lie in one
+/// region are taken as one.
 #[derive(Clone, Copy, Debug)]
 pub struct Reconstruction<'a> {
     width: u32,
@@ -121,8 +123,8 @@ impl<'a> Reconstruction<'a> {
 
     /// Sums up blocks of pixels. Cost: 2.5 ns a pixel (bench `film/nodes`).
     ///
-    /// - `samples`: one a pixel, row by row from the upper left. One that is not finite, of a weight below 1e-9, or with a
-    ///   number beyond ±1e29, counts as a pixel without rays.
+    /// - `samples`: one a pixel, row by row from the upper left. One that is not finite, of a weight below
+    ///   1e-9, or with a number beyond ±1e29, counts as a pixel without rays.
     /// - `regions`: of [`super::film_regions`], or 1 everywhere.
     /// - `nodes`: [`Reconstruction::node_count`] of them; what they hold does not matter.
     ///
@@ -177,14 +179,14 @@ impl<'a> Reconstruction<'a> {
 
     /// The radiance of pixel (x, y) through its filter.
     ///
-    /// - `filter`: any number that is not finite, or a negative variance, is no filter. Variances count up to 1e12, a covariance up to
-    ///   what they allow.
+    /// - `filter`: any number that is not finite, or a negative variance, is no filter. Variances count up to
+    ///   1e12, a covariance up to what they allow.
     ///
-    /// Where no ray lies under the filter, it is widened until one does: first in the pixel's own region, then anywhere. Zero
-    /// in a picture without rays, and outside the picture.
+    /// Where no ray lies under the filter, it is widened until one does: first in the pixel's own region,
+    /// then anywhere. Zero in a picture without rays, and outside the picture.
     ///
-    /// Guarantee: finite; within the range of the samples' means, to rounding. Cost: 0.4 µs for a filter of half a pixel, 3 µs for any
-    /// wider round one, 13 µs for one of 1:8 (bench `film/pixel`).
+    /// Guarantee: finite; within the range of the samples' means, to rounding. Cost: 0.4 µs for a filter of
+    /// half a pixel, 3 µs for any wider round one, 13 µs for one of 1:8 (bench `film/pixel`).
     ///
     /// Source: thesis 5.3.2.
     ///
@@ -226,8 +228,9 @@ impl<'a> Reconstruction<'a> {
         }
     }
 
-    /// The radiance around a pixel without rays of its own: the mean of the smallest block of pixels around it that has rays and lies
-    /// in its region; where there is none, as [`Reconstruction::pixel`] without a filter.
+    /// The radiance around a pixel without rays of its own: the mean of the smallest block of pixels around
+    /// it that has rays and lies in its region; where there is none, as [`Reconstruction::pixel`] without a
+    /// filter.
     pub fn nearby(&self, x: u32, y: u32) -> Vec3 {
         if x >= self.width || y >= self.height {
             return Vec3::ZERO;
@@ -257,8 +260,8 @@ impl<'a> Reconstruction<'a> {
 
     /// The picture in a tile of [`FILM_TILE`] x [`FILM_TILE`] pixels.
     ///
-    /// Where all filters of the tile are wide, the light is found at some pixels and interpolated between them: a filter makes it vary
-    /// slowly. So the cost a pixel does not grow with the filters' width.
+    /// Where all filters of the tile are wide, the light is found at some pixels and interpolated between
+    /// them: a filter makes it vary slowly. So the cost a pixel does not grow with the filters' width.
     ///
     /// - `x`, `y`: of the tile's upper left pixel, multiples of [`FILM_TILE`].
     /// - `filters`: of a picture of the same size.

@@ -8,18 +8,22 @@ const JUMP: f32 = 0.01;
 /// Splits a picture into regions in which the depth of the first surface is continuous.
 ///
 /// - `width`, `height`: of the picture, row by row from the upper left pixel.
-/// - `depth` \[m\]: of the first surface seen through the middle of each pixel, along the viewing axis (not along the ray: the inverse
-///   of such a depth is linear on a plane, however it is seen). Infinity where there is none; NaN or <= 0 makes the pixel a border.
-/// - `labels`: receives the pixel's region, from 1 on, or 0 for a pixel at a border, which filters leave alone: its
-///   own light may come from both sides.
+/// - `depth` \[m\]: of the first surface seen through the middle of each pixel, along the viewing axis (not
+///   along the ray: the inverse of such a depth is linear on a plane, however it is seen). Infinity where
+///   there is none; NaN or <= 0 makes the pixel a border.
+/// - `labels`: receives the pixel's region, from 1 on, or 0 for a pixel at a border, which filters leave
+///   alone: its own light may come from both sides.
 ///
-/// Two neighbours are apart where neither surface, continued as a plane, comes within 1 % of the other in inverse depth. Floors
-/// seen at a grazing angle are no edges, nor are creases: one of a right angle from 100 pixels a unit of slope on.
-/// A region is connected by pixels side by side; its label is the number of its first pixel, counted from 1.
+/// Two neighbours are apart where neither surface, continued as a plane, comes within 1 % of the other in
+/// inverse depth. Floors seen at a grazing angle are no edges, nor are creases: one of a right angle from 100
+/// pixels a unit of slope on. A region is connected by pixels side by side; its label is the number of its
+/// first pixel, counted from 1.
 ///
-/// Errors: a slice of another length than the picture has pixels, or a picture that is too large; nothing changes.
+/// Errors: a slice of another length than the picture has pixels, or a picture that is too large; nothing
+/// changes.
 ///
-/// Source: thesis 5.3.2 names occlusion of the eye path; here it does not enter the spectrum but bounds the filters.
+/// Source: thesis 5.3.2 names occlusion of the eye path; here it does not enter the spectrum but bounds the
+/// filters.
 ///
 /// ```
 /// let mut labels = [0; 6];

@@ -19,7 +19,8 @@ const MOST_STEPS: f32 = 1024.0;
 pub struct PixelStep {
     /// Of its origin \[m / pixel\]: zero for a pinhole.
     pub origin: Vec3,
-    /// Of its unit direction \[1 / pixel\]: zero for an orthographic camera. Only what is across the ray counts.
+    /// Of its unit direction \[1 / pixel\]: zero for an orthographic camera. Only what is across the ray
+    /// counts.
     pub direction: Vec3,
 }
 
@@ -34,32 +35,35 @@ pub struct ImageSpectrum {
     pub xy: f32,
     /// Variance down.
     pub yy: f32,
-    /// In-scattered light on the way, the dimmest around, in the grid's relative unit; 0 = the grid has no data, and the other
-    /// numbers are 0.
+    /// In-scattered light on the way, the dimmest around, in the grid's relative unit; 0 = the grid has no
+    /// data, and the other numbers are 0.
     pub weight: f32,
 }
 
 impl ImageSpectrum {
-    /// Accumulates the grid along an eye ray: at each step the slice of the fluence's covariance across the ray, in pixels, plus
-    /// the curvature of density and eye attenuation, with the weights fluence x density x transmittance to the eye; over the sum of these
-    /// weights for the dimmest light around (the harmonic mean of the voxels around): beside a bright shaft, in the dark, a filter that is
-    /// right for the shaft would leak it.
+    /// Accumulates the grid along an eye ray: at each step the slice of the fluence's covariance across the
+    /// ray, in pixels, plus the curvature of density and eye attenuation, with the weights fluence x density
+    /// x transmittance to the eye; over the sum of these weights for the dimmest light around (the harmonic
+    /// mean of the voxels around): beside a bright shaft, in the dark, a filter that is right for the shaft
+    /// would leak it.
     ///
-    /// A frequency of ω cycles/m at a point that moves by m metres when the eye ray moves by a pixel is ω m cycles/pixel.
+    /// A frequency of ω cycles/m at a point that moves by m metres when the eye ray moves by a pixel is ω m
+    /// cycles/pixel.
     ///
     /// - `ray`: from the eye; to where the light it gathers ends, or infinity.
     /// - `steps`: how the ray changes with a step to the right and a step down.
     /// - `medium`, `column`: what the ray is in, and its column from its origin.
     ///
-    /// What is not finite, or outside the grid's box, gives weight 0. Surfaces that end the rays of neighbouring pixels at
-    /// other distances are no part of it: see [`crate::film_regions`].
+    /// What is not finite, or outside the grid's box, gives weight 0. Surfaces that end the rays of
+    /// neighbouring pixels at other distances are no part of it: see [`crate::film_regions`].
     ///
-    /// Guarantee: positive semi-definite up to rounding. Error: the midpoint rule in steps of a voxel's smallest side (at most
-    /// 1024); what a medium's structure before the grid's box adds is left out. Cost: about 40 ns a step in a homogeneous medium, where
-    /// the second part is 0 and costs nothing; 95 ns in an exponential one, 200 ns in voxels (bench `film/spectrum`).
+    /// Guarantee: positive semi-definite up to rounding. Error: the midpoint rule in steps of a voxel's
+    /// smallest side (at most 1024); what a medium's structure before the grid's box adds is left out. Cost:
+    /// about 40 ns a step in a homogeneous medium, where the second part is 0 and costs nothing; 95 ns in an
+    /// exponential one, 200 ns in voxels (bench `film/spectrum`).
     ///
-    /// Source: thesis 5.3.2. The exact relative Hessian of density x transmittance, with the magnitudes of its eigenvalues, stands for
-    /// the "attenuation" of the thesis. Differs from it beside shadows.
+    /// Source: thesis 5.3.2. The exact relative Hessian of density x transmittance, with the magnitudes of
+    /// its eigenvalues, stands for the "attenuation" of the thesis. Differs from it beside shadows.
     pub fn along(
         ray: &EyeRay,
         steps: &[PixelStep; 2],
@@ -115,16 +119,16 @@ impl ImageSpectrum {
         sum.mean()
     }
 
-    /// The reconstruction filter that blurs the picture by a relative bias of `error`, to second order: a Gaussian of
-    /// covariance ε/(4π²) C⁻¹, wide where the spectrum is narrow.
+    /// The reconstruction filter that blurs the picture by a relative bias of `error`, to second order: a
+    /// Gaussian of covariance ε/(4π²) C⁻¹, wide where the spectrum is narrow.
     ///
     /// - `error` ε > 0: 2π² tr(H C) = ε for the filter's covariance H, half of it along each principal axis.
     /// - `widest` \[pixels\] > 0: largest standard deviation.
     ///
     /// Without data (weight 0) the filter is [`ImageFilter::NONE`].
     ///
-    /// Source: thesis 5.3.2. It gives the filter exp(-½ xᵀ 4π²C x), which has ε = 1 and would blur a Gaussian to 1/√2 of its
-    /// height; scaled here to a bias that the caller accepts.
+    /// Source: thesis 5.3.2. It gives the filter exp(-½ xᵀ 4π²C x), which has ε = 1 and would blur a Gaussian
+    /// to 1/√2 of its height; scaled here to a bias that the caller accepts.
     ///
     /// ```
     /// use covbeam::{ImageSpectrum, ImageFilter};
@@ -174,7 +178,8 @@ struct DepthShape {
 }
 
 impl DepthShape {
-    /// What density x transmittance adds to the spectrum at a point \[cycles²/pixel²\]; then goes on by one step.
+    /// What density x transmittance adds to the spectrum at a point \[cycles²/pixel²\]; then goes on by one
+    /// step.
     fn step(
         &mut self,
         density: &Density,

@@ -1,4 +1,7 @@
 //! What the passes add up to at one pixel, with the same bits in whatever order they come.
+//!
+//! Whole numbers of 64 bits, in a unit of the picture's: sums in f64 depend on their order, and 128 bits in
+//! one unit for all pictures take 208 bytes a pixel.
 
 use super::{FilmSample, luminance};
 use glam::Vec3;
@@ -13,7 +16,8 @@ pub struct FilmUnit {
 }
 
 impl FilmUnit {
-    /// 2⁻³² of the largest power of two below a radiance that is typical of the picture, give or take a factor of a thousand.
+    /// 2⁻³² of the largest power of two below a radiance that is typical of the picture, give or take a
+    /// factor of a thousand.
     ///
     /// Sums stop at 2³¹ times that radiance.
     ///
@@ -67,8 +71,9 @@ impl FilmSums {
 
     /// The sums over an expected number of eye rays: what a [`super::Reconstruction`] takes.
     ///
-    /// - `expected` > 0: Σ density of all passes; a mean over the passes' densities, not each ray over its own: a ray from an
-    ///   early pass, when the grid knew little and wanted few, must not outweigh all later ones (the balance heuristic).
+    /// - `expected` > 0: Σ density of all passes; a mean over the passes' densities, not each ray over its
+    ///   own: a ray from an early pass, when the grid knew little and wanted few, must not outweigh all later
+    ///   ones (the balance heuristic).
     pub fn sample(&self, unit: &FilmUnit, expected: f64) -> FilmSample {
         if !(expected > 0.0) {
             return FilmSample::default();

@@ -1,4 +1,5 @@
-//! The samples' say: a filter is narrowed where what it gives disagrees with what narrower ones give.
+//! Filters checked by the samples: one is narrowed where what it gives disagrees with what narrower ones
+//! give.
 
 use super::{FilmFilterNode, FilmFilters, FilmLattice, FilmSizeError, ImageFilter, Reconstruction};
 
@@ -8,8 +9,9 @@ pub(super) const SCALES: usize = 7;
 /// Nodes to each side whose evidence counts.
 const WINDOW: i32 = 4;
 
-/// A filter's squared difference to a narrower one counts as error beyond this many of the narrower one's variances. With less, noise
-/// narrows filters in patches; with 2.5 smooth light has up to 1.4 times the error.
+/// A filter's squared difference to a narrower one counts as error beyond this many of the narrower one's
+/// variances. With less, noise narrows filters in patches; with 2.5 smooth light has up to 1.4 times the
+/// error.
 const TOLERANCE: f32 = 1.5;
 
 /// Luminance at a node through filters of all widths, of each half of the passes.
@@ -83,10 +85,11 @@ pub fn verify_filters(
     Ok(())
 }
 
-/// The filter of the least estimated error, and its relative variance: what it is off beyond noise by the narrower ones, and its variance
-/// (the rule of A. Goldenshluger and O. Lepski, Bandwidth selection in kernel density estimation, Ann. Statist. 39, 2011). The widest that
-/// agrees with all narrower ones would be refused for their noise alone: beams lie across many nodes, so that two halves that agree by
-/// chance agree over the whole window, and leave a patch of bare rays.
+/// The filter of the least estimated error, and its relative variance: what it is off beyond noise by the
+/// narrower ones, and its variance (the rule of A. Goldenshluger and O. Lepski, Bandwidth selection in kernel
+/// density estimation, Ann. Statist. 39, 2011). The widest that agrees with all narrower ones would be
+/// refused for their noise alone: beams lie across many nodes, so that two halves that agree by chance agree
+/// over the whole window, and leave a patch of bare rays.
 fn choose(
     lattice: &FilmLattice,
     evidence: &[FilmEvidence],

@@ -15,7 +15,8 @@ pub struct Knot {
     pub column: f32,
 }
 
-/// The column ∫₀ˢ density ds along one ray, as a function of the distance s: monotone, in metres of density 1.
+/// The column ∫₀ˢ density ds along one ray, as a function of the distance s: monotone, in metres of
+/// density 1.
 #[derive(Clone, Copy, Debug, Default)]
 #[doc(alias = "optical depth")]
 #[doc(alias = "optical thickness")]
@@ -30,15 +31,16 @@ pub enum Column<'a> {
         /// \[1/m\], of either sign or 0.
         rate: f32,
     },
-    /// Straight lines between knots, 0 before the first, constant after the last. Distances grow, columns do not fall.
+    /// Straight lines between knots, 0 before the first, constant after the last. Distances grow, columns do
+    /// not fall.
     Knots(&'a [Knot]),
 }
 
 impl Column<'_> {
     /// The column up to `distance` \[m\]; >= 0 for distances >= 0.
     ///
-    /// Guarantee: never falls with `distance`; an exponential one stays finite (`f32::MAX` at most). Cost: nothing, an
-    /// exponential, or a binary search.
+    /// Guarantee: never falls with `distance`; an exponential one stays finite (`f32::MAX` at most). Cost:
+    /// nothing, an exponential, or a binary search.
     ///
     /// ```
     /// let column = covbeam::Column::Exponential { density: 2.0, rate: 0.5 };
@@ -69,8 +71,8 @@ impl Column<'_> {
         }
     }
 
-    /// The distance at which the column reaches `column` \[m\] >= 0: the inverse of [`Column::at`], infinity where it never
-    /// does. What free flight is sampled with: column = -ln(1 - u)/extinction.
+    /// The distance at which the column reaches `column` \[m\] >= 0: the inverse of [`Column::at`], infinity
+    /// where it never does. What free flight is sampled with: column = -ln(1 - u)/extinction.
     ///
     /// ```
     /// let column = covbeam::Column::Exponential { density: 2.0, rate: 0.5 };

@@ -1,8 +1,8 @@
 //! Media whose density varies in space: relative density, its curvature, and its integral along a ray.
 //!
-//! A medium's coefficients ([`crate::Medium`]) hold where the relative density is 1. Elsewhere scattering and extinction
-//! are that many times as large, so one number at a point and one integral along a ray serve all colour channels:
-//! the *column* ∫ density ds \[m\], with an optical depth of extinction x column.
+//! A medium's coefficients ([`crate::Medium`]) hold where the relative density is 1. Elsewhere scattering and
+//! extinction are that many times as large, so one number at a point and one integral along a ray serve all
+//! colour channels: the *column* ∫ density ds \[m\], with an optical depth of extinction x column.
 
 use super::column::{Column, Knot, OPAQUE_DEPTH};
 use super::derivatives::Derivatives;
@@ -78,9 +78,11 @@ impl Density<'_> {
         }
     }
 
-    /// Derivatives of the density at a point: what [`crate::LightField::attenuate`] takes the integrals of, times the extinction.
+    /// Derivatives of the density at a point: what [`crate::LightField::attenuate`] takes the integrals of,
+    /// times the extinction.
     ///
-    /// Exact for an exponential density; differences between the centres of neighbouring voxels for a grid, 0 outside it.
+    /// Exact for an exponential density; differences between the centres of neighbouring voxels for a grid, 0
+    /// outside it.
     ///
     /// ```
     /// use covbeam::{Density, ExponentialDensity, Vec3};
@@ -106,8 +108,8 @@ impl Density<'_> {
         }
     }
 
-    /// Largest step \[m\] over which the density's second derivatives may be taken as constant: infinite for a homogeneous
-    /// medium, half the scale height, or a voxel's smallest side.
+    /// Largest step \[m\] over which the density's second derivatives may be taken as constant: infinite for
+    /// a homogeneous medium, half the scale height, or a voxel's smallest side.
     pub fn step(&self) -> f32 {
         match self {
             Density::Uniform => f32::INFINITY,
@@ -116,18 +118,18 @@ impl Density<'_> {
         }
     }
 
-    /// The table of columns along a ray through a grid: gives `knot` the points between which a straight line is within
-    /// `error` of ∫ density ds. Nothing for the other densities, whose columns are closed forms.
+    /// The table of columns along a ray through a grid: gives `knot` the points between which a straight line
+    /// is within `error` of ∫ density ds. Nothing for the other densities, whose columns are closed forms.
     ///
     /// - `origin` \[m\], `direction` (unit): of the ray; none of it inside the box or not finite: no knots.
     /// - `length` \[m\] > 0; infinity ends where the ray leaves the box.
     /// - `error` \[m\] > 0: in the column; an `error` e gives a transmittance to e x extinction, relatively.
     /// - `most` \[m\]: the table ends at the first point with a larger column.
     ///
-    /// Guarantee: the column is exact (the integral of the trilinear density, cell by cell) at each knot; distances grow,
-    /// columns never fall. A cell is cut into at most 64 parts, which bounds the table by 64 x (nx + ny + nz) knots; only a
-    /// cell over whose length the density changes by more than 2¹⁴ `error`/length needs more, and errs by more.
-    /// Cost: about 20 ns a cell.
+    /// Guarantee: the column is exact (the integral of the trilinear density, cell by cell) at each knot;
+    /// distances grow, columns never fall. A cell is cut into at most 64 parts, which bounds the table by 64
+    /// x (nx + ny + nz) knots; only a cell over whose length the density changes by more than 2¹⁴
+    /// `error`/length needs more, and errs by more. Cost: about 20 ns a cell.
     ///
     /// ```
     /// use covbeam::{Column, Density, DensityGrid, GridLayout, Knot, Vec3};
@@ -153,8 +155,8 @@ impl Density<'_> {
         }
     }
 
-    /// The column along a ray, given the table that [`Density::knots`] made of it (empty, and not read, unless the density is a
-    /// grid).
+    /// The column along a ray, given the table that [`Density::knots`] made of it (empty, and not read,
+    /// unless the density is a grid).
     pub fn column<'k>(&self, origin: Vec3, direction: Vec3, knots: &'k [Knot]) -> Column<'k> {
         match self {
             Density::Uniform => Column::Uniform,
@@ -165,8 +167,8 @@ impl Density<'_> {
         }
     }
 
-    /// Distance \[m\] beyond which nothing is left to see of light that starts at `origin`: where the column from there has
-    /// reached `opaque`, or hardly grows any more.
+    /// Distance \[m\] beyond which nothing is left to see of light that starts at `origin`: where the column
+    /// from there has reached `opaque`, or hardly grows any more.
     ///
     /// - `opaque` \[m\]: a column that lets nothing through.
     ///

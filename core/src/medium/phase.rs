@@ -27,8 +27,8 @@ pub enum PhaseKind {
 pub struct PhaseFunction {
     /// Its kind.
     pub kind: PhaseKind,
-    /// Mean cosine g of Henyey-Greenstein, in (-1, 1), forward positive; ignored by the others. Values outside are
-    /// taken as the nearest f32 inside.
+    /// Mean cosine g of Henyey-Greenstein, in (-1, 1), forward positive; ignored by the others. Values
+    /// outside are taken as the nearest f32 inside.
     pub asymmetry: f32,
 }
 
@@ -38,10 +38,11 @@ impl PhaseFunction {
 
     /// The phase function's value \[1/sr\].
     ///
-    /// - `cos_theta`: dot(incoming propagation, outgoing propagation), forward +1; rounding past ±1 is harmless.
+    /// - `cos_theta`: dot(incoming propagation, outgoing propagation), forward +1; rounding past ±1 is
+    ///   harmless.
     ///
-    /// Guarantee: no cancellation, whatever g. A narrow lobe (1 - |g| below 1e-3) varies by more than the last
-    /// digit of an f32 cosine; there the value is that of the cosine as given.
+    /// Guarantee: no cancellation, whatever g. A narrow lobe (1 - |g| below 1e-3) varies by more than the
+    /// last digit of an f32 cosine; there the value is that of the cosine as given.
     ///
     /// ```
     /// use covbeam::{PhaseFunction, PhaseKind};
@@ -93,8 +94,8 @@ impl PhaseFunction {
     /// - `direction`: propagation before the event, unit.
     /// - `xi`: two independent uniform numbers in [0, 1).
     ///
-    /// Guarantee: unit to rounding. The angle of a narrow lobe is exact: it does not pass through its cosine (test
-    /// `the_angle_of_a_lobe_narrower_than_an_f32_cosine_is_exact`).
+    /// Guarantee: unit to rounding. The angle of a narrow lobe is exact: it does not pass through its cosine
+    /// (test `the_angle_of_a_lobe_narrower_than_an_f32_cosine_is_exact`).
     pub fn sample(&self, direction: Vec3, xi: [f32; 2]) -> Vec3 {
         let (cos_theta, sin_theta) = match self.kind {
             PhaseKind::HenyeyGreenstein => {
@@ -138,8 +139,8 @@ impl PhaseFunction {
 
     /// 1 - cos of the angle to Henyey-Greenstein's peak, in [0, 2].
     ///
-    /// The textbook inverse divides by g and subtracts nearly equal squares. With the subtraction carried out on
-    /// paper only positive factors are left: 2 (1-a)² (1-x) (1+ax) / (1-a+2ax)², a = |g|.
+    /// The textbook inverse divides by g and subtracts nearly equal squares. With the subtraction carried out
+    /// on paper only positive factors are left: 2 (1-a)² (1-x) (1+ax) / (1-a+2ax)², a = |g|.
     fn versine_to_peak(&self, xi: f32) -> f32 {
         let g = self.clamped_asymmetry();
         let a = g.abs();

@@ -1,4 +1,5 @@
-//! Density in voxels: trilinear look-up, differences, and its exact integral along a ray, as a table of few points.
+//! Density in voxels: trilinear look-up, differences, and its exact integral along a ray, as a table of few
+//! points.
 
 use super::column::Knot;
 use super::derivatives::Derivatives;
@@ -9,8 +10,8 @@ use libm::{ceil, sqrt};
 /// Most parts that one cell of a density grid is cut into.
 const MOST_PARTS: f64 = 64.0;
 
-/// Relative density given at the centres of voxels: trilinear between them, held over the half voxel at the border of
-/// the box, 0 outside it. The values belong to the caller.
+/// Relative density given at the centres of voxels: trilinear between them, held over the half voxel at the
+/// border of the box, 0 outside it. The values belong to the caller.
 #[derive(Clone, Copy, Debug)]
 pub struct DensityGrid<'a> {
     voxels: Trilinear,
@@ -138,7 +139,8 @@ impl<'a> DensityGrid<'a> {
         table.finish(knot);
     }
 
-    /// Where the values are in memory, and the box over them: what tells one density from another without reading it.
+    /// Where the values are in memory, and the box over them: what tells one density from another without
+    /// reading it.
     #[cfg(feature = "bvh")]
     pub(crate) fn identity(&self) -> (GridLayout, usize) {
         (self.voxels.layout, self.values.as_ptr().addr())
@@ -149,8 +151,8 @@ impl<'a> DensityGrid<'a> {
         1.0 / self.voxels.scale.max_element()
     }
 
-    /// The columns at points along a ray, exact at each point; between two of them a straight line errs by at most
-    /// `error`. See [`super::Density::knots`].
+    /// The columns at points along a ray, exact at each point; between two of them a straight line errs by at
+    /// most `error`. See [`super::Density::knots`].
     fn march(
         &self,
         origin: Vec3,
@@ -206,8 +208,8 @@ impl<'a> DensityGrid<'a> {
 
 /// Leaves out the points of a march that a straight line between the kept ones reproduces to `half`.
 ///
-/// From the last knot, the slopes of all lines that pass within `half` of every point since form a cone; a point
-/// outside it makes the point before it the next knot.
+/// From the last knot, the slopes of all lines that pass within `half` of every point since form a cone; a
+/// point outside it makes the point before it the next knot.
 struct Thinning {
     half: f64,
     last: Option<(f64, f64)>,

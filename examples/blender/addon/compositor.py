@@ -3,6 +3,8 @@
 
     (noisy) image of Cycles - volume direct - volume indirect [-> denoise] + in-scattered light of covbeam
 
+Cycles' fog is subtracted, not switched off: that is exact whatever the scene has, and undone by taking nodes away.
+
 They stand between the render layers and whatever these went to, carry a mark, and are made once.
 """
 

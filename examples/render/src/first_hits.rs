@@ -1,4 +1,5 @@
-//! How far light gets from a light in each direction: coarse maps, to expect the visibility of a place by, never to decide it.
+//! How far light gets from a light in each direction: coarse maps, to expect the visibility of a place by,
+//! never to decide it. (The grid's voxels would say so too, but are wider than tracery.)
 
 use crate::random::Random;
 use crate::scene::{Light, Scene};

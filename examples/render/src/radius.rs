@@ -1,4 +1,5 @@
-//! What kernel radii are taken from: the thesis' bound on the bias, and its rivals, which count beams.
+//! What kernel radii are taken from: the thesis' bound on the bias, and its rivals, which count beams. The
+//! rivals are no better in most scenes, and worse in a caustic.
 //!
 //! **Least error.** A radius r costs a relative bias of a r² σ², a = 2π² μ₂ (as [`KernelShape::radius_from_error`] has it), and a relative
 //! variance. Beams of density ν (length per volume) at an angle θ cross a strip of length l along an eye ray and width w in ν l w sin θ places;

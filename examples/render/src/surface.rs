@@ -1,4 +1,5 @@
-//! Photons on diffuse surfaces and the radiance that they make visible.
+//! Photons on diffuse surfaces and the radiance that they make visible. Light straight from a lamp is looked
+//! up by shadow rays; lamps themselves are invisible.
 
 use glam::{Vec3, Vec3A};
 use obvhs::aabb::Aabb;

@@ -34,7 +34,9 @@ const FAR: f32 = 4.0;
 /// Eye rays darker than this share of the mean say nothing about how many beams a pixel sees.
 const DARK: f64 = 0.05;
 
-/// Share of an eye ray's light that the grid's box may leave out at each end of the ray: what is there keeps narrow kernels.
+/// Share of an eye ray's light that the grid's box may leave out at each end of the ray: what is there keeps
+/// narrow kernels. With a fifth of it whole pixels see nothing of the grid, and the shaft's error is 3.5
+/// times as large.
 const LEFT_OUT: f64 = 0.025;
 
 /// Where the camera sees light in media, and how many beams.

@@ -1,4 +1,5 @@
-//! Reads density volumes: Mitsuba's grid volume format, version 3 (`.vol`).
+//! Reads density volumes: Mitsuba's grid volume format, version 3 (`.vol`). (The one reader of OpenVDB in
+//! Rust panics on hostile bytes and reserves memory that the file only claims.)
 //!
 //! | bytes | type | what |
 //! |---|---|---|
@@ -19,9 +20,9 @@
 //!     file.write(b"VOL\3" + struct.pack("<5i6f", 1, nx, ny, nz, 1, *box_min, *box_max) + density.tobytes())
 //! ```
 //!
-//! OpenVDB files are not read: vdb-rs 0.6, the reader that Rust has, panics or allocates what a damaged file asks
-//! for. OpenVDB's own Python module turns one into numbers: `grid.copyToArray(array)` fills `array[x, y, z]`, so the
-//! `density` above is `array.transpose()`.
+//! OpenVDB files are not read: vdb-rs 0.6, the reader that Rust has, panics or allocates what a damaged file
+//! asks for. OpenVDB's own Python module turns one into numbers: `grid.copyToArray(array)` fills
+//! `array[x, y, z]`, so the `density` above is `array.transpose()`.
 
 use std::fmt;
 use std::fs::File;

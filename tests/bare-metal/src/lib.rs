@@ -1,8 +1,12 @@
-//! What a kernel module or a console would link: covbeam behind two C functions, with nothing under it but `core`.
+//! What a kernel module or a console would link: covbeam behind three C functions, with nothing under it but
+//! `core`.
 //!
 //! The panic handler below clashes with std's own, so this crate links only if no dependency pulls std in.
 #![no_std]
 #![deny(missing_docs)]
+
+mod vectors;
+mod words;
 
 use core::{ptr, slice};
 
@@ -44,13 +48,13 @@ pub extern "C" fn covbeam_bare_metal_cells() -> usize {
     LAYOUT.cell_count()
 }
 
-/// A lamp with `angular_variance`, an edge after `before`, a deposit after another `behind`, a look-up and the gather
-/// of one pair. 0 = done.
+/// A lamp with `angular_variance`, an edge after `before`, a deposit after another `behind`, a look-up and
+/// the gather of one pair. 0 = done.
 ///
 /// # Safety
 ///
-/// `sums` and `means` are zeroed arrays of `count` cells (56 and 28 bytes each), `results` is one struct; all are
-/// aligned and not shared.
+/// `sums` and `means` are zeroed arrays of `count` cells (56 and 28 bytes each), `results` is one struct; all
+/// are aligned and not shared.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_bare_metal(
     angular_variance: f32,
@@ -73,6 +77,12 @@ pub unsafe extern "C" fn covbeam_bare_metal(
         }
         None => 1,
     }
+}
+
+/// Replays `tests/vectors.txt`, as this program was built with it.
+#[unsafe(no_mangle)]
+pub extern "C" fn covbeam_bare_metal_vectors() -> vectors::Replay {
+    vectors::replay(include_bytes!("../../vectors.txt"))
 }
 
 fn chain(

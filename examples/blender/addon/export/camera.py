@@ -68,6 +68,7 @@ def camera(depsgraph, camera_object, width, height, border):
         step=(float(step[0]), float(step[1])),
         width=right_end - left,
         height=bottom - top,
+        # Cycles' rays begin here too: without, fog is 1 % darker at the default of 0.1 m.
         near=evaluated.data.clip_start,
     )
 

@@ -21,7 +21,7 @@ class Kernel:
     """How wide the pairs of one pass are gathered: within max(min_radius, min(max_radius, what the spectrum allows)).
 
     - shape: a KernelShape.
-    - min_radius: radius where the grid knows nothing, and the smallest one [m] > 0.
+    - min_radius: radius where the grid has no data, and the smallest one [m] > 0.
     - max_radius: the largest radius [m] >= min_radius.
     - error: accepted relative bias of a pair > 0; without a grid it has no effect.
     """

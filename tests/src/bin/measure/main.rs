@@ -14,6 +14,7 @@ mod truth;
 mod wedges;
 
 use clap::{Parser, Subcommand};
+use covbeam_tests::figures;
 use std::error::Error;
 use std::path::PathBuf;
 
@@ -142,6 +143,15 @@ enum Measurement {
     },
     /// Ceilings of a core, tests of beams and rays a core-second, growth of gather and build with the number of beams, and two threads against one.
     Speed,
+    /// Writes examples/figures.md and the table of the README: runs the commands that it names, one after the other.
+    Figures {
+        /// 1: some ten minutes of CPU time; 10: ten times as long, for less noise.
+        #[arg(long, default_value_t = 1.0, value_parser = effort)]
+        effort: f64,
+        /// A folder to write into instead; the README is left alone.
+        #[arg(long)]
+        out: Option<PathBuf>,
+    },
     /// Each operator on light fields left out in turn: truth of the predicted spectra, image error, time.
     Ablation {
         /// The scene.
@@ -187,6 +197,11 @@ struct Effort {
     paths: u32,
 }
 
+fn effort(text: &str) -> Result<f64, String> {
+    let effort = text.parse().ok().filter(|effort: &f64| *effort > 0.0 && *effort <= 100.0);
+    effort.ok_or_else(|| "expected a number above 0, at most 100".to_owned())
+}
+
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
 fn main() -> Outcome<()> {
@@ -209,6 +224,7 @@ fn main() -> Outcome<()> {
         }
         Measurement::Picture { scene, sides, passes } => picture::run(&scene, &sides, passes),
         Measurement::Speed => speed::run(),
+        Measurement::Figures { effort, out } => figures::write(effort, out.as_deref()),
         Measurement::Ablation { scene, reference, effort, size } => {
             ablation::run(&scene, reference.as_deref(), effort, size)
         }
