@@ -283,7 +283,7 @@ pub unsafe extern "C" fn covbeam_grid_deposit(
                 None => medium::tabulated(&medium, origin.into(), field.direction, length, knots),
             };
             let (origin, unscattered) = (origin.into(), unscattered == 1);
-            grid.deposit(&medium, &Segment { origin, length, power, unscattered, field, column });
+            grid.deposit(&medium, &Segment { origin, length, power, unscattered, field, edges: &[], column });
         }
         Ok(())
     };

@@ -3,10 +3,9 @@
 //! Spheres, rectangles and boxes are intersected in f64 and rounded once at the end, so nothing here depends on
 //! the scene's size or on its distance from the origin beyond what f32 positions can say.
 
-use covbeam::Curvature;
+use covbeam::{Curvature, Edges, ProbeHit, find_edges};
 use glam::{DVec3, Vec3};
 
-use crate::edges::Surfaces;
 use crate::scene::{Material, Object, Scene, Shape};
 use crate::triangles::TriangleHit;
 
@@ -73,6 +72,14 @@ impl Scene {
         })
     }
 
+    /// Edges beside the ray from `origin` along `direction` (unit) that ends at `hit`.
+    pub fn edges_beside(&self, origin: Vec3, direction: Vec3, hit: Option<&Hit>) -> Edges {
+        let nearest = |towards: Vec3| self.intersect(origin, towards, f32::INFINITY);
+        find_edges(direction, hit.map(ProbeHit::from), |towards| {
+            nearest(towards).as_ref().map(ProbeHit::from)
+        })
+    }
+
     /// The closed dielectric objects that contain `point`, outermost (largest) first.
     pub fn containing(&self, point: Vec3) -> Vec<u32> {
         let holds = |object: &Object| {
@@ -91,9 +98,9 @@ impl Scene {
     }
 }
 
-impl Surfaces for Scene {
-    fn nearest(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
-        self.intersect(origin, direction, f32::INFINITY)
+impl From<&Hit> for ProbeHit {
+    fn from(hit: &Hit) -> Self {
+        Self { distance: hit.distance, normal: hit.geometric_normal, offset: hit.offset }
     }
 }
 

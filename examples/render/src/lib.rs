@@ -3,7 +3,6 @@
 pub mod camera;
 pub mod compare;
 mod defaults;
-pub mod edges;
 mod exr_format;
 pub mod eye;
 mod fields;

@@ -38,7 +38,7 @@ impl Grid {
             let mut knots = Vec::new();
             medium.tabulate(origin, field.direction, length, &mut |knot| knots.push(knot));
             let column = medium.density.column(origin, field.direction, &knots);
-            let segment = covbeam::Segment { origin, length, power, unscattered, field, column };
+            let segment = covbeam::Segment { origin, length, power, unscattered, field, edges: &[], column };
             self.collecting().deposit(&medium, &segment);
         }
     }

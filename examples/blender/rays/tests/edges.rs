@@ -2,10 +2,10 @@
 
 mod shapes;
 
+use covbeam::Edge;
 use covbeam_rays::geometry::Geometry;
-use covbeam_rays::records::{EdgeRecord, HitRecord};
+use covbeam_rays::records::HitRecord;
 use covbeam_rays::threads;
-use covbeam_render::edges::find_edges;
 use covbeam_render::mesh::{Mesh, Placement};
 use covbeam_render::obj::ObjTriangles;
 use covbeam_render::scene::{Material, Object, Scene, Shape};
@@ -62,7 +62,7 @@ fn compare(bounds: bool) {
     }
     let count = origins.len();
     let mut hits = vec![HitRecord::MISS; count];
-    let mut edges = vec![[EdgeRecord::default(); 4]; count];
+    let mut edges = vec![[Edge::default(); 4]; count];
     let mut counts = vec![0; count];
     let pool = threads::pool().expect("starts");
     pool.install(|| scene.cast_many(&origins, &directions, &[f32::INFINITY], &mut hits)).expect("valid rays");
@@ -73,15 +73,16 @@ fn compare(bounds: bool) {
     for i in 0..count {
         let (origin, direction) = (Vec3::from(origins[i]), Vec3::from(directions[i]));
         let hit = reference.intersect(origin, direction, f32::INFINITY);
-        let expected = find_edges(&reference, origin, direction, hit.as_ref());
+        let expected = reference.edges_beside(origin, direction, hit.as_ref());
         found += expected.len();
-        let close = |(edge, expected): (&EdgeRecord, &covbeam_render::edges::Edge)| {
+        let close = |(edge, expected): (&Edge, &Edge)| {
             // A share of what the search resolves, 5 %.
             (edge.depth / expected.depth - 1.0).abs() < 0.01
                 && (edge.distance / expected.distance - 1.0).abs() < 0.01
-                && Vec3::from(edge.towards).dot(expected.towards) > 0.999
+                && edge.towards.dot(expected.towards) > 0.999
         };
-        let equal = usize::from(counts[i]) == expected.len() && edges[i].iter().zip(&expected).all(close);
+        let equal =
+            usize::from(counts[i]) == expected.len() && edges[i].iter().zip(expected.iter()).all(close);
         same += usize::from(equal);
     }
     assert!(found > count / 2, "the rays pass hardly any edges");
