@@ -113,37 +113,3 @@ fn owen_scramble(value: u32, key: u32) -> u32 {
     }
     x.reverse_bits()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_dimension_puts_one_point_in_each_interval_of_a_power_of_two() {
-        for dimension in 0..DIRECTIONS.len() {
-            for key in [0u32, 77, 0xdead_beef] {
-                let mut seen = [false; 1024];
-                for index in 0..1024 {
-                    let cell = (owen_scramble(sobol(index, dimension), key) >> 22) as usize;
-                    assert!(!seen[cell], "dimension {dimension}, key {key}: cell {cell} twice");
-                    seen[cell] = true;
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn the_first_two_dimensions_are_a_net_in_every_elementary_interval() {
-        // A (0, 2)-sequence: 2^8 points put exactly one into each of 2^a x 2^(8-a) boxes.
-        for a in 0..=8u32 {
-            let mut seen = [false; 256];
-            for index in 256..512 {
-                let x = u64::from(owen_scramble(sobol(index, 0), 5)) >> (32 - a);
-                let y = u64::from(owen_scramble(sobol(index, 1), 9)) >> (24 + a);
-                let cell = ((x << (8 - a)) | y) as usize;
-                assert!(!seen[cell], "2^{a} columns: box {cell} twice");
-                seen[cell] = true;
-            }
-        }
-    }
-}

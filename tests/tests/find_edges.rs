@@ -133,13 +133,16 @@ fn the_first_numbers_of_paths_fill_their_dimensions_evenly() {
                 }
             }
         }
-        // The first two together: 16 x 16 squares.
-        let mut seen = [false; 256];
-        for path in 0..256 {
-            let [x, y] = [0, 1].map(|dimension| path_number(seed, sequence, path, dimension));
-            let cell = (16.0 * x) as usize * 16 + (16.0 * y) as usize;
-            assert!(!seen[cell], "{seed} {sequence}: two paths in one square");
-            seen[cell] = true;
+        // The first two together are a (0, 2)-sequence: 2^8 paths put one into each of 2^a x 2^(8-a) boxes.
+        for a in 0..=8 {
+            let (columns, rows) = (1 << a, 256 >> a);
+            let mut seen = [false; 256];
+            for path in 256..512 {
+                let [x, y] = [0, 1].map(|dimension| path_number(seed, sequence, path, dimension));
+                let cell = (columns as f32 * x) as usize * rows + (rows as f32 * y) as usize;
+                assert!(!seen[cell], "{seed} {sequence}: two paths in one of {columns} x {rows} boxes");
+                seen[cell] = true;
+            }
         }
     }
 }
