@@ -717,7 +717,8 @@ inline void carry(Fields f, const covbeam_medium& medium, Vectors origins, Float
 }
 inline void field_at(Segments s, const covbeam_medium& medium, Floats distances, Fields out) {
     const size_t n = detail::common(s.count, distances.count, out.count);
-    check(covbeam_segments_field_at(n, s.data, s.stride, &medium, distances.data, distances.stride, out.data, out.stride));
+    check(covbeam_segments_field_at(n, s.data, s.stride, &medium, distances.data, distances.stride, out.data,
+                                    out.stride));
 }
 inline void path_numbers(uint32_t seed, uint32_t sequence, Strided<const uint32_t> paths, uint32_t dimension,
                          FloatsOut out) {

@@ -101,8 +101,13 @@ const fn direction_numbers() -> [[u32; 32]; EMISSION_DIMENSIONS as usize] {
 }
 
 /// Point `index` of the Sobol' sequence in one dimension, as a 32-bit fraction.
-fn sobol(index: u32, dimension: usize) -> u32 {
-    (0..32).filter(|bit| index >> bit & 1 == 1).fold(0, |value, bit| value ^ DIRECTIONS[dimension][bit])
+fn sobol(mut index: u32, dimension: usize) -> u32 {
+    let mut value = 0;
+    while index != 0 {
+        value ^= DIRECTIONS[dimension][index.trailing_zeros() as usize];
+        index &= index - 1;
+    }
+    value
 }
 
 /// Nested uniform (Owen) scramble by a hash of the leading bits.
