@@ -165,6 +165,28 @@ template <class Poll, class Shade> struct Calls {
     }
 };
 
+/// A host's caster of probe rays as a C callback.
+template <class Probe> struct Probing {
+    Probe& host;
+    std::exception_ptr thrown;
+
+    explicit Probing(Probe& p) noexcept : host(p), thrown() {}
+    static int32_t cast(void* user, const float* direction, covbeam_probe_hit* hit) noexcept {
+        Probing& probing = *static_cast<Probing*>(user);
+        try {
+            probing.host(direction, *hit);
+            return 0;
+        } catch (...) {
+            probing.thrown = std::current_exception();
+            return 1;
+        }
+    }
+    void check(covbeam_status status) const {
+        if (thrown) std::rethrow_exception(thrown);
+        covbeam::check(status);
+    }
+};
+
 } // namespace detail
 
 /// A relative density in voxels. Media refer to it: keep it as long as they are used.
@@ -327,6 +349,28 @@ struct LightField : covbeam_light_field {
     }
 };
 
+/// All 0 but for what the host writes.
+struct Segment : covbeam_segment {
+    Segment() noexcept : covbeam_segment() {}
+
+    /// Fills in the edges. `hit` is where the segment ends, NULL for nowhere; `probe` any callable
+    /// (const float* direction, covbeam_probe_hit& hit) that casts a ray from the origin, and leaves hit alone where it meets
+    /// nothing.
+    template <class Probe> void find_edges(const covbeam_probe_hit* hit, Probe&& probe) {
+        detail::Probing<Probe> probing(probe);
+        probing.check(covbeam_find_edges(field.direction, hit, probing.cast, &probing, edges, &edge_count));
+    }
+    LightField field_at(const covbeam_medium& medium, float distance) const {
+        LightField f; check(covbeam_segment_field_at(this, &medium, distance, &f)); return f;
+    }
+};
+using Segments = Strided<const covbeam_segment>;
+
+/// The number of one decision of one light path.
+inline float path_number(uint32_t seed, uint32_t sequence, uint32_t path, uint32_t dimension) {
+    float v; check(covbeam_path_number(seed, sequence, path, dimension, &v)); return v;
+}
+
 /// A grid of fluence spectra.
 class Grid {
 public:
@@ -352,7 +396,7 @@ public:
 
     covbeam_grid_layout layout() const { covbeam_grid_layout l; check(covbeam_grid_get_layout(get(), &l)); return l; }
     void clear() { check(covbeam_grid_clear(get())); }
-    void deposit(const covbeam_medium& medium, Strided<const covbeam_segment> s) {
+    void deposit(const covbeam_medium& medium, Segments s) {
         check(covbeam_grid_deposit(get(), &medium, s.count, s.data, s.stride));
     }
     void deposit_spectra(Vectors at, SpectraIn s, Floats weights) {
@@ -670,6 +714,16 @@ inline void carry(Fields f, const covbeam_medium& medium, Vectors origins, Float
     const size_t n = detail::common(f.count, origins.count, distances.count);
     check(covbeam_light_fields_carry(n, f.data, f.stride, &medium, origins.data, origins.stride, distances.data,
                                      distances.stride));
+}
+inline void field_at(Segments s, const covbeam_medium& medium, Floats distances, Fields out) {
+    const size_t n = detail::common(s.count, distances.count, out.count);
+    check(covbeam_segments_field_at(n, s.data, s.stride, &medium, distances.data, distances.stride, out.data,
+                                    out.stride));
+}
+inline void path_numbers(uint32_t seed, uint32_t sequence, Strided<const uint32_t> paths, uint32_t dimension,
+                         FloatsOut out) {
+    const size_t n = detail::common(paths.count, out.count);
+    check(covbeam_path_numbers(seed, sequence, n, paths.data, paths.stride, dimension, out.data, out.stride));
 }
 inline void rotate(Fields f, Vectors x_axes) { detail::each(covbeam_light_fields_rotate, f, x_axes); }
 inline void reflect(Fields f, Vectors normals, Curvatures c = Curvatures()) {

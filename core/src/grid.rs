@@ -7,6 +7,7 @@ use crate::light_field::medium::DepthShape;
 use crate::light_field::{FluenceSpectrum, LightField};
 use crate::math::exp;
 use crate::medium::{Column, Density, Medium};
+use crate::segment::Segment;
 use crate::voxels::{Dda, GridError, GridLayout, Lattice, Trilinear};
 use glam::Vec3;
 
@@ -31,24 +32,6 @@ pub struct FluenceCell {
     pub spectrum: FluenceSpectrum,
     /// Σ w over that of the brightest voxel, in (0, 1]; 0 = no data.
     pub weight: f32,
-}
-
-/// A straight stretch of a light path through a medium, with the light field at its start.
-#[derive(Clone, Copy, Debug)]
-pub struct Segment<'a> {
-    /// Where it starts \[m\], in or out of the grid's box. It runs along `field.direction`.
-    pub origin: Vec3,
-    /// Length \[m\] > 0; infinity reaches the end of the box.
-    pub length: f32,
-    /// Power \[W\] > 0 at `origin`.
-    pub power: f32,
-    /// Whether the light comes from its source without scattering in the medium or on a diffuse surface: then its
-    /// [`LightField::variance_along_ray`] counts too.
-    pub unscattered: bool,
-    /// The light field at `origin`.
-    pub field: LightField,
-    /// The column from `origin`: [`Density::column`] of the medium.
-    pub column: Column<'a>,
 }
 
 /// The accumulating side of a grid, over the caller's cells. One per thread; merge them in a fixed order and the
@@ -95,9 +78,9 @@ impl<'a> CovarianceGrid<'a> {
     /// inside it.
     ///
     /// The spectrum is that of [`LightField::fluence_within`] up to the voxels' Nyquist frequency, half a cycle over their
-    /// smallest side. The weight in a voxel is `power` x ∫ transmittance ds over that stretch, from `origin`, of the mean channel.
-    /// In a medium whose density varies, the field is attenuated on its way as well ([`LightField::attenuate`]); in a homogeneous
-    /// one that costs nothing.
+    /// smallest side, and past each edge that of the field that the edge has occluded. The weight in a voxel is `power` x
+    /// ∫ transmittance ds over that stretch, from `origin`, of the mean channel. In a medium whose density varies, the field is
+    /// attenuated on its way as well ([`LightField::attenuate`]); in a homogeneous one that costs nothing.
     ///
     /// - `medium`: what the segment is in.
     ///
@@ -119,24 +102,43 @@ impl<'a> CovarianceGrid<'a> {
     /// let field = LightField::point(Vec3::Z, 0.1);
     /// let origin = Vec3::new(0.5, 0.5, -1.0);
     /// let column = Column::Uniform;
-    /// grid.deposit(&Medium::default(), &Segment { origin, length: 1.75, power: 4.0, unscattered: true, field, column });
+    /// let segment = Segment { origin, length: 1.75, power: 4.0, unscattered: true, field, edges: &[], column };
+    /// grid.deposit(&Medium::default(), &segment);
     /// assert_eq!([cells[0].weight, cells[1].weight], [2.0, 1.0]);
     /// # Ok::<(), covbeam::GridError>(())
     /// ```
     pub fn deposit(&mut self, medium: &Medium, segment: &Segment) {
-        let Segment { origin, length, power, unscattered, ref field, ref column } = *segment;
-        let extinction = medium.mean_extinction();
-        let sound = origin.is_finite()
-            && field.direction.is_finite()
+        let Segment { length, power, ref field, .. } = *segment;
+        let sound = field.direction.is_finite()
             && field.direction != Vec3::ZERO
             && length > 0.0
             && power > 0.0
             && power.is_finite()
-            && extinction >= 0.0;
+            && medium.mean_extinction() >= 0.0;
         if !sound {
             return;
         }
-        let Some(mut dda) = Dda::new(&self.layout, Lattice::Voxels, origin, field.direction, length) else {
+        let (rest, from) = segment
+            .pass_edges(medium, length, |field, ends| self.deposit_stretch(medium, segment, field, ends));
+        self.deposit_stretch(medium, segment, &rest, [from, length]);
+    }
+
+    /// Adds the spectra along the part of a segment between two distances, without edges; `field` is that at its start.
+    fn deposit_stretch(
+        &mut self,
+        medium: &Medium,
+        segment: &Segment,
+        field: &LightField,
+        [start, end]: [f32; 2],
+    ) {
+        let Segment { power, unscattered, ref column, .. } = *segment;
+        let extinction = medium.mean_extinction();
+        let origin = segment.origin + start * field.direction;
+        if !origin.is_finite() {
+            return;
+        }
+        let Some(mut dda) = Dda::new(&self.layout, Lattice::Voxels, origin, field.direction, end - start)
+        else {
             return;
         };
         let uniform_column = matches!(column, Column::Uniform);
@@ -146,7 +148,7 @@ impl<'a> CovarianceGrid<'a> {
         let mut here = *field;
         let mut shape = DepthShape::default();
         let mut reached = 0.0_f64;
-        let mut before = column.at(dda.position() as f32);
+        let mut before = column.at(start + dda.position() as f32);
         let (_, mut flux) = attenuate(extinction * before);
         flux *= power;
         while let Some((cell, from, to)) = dda.next_cell() {
@@ -163,7 +165,7 @@ impl<'a> CovarianceGrid<'a> {
             let depth = if uniform_column {
                 extinction * step
             } else {
-                let after = column.at(to as f32);
+                let after = column.at(start + to as f32);
                 let depth = extinction * (after - before).max(0.0);
                 before = after;
                 depth

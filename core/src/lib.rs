@@ -14,11 +14,12 @@
 //!
 //! // For each photon segment that your tracer makes: its light field goes into the grid, its beam into a list.
 //! let (origin, direction, length, power) = (Vec3::new(0.0, 2.0, 0.0), Vec3::NEG_Y, 3.0, 1.0);
-//! let mut field = LightField::point(direction, EVEN_LAMP);
+//! let field = LightField::point(direction, EVEN_LAMP);
 //! let mut grid = CovarianceGrid::new(layout, &mut sums)?;
 //! let column = Column::Uniform; // of a homogeneous medium
-//! grid.deposit(&fog, &Segment { origin, length, power, unscattered: true, field, column });
-//! field.travel_through(&fog, origin, 1.2); // on to the next event: scatter, refract, reflect, occlude …
+//! let segment = Segment { origin, length, power, unscattered: true, field, edges: &[], column };
+//! grid.deposit(&fog, &segment); // edges beside it: find_edges
+//! let field = segment.field_at(&fog, 1.2); // on to the next event: field.scatter(…), refract, reflect …
 //! let beams = vec![Beam { origin, direction, length, power: Vec3::splat(power), ..Beam::default() }];
 //!
 //! // After the photons of a pass: resolve the grid, build the map, gather a tile of eye rays.
@@ -54,6 +55,7 @@
 //! |---|---|---|
 //! | 5.3.1 | light fields, their events, the slice of their spectrum (Eq 5.14) | [`light_field`] |
 //! | | what attenuates and scatters them | [`medium`] |
+//! | | a segment of a light path, the edges beside it, numbers to draw paths with | [`segment`], [`edges`], [`emission`] |
 //! | 5.3.1, Eq 5.15 | the covariance grid | [`grid`], over [`voxels`] |
 //! | 5.3.4 | kernels as wide as the light allows, and the gather of one pair | [`kernel`], [`beam`] |
 //! | 5.3.2 | few eye rays and a filter: image space | [`image`] |
@@ -69,6 +71,8 @@ extern crate std;
 pub mod beam;
 #[cfg(feature = "bvh")]
 pub mod beam_map;
+pub mod edges;
+pub mod emission;
 pub mod grid;
 pub mod image;
 pub mod kernel;
@@ -77,6 +81,7 @@ pub mod march;
 mod math;
 pub mod medium;
 mod saved_grid;
+pub mod segment;
 pub mod voxels;
 
 pub use glam::{Vec2, Vec3};
@@ -84,7 +89,9 @@ pub use glam::{Vec2, Vec3};
 pub use beam::{BLOCK, Beam, BeamBlock, Crossing, EyeRay, Gathered, PARALLEL_SINE, cross, gather_pair};
 #[cfg(feature = "bvh")]
 pub use beam_map::{BeamMap, Contact, GatherScratch, MAX_BEAMS, Stop, Unfinished};
-pub use grid::{CovarianceGrid, FluenceCell, FluenceGrid, GridCell, Segment};
+pub use edges::{Edge, Edges, MOST_EDGES, ProbeHit, find_edges};
+pub use emission::{EMISSION_DIMENSIONS, path_number};
+pub use grid::{CovarianceGrid, FluenceCell, FluenceGrid, GridCell};
 pub use image::{
     FILM_TILE, FILM_TILE_PIXELS, FilmEvidence, FilmFilterNode, FilmFilters, FilmLattice, FilmNode, FilmPixel,
     FilmSample, FilmSizeError, FilmSums, FilmUnit, ImageFilter, ImageSpectrum, PixelStep, Reconstruction,
@@ -96,4 +103,5 @@ pub use march::{MARCH_KNOTS, March, MarchCell, MarchError, MarchKnot, MarchSampl
 pub use medium::{
     Column, Density, DensityGrid, Derivatives, ExponentialDensity, Knot, Medium, PhaseFunction, PhaseKind,
 };
+pub use segment::Segment;
 pub use voxels::{GridError, GridLayout};

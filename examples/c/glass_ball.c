@@ -12,6 +12,7 @@
 #include <time.h>
 
 enum { TILE = 8, KINDS = 5 };
+enum { PHOTONS, PIXELS }; /* sequences of decisions */
 
 static const float LAMP[3] = { 1.0f, 2.4f, 0.0f }; /* a point */
 static const float INTENSITY = 25.0f;              /* W/sr; all is grey here: one number for three channels */
@@ -35,38 +36,39 @@ static void check(covbeam_status status, const char *call, int line)
 }
 
 /* Leaves the light field of a beam in the grid, and moves it on by the photon's flight. The silhouette of the ball
- * cuts the light that passes it or falls into it; farther away than a quarter of its depth it does not matter. */
+ * cuts the light that passes it or falls into it; farther away than a quarter of its depth it does not matter. For
+ * shapes without a formula there is covbeam_find_edges. */
 static void leave_field(covbeam_light_field *field, const path *p, const covbeam_beam *beam, int unscattered,
     float flight, covbeam_grid *grid)
 {
-    covbeam_segment piece = { .length = beam->length, .power = beam->power[0], .field = *field };
-    piece.unscattered = (uint32_t)unscattered;
-    copy(p->position, piece.origin);
-    float aside[3], depth = -dot(p->position, p->direction);
-    add(p->position, depth, p->direction, aside);
-    float edge = fabsf(sqrtf(dot(aside, aside)) - RADIUS);
-    int cut = p->place == IN_FOG && depth > 0 && edge < 0.25f * depth && dot(aside, aside) > 0;
-    if (cut) {
-        depth = fminf(depth, beam->length);
-        piece.length = depth;
-        TRY(covbeam_grid_deposit(grid, &FOG, 1, &piece, sizeof piece));
-        TRY(covbeam_light_field_travel(&piece.field, depth));
-        TRY(covbeam_light_field_occlude(&piece.field, aside, edge));
-        add(p->position, depth, p->direction, piece.origin);
-        piece.power *= expf(-EXTINCTION * depth);
-        piece.length = beam->length - depth;
-    }
-    if (piece.length > 0)
-        TRY(covbeam_grid_deposit(grid, &FOG, 1, &piece, sizeof piece));
-    if (cut && depth <= flight) {
-        *field = piece.field;
-        flight -= depth;
-    }
-    TRY(covbeam_light_field_travel(field, flight));
+    covbeam_segment segment = { .length = beam->length, .power = beam->power[0], .field = *field };
+    segment.unscattered = (uint32_t)unscattered;
+    copy(p->position, segment.origin);
+    covbeam_edge *edge = &segment.edges[0];
+    float depth = -dot(p->position, p->direction);
+    add(p->position, depth, p->direction, edge->towards);
+    edge->depth = fminf(depth, beam->length);
+    edge->distance = fabsf(sqrtf(dot(edge->towards, edge->towards)) - RADIUS);
+    segment.edge_count = p->place == IN_FOG && depth > 0 && edge->distance < 0.25f * depth
+        && dot(edge->towards, edge->towards) > 0;
+    TRY(covbeam_grid_deposit(grid, &FOG, 1, &segment, sizeof segment));
+    TRY(covbeam_segment_field_at(&segment, &FOG, flight, field));
+}
+
+/* What chance decides on a path: the first decisions of many paths are spread evenly. */
+typedef struct {
+    uint32_t seed, sequence, path, next;
+} decisions;
+
+static float decide(decisions *d)
+{
+    float number;
+    TRY(covbeam_path_number(d->seed, d->sequence, d->path, d->next++, &number));
+    return number;
 }
 
 /* Follows a photon to its end. Its beams go into the map; field is NULL, or its light field at the lamp. */
-static void trace_photon(path p, float power, covbeam_light_field *field, uint64_t *random, covbeam_beam_map *map,
+static void trace_photon(path p, float power, covbeam_light_field *field, decisions *chance, covbeam_beam_map *map,
     covbeam_grid *grid)
 {
     /* Convex on the side of the outward normal, from whichever side the light comes. */
@@ -88,18 +90,18 @@ static void trace_photon(path p, float power, covbeam_light_field *field, uint64
                 normalize(beam.end_normal);
             }
             TRY(covbeam_beam_map_add(map, 1, &beam, sizeof beam));
-            flight = -log1pf(-uniform(random)) / EXTINCTION;
+            flight = -log1pf(-decide(chance)) / EXTINCTION;
             if (field)
                 leave_field(field, &p, &beam, unscattered, fminf(flight, distance), grid);
         } else if (field) {
             TRY(covbeam_light_field_travel(field, distance));
         }
         if (flight < distance) {
-            if (uniform(random) >= ALBEDO)
+            if (decide(chance) >= ALBEDO)
                 return;
             float xi[2];
-            xi[0] = uniform(random);
-            xi[1] = uniform(random);
+            xi[0] = decide(chance);
+            xi[1] = decide(chance);
             add(p.position, flight, p.direction, p.position);
             TRY(covbeam_phase_sample(&FOG.phase, p.direction, xi, p.direction));
             if (field)
@@ -111,7 +113,7 @@ static void trace_photon(path p, float power, covbeam_light_field *field, uint64
             path reflected, refracted;
             float eta;
             uint8_t passed;
-            int back = uniform(random) < meet_ball(&p, distance, &eta, &reflected, &refracted);
+            int back = decide(chance) < meet_ball(&p, distance, &eta, &reflected, &refracted);
             if (field && back)
                 TRY(covbeam_light_field_reflect(field, p.normal, &curvature));
             else if (field)
@@ -121,15 +123,11 @@ static void trace_photon(path p, float power, covbeam_light_field *field, uint64
     }
 }
 
-static void trace_photons(uint64_t pass, uint64_t photons, uint64_t seed, covbeam_beam_map *map, covbeam_grid *grid)
+static void trace_photons(uint64_t pass, uint64_t photons, uint32_t seed, covbeam_beam_map *map, covbeam_grid *grid)
 {
-    uint64_t random = seed << 32;
-    float start[2], at[2];
-    start[0] = uniform(&random);
-    start[1] = uniform(&random);
     for (uint64_t i = (pass - 1) * photons; i < pass * photons; i++) {
-        even_point(i, start, at);
-        float z = 1 - 2 * at[0], r = sqrtf(fmaxf(1 - z * z, 0.0f)), phi = 6.2831853f * at[1];
+        decisions chance = { seed, PHOTONS, (uint32_t)i, 0 };
+        float z = 1 - 2 * decide(&chance), r = sqrtf(fmaxf(1 - z * z, 0.0f)), phi = 6.2831853f * decide(&chance);
         path p = { .direction = { r * cosf(phi), r * sinf(phi), z } };
         normalize(p.direction);
         copy(LAMP, p.position);
@@ -137,9 +135,8 @@ static void trace_photons(uint64_t pass, uint64_t photons, uint64_t seed, covbea
          * spectrum with an angular variance of 2/(4 pi^2). */
         covbeam_light_field field;
         TRY(covbeam_light_field_point(p.direction, COVBEAM_EVEN_LAMP, &field));
-        random = (seed << 40) + i * 1000003u;
         float power = 12.566371f * INTENSITY / (float)photons;
-        trace_photon(p, power, grid && i % 10 == 0 ? &field : NULL, &random, map, grid);
+        trace_photon(p, power, grid && i % 10 == 0 ? &field : NULL, &chance, map, grid);
     }
 }
 
@@ -207,7 +204,7 @@ static uint64_t gather_tile(int x0, int y0, int size, const float *jitter, float
     return pairs;
 }
 
-static void render(float (*picture)[3], int size, uint32_t passes, uint64_t photons, uint64_t seed, int plain)
+static void render(float (*picture)[3], int size, uint32_t passes, uint64_t photons, uint32_t seed, int plain)
 {
     covbeam_beam_map *map;
     covbeam_grid *grid = NULL;
@@ -216,10 +213,7 @@ static void render(float (*picture)[3], int size, uint32_t passes, uint64_t phot
     TRY(covbeam_scratch_new(&scratch));
     if (!plain)
         TRY(covbeam_grid_new(&VOXELS, &grid));
-    uint64_t random = seed, pairs = 0;
-    float start[2], jitter[2];
-    start[0] = uniform(&random);
-    start[1] = uniform(&random);
+    uint64_t pairs = 0;
     clock_t tracing = 0, committing = 0, gathering = 0;
 
     for (uint32_t pass = 1; pass <= passes; pass++) {
@@ -237,7 +231,11 @@ static void render(float (*picture)[3], int size, uint32_t passes, uint64_t phot
         TRY(covbeam_beam_map_commit(map, kernel.max_radius, NULL, NULL));
         clock_t committed = clock();
 
-        even_point(pass, start, jitter);
+        /* Where in the pixels the eye rays of the pass lie. */
+        decisions chance = { seed, PIXELS, pass, 0 };
+        float jitter[2];
+        jitter[0] = decide(&chance);
+        jitter[1] = decide(&chance);
         for (int y = 0; y < size; y += TILE)
             for (int x = 0; x < size; x += TILE)
                 pairs += gather_tile(x, y, size, jitter, picture, map, &kernel, grid, scratch);
@@ -290,7 +288,7 @@ int main(int count, char **arguments)
         perror("the picture");
         return EXIT_FAILURE;
     }
-    render(picture, size, (uint32_t)numbers[0], numbers[1], numbers[2], plain);
+    render(picture, size, (uint32_t)numbers[0], numbers[1], (uint32_t)numbers[2], plain);
     int written = write_pfm(out, size, picture, 1 / (float)numbers[0]);
     free(picture);
     if (!written) {

@@ -1,4 +1,4 @@
-/* The renderer's own part: vectors, random numbers, a glass ball around the origin, picture files. No covbeam. */
+/* The renderer's own part: vectors, a glass ball around the origin, picture files. No covbeam. */
 #ifndef RENDERER_H
 #define RENDERER_H
 
@@ -31,22 +31,6 @@ static inline void normalize(float *v)
     float length = sqrtf(dot(v, v));
     for (int i = 0; i < 3; i++)
         v[i] /= length;
-}
-
-/* Uniform in [0, 1): SplitMix64. */
-static inline float uniform(uint64_t *random)
-{
-    uint64_t z = *random += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (float)((z ^ (z >> 31)) >> 40) / 16777216.0f;
-}
-
-/* Points that fill the unit square evenly: Roberts' R2 sequence. */
-static inline void even_point(uint64_t index, const float *start, float *out)
-{
-    out[0] = (float)fmod(start[0] + (double)index * 0.75487766624669276, 1.0);
-    out[1] = (float)fmod(start[1] + (double)index * 0.56984029099805327, 1.0);
 }
 
 /* Where a ray is. On the ball it must be told: the distance to the ball is rounding noise there. */

@@ -130,8 +130,8 @@ private:
         for (int path = first; path < last; ++path) {
             if (stopped) throw covbeam::Cancelled("while tracing photons");
             // A tenth of the paths say how fast the light varies, which is enough.
-            trace(scene_, lamp_, fog_, Random(pass, uint32_t(path)), 1 / float(options_.photons), path % 10 == 0,
-                  share);
+            const Random random(0, (pass - 1) * uint32_t(options_.photons) + uint32_t(path));
+            trace(scene_, lamp_, fog_, random, 1 / float(options_.photons), path % 10 == 0, share);
         }
         share.grid.deposit(fog_, share.segments);
     }
@@ -144,7 +144,7 @@ private:
         for (int y = y0; y < std::min(y0 + TILE, camera_.height); ++y)
             for (int x = x0; x < std::min(x0 + TILE, camera_.width); ++x) {
                 const size_t pixel = size_t(y * camera_.width + x);
-                Random random(pass, 0x80000000u | uint32_t(pixel));
+                Random random(1 + uint32_t(pixel), pass);
                 const Vec3 direction = camera_.direction(float(x) + random.uniform(), float(y) + random.uniform());
                 const Hit hit = scene_.intersect(camera_.position, direction);
                 picture[pixel] = direct_light(direction, hit);

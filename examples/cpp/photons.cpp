@@ -4,35 +4,16 @@
 
 namespace {
 
-// Moves a light field on by `distance`. With `out`, what it leaves on the way is for the grid: `power` and `unscattered` are its.
-void follow(const Scene& scene, const covbeam::Medium& fog, Vec3 origin, float distance, covbeam::LightField& field,
-            float power,
-            bool unscattered, std::vector<covbeam_segment>* out) {
-    // The ball is the only thing that casts a shadow: its silhouette lies where the ray comes closest to the centre. A renderer of
-    // meshes would look for edges with a few probe rays beside this one.
-    const Vec3 direction{field.direction[0], field.direction[1], field.direction[2]}, to = scene.center - origin;
+// The ball is the only thing that casts a shadow: its silhouette lies where the ray comes closest to the centre. A renderer of
+// meshes lets covbeam::Segment::find_edges look for it with a few probe rays.
+void find_edges(const Scene& scene, Vec3 origin, Vec3 direction, covbeam_segment& segment) {
+    const Vec3 to = scene.center - origin;
     const float nearest = dot(to, direction);
     const Vec3 towards = to - nearest * direction;
     const float gap = length(towards) - scene.radius;
-    const float cut = gap > 0 && nearest > 0 && nearest < distance ? nearest : distance;
-
-    const float ends[3] = {0, cut, distance};
-    for (int i = 0; i < 2 && ends[i] < ends[i + 1]; ++i) {
-        const Vec3 at = origin + ends[i] * direction;
-        float left[3]; // of the light, after the fog; grey as the fog
-        fog.transmittance(origin.data(), direction.data(), ends[i], left);
-        if (out && power * left[0] > 0) {
-            covbeam_segment segment = {};
-            store(at, segment.origin);
-            segment.length = ends[i + 1] - ends[i];
-            segment.power = power * left[0];
-            segment.unscattered = unscattered;
-            segment.field = field;
-            out->push_back(segment);
-        }
-        field.carry(fog, at.data(), ends[i + 1] - ends[i]);
-        if (ends[i + 1] < distance) field.occlude(towards.data(), gap);
-    }
+    segment.edge_count = gap > 0 && nearest > 0 && nearest < segment.length;
+    segment.edges[0].depth = nearest, segment.edges[0].distance = gap;
+    store(towards, segment.edges[0].towards);
 }
 
 } // namespace
@@ -72,9 +53,15 @@ void trace(const Scene& scene, const Lamp& lamp, const covbeam::Medium& fog, Ran
         const float distance = collides ? flight : hit.distance;
         if (bandwidth) {
             // Like the beam, what goes into the grid runs to the surface; the field itself stops where the photon does.
-            covbeam::LightField all_the_way = field;
-            follow(scene, fog, origin, hit.distance, all_the_way, power, unscattered, &out.segments);
-            follow(scene, fog, origin, distance, field, power, unscattered, nullptr);
+            covbeam::Segment segment;
+            store(origin, segment.origin);
+            segment.length = hit.distance;
+            segment.power = power;
+            segment.unscattered = unscattered;
+            segment.field = field;
+            find_edges(scene, origin, direction, segment);
+            out.segments.push_back(segment);
+            field = segment.field_at(fog, distance);
         }
         // Survival by the albedo keeps the power of a path as it is.
         if (random.uniform() >= (collides ? albedo : hit.albedo)) return;

@@ -5,6 +5,17 @@
 #include <covbeam.hpp>
 #include <vector>
 
+// The decisions of a path, a function of its place alone: which thread asks, and when, does not matter. The first ones of many
+// paths in a row are spread evenly.
+class Random {
+public:
+    Random(uint32_t sequence, uint32_t path) : sequence_(sequence), path_(path) {}
+    float uniform() { return covbeam::path_number(1, sequence_, path_, next_++); }
+
+private:
+    uint32_t sequence_, path_, next_ = 0;
+};
+
 // A fixed part of a pass' photons. It has its own beams and its own grid, so that threads share nothing, and it is merged in its
 // turn, so that the sums do not depend on which thread was first.
 struct Share {

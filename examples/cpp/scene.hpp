@@ -1,9 +1,8 @@
-// What a renderer has already: vectors, random numbers, geometry, a lamp, a camera. Nothing here knows covbeam.
+// What a renderer has already: vectors, geometry, a lamp, a camera. Nothing here knows covbeam.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 
 constexpr float PI = 3.14159265f;
 
@@ -26,22 +25,6 @@ inline Vec3 around(Vec3 axis, float cosine, float turns) {
     const float sine = std::sqrt(std::max(0.0f, 1 - cosine * cosine)), phi = 2 * PI * turns;
     return normalize(sine * std::cos(phi) * u + sine * std::sin(phi) * cross(axis, u) + cosine * axis);
 }
-
-// Random numbers that are a function of (pass, path) alone: which thread asks, and when, does not matter.
-class Random {
-public:
-    Random(uint32_t pass, uint32_t path) : state_((uint64_t(pass) << 32 | path) * 0x9E3779B97F4A7C15u) { next(), next(); }
-    float uniform() { return float(next() >> 40) / 16777216.0f; }
-
-private:
-    uint64_t next() { // SplitMix64
-        uint64_t z = state_ += 0x9E3779B97F4A7C15u;
-        z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-        z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-        return z ^ (z >> 31);
-    }
-    uint64_t state_;
-};
 
 struct Hit {
     float distance;

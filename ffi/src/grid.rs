@@ -1,18 +1,18 @@
 //! Covariance grids: what photons leave in them, and what a gather looks up.
 
-use crate::check::{finite_not_negative, positive, positive_or_infinite, vector};
-use crate::column::ordered_table;
+use crate::check::{finite_not_negative, vector};
 use crate::density::reserved;
 use crate::handle::{Opaque, free, handle_to, run_on, shared};
 use crate::medium::{self, covbeam_medium};
-use crate::memory::{Element, Inputs, Outputs, Slot, aligned, inputs, outputs, read};
+use crate::memory::{Inputs, Outputs, Slot, aligned, inputs, outputs, read};
+use crate::segment::whole;
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
 use crate::types::*;
 use core::ffi::c_void;
 use core::slice;
 use covbeam_core::{
     Column, CovarianceGrid, FluenceCell, FluenceGrid, FluenceSpectrum, GridCell, GridError, GridLayout, Knot,
-    LightField, Segment,
+    Segment,
 };
 
 /// A grid of fluence spectra. It collects (covbeam_grid_deposit), adds up (covbeam_grid_merge), is resolved
@@ -226,32 +226,7 @@ pub unsafe extern "C" fn covbeam_grid_clear(grid: *mut covbeam_grid) -> covbeam_
     unsafe { run_on(grid, "grid", clear) }
 }
 
-/// The table of columns that a host gives with a segment.
-fn host_knots<'a>(e: Element<covbeam_segment>) -> Result<Option<&'a [Knot]>, Failure> {
-    let covbeam_segment { knots, knot_count, .. } = e.value;
-    if knots.is_null() {
-        return if knot_count == 0 {
-            Ok(None)
-        } else {
-            Err(e.is(format_args!("knots is NULL, knot_count is not 0")))
-        };
-    }
-    // SAFETY: by the promise of the caller of `covbeam_grid_deposit`.
-    unsafe { ordered_table(knots, knot_count, "knots of segments") }.map(Some)
-}
-
-/// The light field and the host's columns of a segment, if all of it is sound.
-fn segment<'a>(e: Element<covbeam_segment>) -> Result<(LightField, Option<&'a [Knot]>), Failure> {
-    vector(e.part(|s| s.origin))?;
-    positive_or_infinite(e.part(|s| s.length))?;
-    positive(e.part(|s| s.power))?;
-    if e.value.unscattered > 1 {
-        return Err(e.is(format_args!("unscattered is {}, neither 0 nor 1", e.value.unscattered)));
-    }
-    Ok((light_field(e.part(|s| s.field))?, host_knots(e)?))
-}
-
-/// Adds the light fields along segments of light paths, in their order.
+/// Adds the light fields along segments of light paths, in their order; past each edge what the edge has left.
 ///
 /// @param grid the grid.
 /// @param medium what the segments run through; the mean extinction of the channels counts.
@@ -272,18 +247,18 @@ pub unsafe extern "C" fn covbeam_grid_deposit(
         let medium = unsafe { medium::read(medium, "medium") }?;
         inputs!(count, segments, segment_stride);
         for i in 0..count {
-            segment(segments.get(i))?;
+            whole(segments.get(i))?;
         }
         let (mut grid, knots) = grid.collecting();
         for i in 0..count {
-            let (field, table) = segment(segments.get(i))?;
-            let covbeam_segment { origin, length, power, unscattered, .. } = segments.get(i).value;
+            let (way, table) = whole(segments.get(i))?;
+            let covbeam_segment { length, power, unscattered, .. } = segments.get(i).value;
             let column = match table {
                 Some(table) => Column::Knots(table),
-                None => medium::tabulated(&medium, origin.into(), field.direction, length, knots),
+                None => medium::tabulated(&medium, way.origin, way.field.direction, length, knots),
             };
-            let (origin, unscattered) = (origin.into(), unscattered == 1);
-            grid.deposit(&medium, &Segment { origin, length, power, unscattered, field, column });
+            let unscattered = unscattered == 1;
+            grid.deposit(&medium, &Segment { length, power, unscattered, column, ..way.segment() });
         }
         Ok(())
     };

@@ -4,6 +4,7 @@
 
 use crate::beam_map::{covbeam_poll, covbeam_shade};
 use crate::column::covbeam_column;
+use crate::edges::covbeam_probe;
 use crate::kernel::{covbeam_kernel, covbeam_kernel_shape, covbeam_schedule};
 use crate::medium::{covbeam_density_kind, covbeam_medium};
 use crate::status::covbeam_status;
@@ -30,8 +31,10 @@ layout! {
     covbeam_grid_cell: 56, 8 { sum 0, weight 48 }
     covbeam_fluence_cell: 28, 4 { spectrum 0, weight 24 }
     covbeam_knot: 8, 4 { distance 0, column 4 }
-    covbeam_segment: 104, 8 {
-        origin 0, length 12, power 16, unscattered 20, field 24, knots 88, knot_count 96
+    covbeam_edge: 20, 4 { depth 0, distance 4, towards 8 }
+    covbeam_probe_hit: 20, 4 { distance 0, normal 4, offset 16 }
+    covbeam_segment: 192, 8 {
+        origin 0, length 12, power 16, unscattered 20, field 24, edges 88, edge_count 168, knots 176, knot_count 184
     }
     covbeam_phase: 8, 4 { kind 0, asymmetry 4 }
     covbeam_medium: 80, 8 {
@@ -64,6 +67,7 @@ layout! {
     covbeam_kernel_shape: 4, 4 {}
     covbeam_poll: 8, 8 {}
     covbeam_shade: 8, 8 {}
+    covbeam_probe: 8, 8 {}
 }
 
 macro_rules! values {

@@ -85,7 +85,37 @@ pub struct covbeam_fluence_cell {
     pub weight: f32,
 }
 
-/// A straight piece of a photon's path whose light field goes into a grid.
+/// An edge of an occluder beside a ray.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_edge {
+    /// Distance along the ray at which the edge passes by [m], finite; one at a depth <= 0 does not count.
+    pub depth: f32,
+    /// Distance from the ray to the edge there [m] >= 0; infinity is no edge.
+    pub distance: f32,
+    /// Direction from the ray to the nearest point of the edge, any length but 0.
+    pub towards: [f32; 3],
+}
+
+/// Where a probe ray meets a surface, for covbeam_find_edges.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_probe_hit {
+    /// Along the probe [m] > 0; infinity where it meets nothing.
+    pub distance: f32,
+    /// Geometric normal, any length but 0, either side; not looked at where nothing is met.
+    pub normal: [f32; 3],
+    /// How far off this surface rays start that leave it [m], finite and >= 0; no farther than rounding asks
+    /// for. Nearer than 4096 times that, it is the surface which the ray itself left, and no edge.
+    pub offset: f32,
+}
+
+/// Most edges of a segment.
+pub const COVBEAM_MOST_EDGES: usize = 4;
+
+const _: () = assert!(COVBEAM_MOST_EDGES == core_types::MOST_EDGES);
+
+/// A straight piece of a photon's path that carries a light field.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct covbeam_segment {
@@ -100,6 +130,10 @@ pub struct covbeam_segment {
     pub unscattered: u32,
     /// The light field at the origin.
     pub field: covbeam_light_field,
+    /// The edges that the light passes, sorted by depth: such as covbeam_find_edges finds, or 0.
+    pub edges: [covbeam_edge; COVBEAM_MOST_EDGES],
+    /// Number of edges that count.
+    pub edge_count: u32,
     /// How the light is attenuated: NULL takes it from the medium. A host with media of its own gives a table
     /// of (distance from the origin, optical depth up to there / extinction of the medium passed), both finite,
     /// neither falling.
@@ -380,6 +414,18 @@ pub(crate) fn light_field(e: Element<covbeam_light_field>) -> Result<core_types:
         Ok(e.value.into())
     } else {
         Err(e.is(format_args!("x_axis {x} is not across direction {z}")))
+    }
+}
+
+impl From<covbeam_edge> for core_types::Edge {
+    fn from(edge: covbeam_edge) -> Self {
+        Self { depth: edge.depth, distance: edge.distance, towards: edge.towards.into() }
+    }
+}
+
+impl From<core_types::Edge> for covbeam_edge {
+    fn from(edge: core_types::Edge) -> Self {
+        Self { depth: edge.depth, distance: edge.distance, towards: edge.towards.into() }
     }
 }
 

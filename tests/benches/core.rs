@@ -120,6 +120,7 @@ fn grid(c: &mut Criterion) {
                     power: 1.0,
                     unscattered: true,
                     field: *black_box(&field),
+                    edges: &[],
                     column: Column::Uniform,
                 },
             )

@@ -25,7 +25,7 @@
 #define VALUE(name, value) ASSERT(name, COVBEAM_##name == (value))
 
 ASSERT(pointers, sizeof(void *) == 8 && sizeof(size_t) == 8);
-ASSERT(functions, sizeof(covbeam_poll) == 8 && sizeof(covbeam_shade) == 8);
+ASSERT(functions, sizeof(covbeam_poll) == 8 && sizeof(covbeam_shade) == 8 && sizeof(covbeam_probe) == 8);
 
 SIZE(light_field, 64, 4);
 AT(light_field, root, 0);
@@ -63,14 +63,26 @@ SIZE(knot, 8, 4);
 AT(knot, distance, 0);
 AT(knot, column, 4);
 
-SIZE(segment, 104, 8);
+SIZE(edge, 20, 4);
+AT(edge, depth, 0);
+AT(edge, distance, 4);
+AT(edge, towards, 8);
+
+SIZE(probe_hit, 20, 4);
+AT(probe_hit, distance, 0);
+AT(probe_hit, normal, 4);
+AT(probe_hit, offset, 16);
+
+SIZE(segment, 192, 8);
 AT(segment, origin, 0);
 AT(segment, length, 12);
 AT(segment, power, 16);
 AT(segment, unscattered, 20);
 AT(segment, field, 24);
-AT(segment, knots, 88);
-AT(segment, knot_count, 96);
+AT(segment, edges, 88);
+AT(segment, edge_count, 168);
+AT(segment, knots, 176);
+AT(segment, knot_count, 184);
 
 SIZE(phase, 8, 4);
 AT(phase, kind, 0);

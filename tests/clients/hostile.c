@@ -20,6 +20,7 @@
 #define WORD(i) a[i].word
 #define POLL(i) a[i].poll
 #define SHADE(i) a[i].shade
+#define PROBE(i) a[i].probe
 
 #define OTHER(name)
 #define CALL(name, description, ...) \

@@ -199,6 +199,114 @@ class Picture(unittest.TestCase):
         self.assertGreater(centre, 3 * np.concatenate([picture[:8], picture[-8:]]).mean())
 
 
+class Segments(unittest.TestCase):
+    def test_a_segment_with_edges_is_the_same_one_cut_by_hand(self):
+        whole = lamp_segments(50)
+        whole["edges"]["depth"], whole["edges"]["distance"] = (-1, 0.5, 0.75, 2), 0.2
+        whole["edges"]["towards"], whole["edge_count"] = directions(200, 5).reshape(50, 4, 3), 4
+        pieces, at = [], 0.0
+        for edge in (1, 2, 3, None):
+            piece = lamp_segments(50)
+            piece["origin"] = np.float32(at) * piece["field"]["direction"]
+            piece["power"] *= np.float32(math.exp(-0.2 * at))
+            if pieces:
+                piece["field"] = field
+            end = 4.0 if edge is None else float(whole["edges"]["depth"][0, edge])
+            piece["length"] = end - at
+            field = piece["field"].copy()
+            if edge is not None:
+                light_field.travel(field, end - at)
+                light_field.occlude(field, whole["edges"]["towards"][:, edge].copy(), 0.2)
+            pieces.append(piece)
+            at = end
+        with cb.Grid(LAYOUT) as grid, cb.Grid(LAYOUT) as by_hand, cb.Grid(LAYOUT) as plain:
+            grid.deposit(FOG, whole)
+            for piece in pieces:
+                by_hand.deposit(FOG, piece)
+            plain.deposit(FOG, lamp_segments(50))
+            cells, expected, other = (g.cells["sum"].reshape(-1, 6).copy() for g in (grid, by_hand, plain))
+        # Roundings of f32 in places and powers; a voxel's border may lie on the other side of one.
+        np.testing.assert_allclose(cells, expected, rtol=1e-4, atol=1e-5 * np.abs(expected).max())
+        self.assertGreater(np.abs(cells - other).max(), 0.01 * np.abs(other).max())
+        found = cb.segment.field_at(whole, FOG, 3.0)
+        light_field.travel(field, 1.0)
+        np.testing.assert_array_equal(found, field)
+
+    def test_edges_that_are_not_sound_are_refused(self):
+        for name, value in (("depth", (1, 0.5, 2, 3)), ("depth", np.nan), ("distance", -1), ("towards", 0)):
+            segments = lamp_segments(3)
+            segments["edges"]["towards"], segments["edge_count"] = 1, 4
+            segments["edges"][name] = value
+            with self.assertRaisesRegex(cb.Error, "segments"):
+                cb.segment.field_at(segments, FOG, 1.0)
+
+    def ball(self, center, radius):
+        """Casts rays from the origin at a ball."""
+
+        def probe(direction):
+            direction = direction.astype(float)
+            along = center @ direction
+            half2 = radius**2 - center @ center + along**2
+            if half2 <= 0 or along <= 0:
+                return None
+            distance = along - math.sqrt(half2)
+            return distance, distance * direction - center, 1e-6
+
+        return probe
+
+    def test_the_silhouette_of_a_ball_lies_where_its_tangents_touch(self):
+        for offset in (-0.1, -0.02, 0.02, 0.1):
+            angle = math.asin(0.2) + offset
+            probe = self.ball(np.array([5 * math.sin(angle), 0, 5 * math.cos(angle)]), 1.0)
+            towards = np.array([0, 0, 1], np.float32)
+            hit = probe(towards)
+            edges = cb.segment.find_edges(towards, probe, hit)
+            nearest = edges[edges["distance"].argmin()]
+            depth = math.sqrt(24) if hit is None else hit[0]
+            self.assertAlmostEqual(nearest["depth"] / depth, 1, delta=0.05)
+            # Half the last bracket, 2.5 %; between two azimuths the silhouette is taken as straight, 8 %.
+            self.assertAlmostEqual(nearest["distance"] / (depth * math.tan(abs(offset))), 1, delta=0.12)
+            self.assertGreater(nearest["towards"][0] * math.copysign(1, offset), 0.92)
+        self.assertEqual(len(cb.segment.find_edges((0, 0, 1), lambda direction: None)), 0)
+
+    def test_what_a_probe_raises_or_makes_no_sense_ends_the_search(self):
+        def raising(direction):
+            raise Boom(str(direction))
+
+        calls = []
+
+        def late(direction):
+            calls.append(direction)
+            if len(calls) == 5:
+                raise Boom("late")
+
+        with self.assertRaises(Boom):
+            cb.segment.find_edges((0, 0, 1), raising)
+        with self.assertRaises(Boom):
+            cb.segment.find_edges((0, 0, 1), late)
+        self.assertEqual(len(calls), 5)
+        for answer in (3, "far", (1.0, (0, 0, 1)), (1.0, 2.0, 3.0)):
+            with self.assertRaisesRegex(TypeError, "probe: returned"):
+                cb.segment.find_edges((0, 0, 1), lambda direction: answer)
+        for answer in ((-1, (0, 0, 1), 0), (math.nan, (0, 0, 1), 0), (1, (0, 0, 0), 0), (1, (0, 0, 1), -1)):
+            with self.assertRaisesRegex(cb.Error, "probe"):
+                cb.segment.find_edges((0, 0, 1), lambda direction: answer)
+        for wrong in (None, 3):
+            with self.assertRaisesRegex(TypeError, "probe"):
+                cb.segment.find_edges((0, 0, 1), wrong)
+
+    def test_the_first_numbers_of_paths_fill_their_dimensions_evenly(self):
+        paths = np.arange(512, dtype=np.uint32)
+        for dimension in range(cb.emission.EMISSION_DIMENSIONS):
+            numbers = cb.path_numbers(3, 1, paths, dimension)
+            self.assertEqual(len(np.unique((512 * numbers).astype(int))), 512)
+        for wrong in ((-1, 0, paths, 0), (0, 1 << 32, paths, 0), (0, 0, paths, -1)):
+            with self.assertRaises(ValueError):
+                cb.path_numbers(*wrong)
+        with self.assertRaises(TypeError):
+            cb.path_numbers(0, 0, paths.astype(np.uint64), 0)
+
+
 class ImageSpace(unittest.TestCase):
     def test_pixels_need_fewer_rays_where_the_grid_says_that_light_is_smooth(self):
         # Parallel rays that pass the lamp at 0.1 to 1.5 m; a pixel is 1 cm wide, to the right and down.
@@ -810,7 +918,7 @@ class Library(unittest.TestCase):
         header = self.header()
         structs = {}
         for name, body in re.findall(r"typedef struct (\w+) \{(.*?)\}", header, re.S):
-            structs[name] = re.findall(r"(\w+)(?:\[\d+\])?;", body)
+            structs[name] = re.findall(r"(\w+)(?:\[\w+\])?;", body)
         constants = re.findall(r"\b(COVBEAM_[A-Z_]+) = \d+", header) + ["COVBEAM_ABI_VERSION"]
         lines = []
         for name, fields in structs.items():
@@ -858,7 +966,7 @@ class Library(unittest.TestCase):
         for name, parameters in re.findall(r"\b(covbeam_\w+)\(([^()]*)\);", self.header()):
             letters = ""
             for parameter in parameters.split(","):
-                if "*" in parameter or "covbeam_poll " in parameter or "covbeam_shade " in parameter:
+                if "*" in parameter or re.search("covbeam_(poll|shade|probe) ", parameter):
                     letters += "p"
                 elif parameter.strip() != "void":
                     letters += {"size_t": "z", "float": "f", "uint32_t": "u", "int32_t": "i"}[parameter.split()[0]]
@@ -872,6 +980,7 @@ class Library(unittest.TestCase):
                 name + "_many",
                 name.replace("light_field_", "light_fields_"),
                 name.replace("spectrum_", "spectra_"),
+                name.replace("segment_", "segments_"),
                 name.replace("image_filter_", "image_filters_"),
                 name + "s",
             }

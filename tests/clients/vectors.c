@@ -39,6 +39,7 @@ static const struct {
     CALL(medium_density_at), CALL(medium_derivatives_at), CALL(medium_step), CALL(medium_column_at),
     CALL(medium_distance_at), CALL(medium_transmittance), CALL(medium_column_transmittance),
     CALL(medium_opaque_column), CALL(medium_reach), CALL(medium_knots), CALL(medium_tabulate),
+    CALL(path_number), CALL(segment_field_at),
     CALL(density_new), CALL(grid_new), CALL(grid_deposit), CALL(grid_deposit_spectra), CALL(grid_resolve),
     CALL(grid_look_up), CALL(grid_save), CALL(cross), CALL(gather_pair), CALL(filter_beams),
     CALL(beam_map_new), CALL(beam_map_clear), CALL(beam_map_add), CALL(beam_map_commit), CALL(beam_map_gather),

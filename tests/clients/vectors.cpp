@@ -238,6 +238,13 @@ private:
         if (m.density == COVBEAM_DENSITY_VOXELS) m.with_voxels(*density_);
         return m;
     }
+    static cb::Segment segment(In& in) {
+        cb::Segment s;
+        in.into(&s, 22); // origin to field
+        s.edge_count = in.u();
+        in.into(s.edges, 5 * s.edge_count);
+        return s;
+    }
     static cb::Kernel kernel(In& in) {
         cb::Kernel k(0, 0, 0, 0);
         in.into(&k.shape, 4);
@@ -461,13 +468,27 @@ void Client::grids() {
     single_["grid_resolve"] = [this](In&, Out&) { grid_->resolve(); };
     single_["grid_deposit"] = [this](In& in, Out&) {
         const cb::Medium m = medium(in);
-        std::vector<covbeam_segment> segments;
-        while (in.left()) {
-            covbeam_segment s = {};
-            in.into(&s, 22); // origin to field
-            segments.push_back(s);
-        }
+        std::vector<cb::Segment> segments;
+        while (in.left()) segments.push_back(segment(in));
         grid_->deposit(m, segments);
+    };
+    single_["segment_field_at"] = [this](In& in, Out& out) {
+        const cb::Segment one = segment(in), all[1] = {one};
+        const cb::Medium m = medium(in);
+        const float distance[1] = {in.f()};
+        cb::LightField field[1];
+        many::field_at(all, m, distance, field);
+        const cb::LightField found = one.field_at(m, distance[0]);
+        if (std::memcmp(&found, field, sizeof found) != 0) throw Mismatch("the array form differs");
+        out << found;
+    };
+    single_["path_number"] = [](In& in, Out& out) {
+        const uint32_t seed = in.u(), sequence = in.u(), path[1] = {in.u()}, dimension = in.u();
+        float number[1];
+        many::path_numbers(seed, sequence, path, dimension, number);
+        const float found = cb::path_number(seed, sequence, path[0], dimension);
+        if (std::memcmp(&found, number, sizeof found) != 0) throw Mismatch("the array form differs");
+        out << found;
     };
     single_["grid_deposit_spectra"] = [this](In& in, Out&) {
         const Vec position[1] = {in.take<Vec>()};

@@ -120,6 +120,17 @@ def flat(results, rows=1):
     return np.hstack([words_of(result, rows) for result in (results if isinstance(results, tuple) else (results,))])
 
 
+def segment_of(words):
+    """A segment from the front of the words, and the words after it."""
+    segment = np.zeros((), cb.SEGMENT)
+    numbers = segment.reshape(1).view(np.uint32)
+    # All fields but the two about knots.
+    numbers[:22] = words[:22]
+    count = segment["edge_count"] = words[22]
+    numbers[22 : 22 + 5 * count] = words[23 : 23 + 5 * count]
+    return segment, words[23 + 5 * count :]
+
+
 class Script:
     """What the lines act on."""
 
@@ -225,12 +236,21 @@ class Script:
 
     def grid_deposit(self, words, _):
         self.run_together()
-        rows = words[16:].reshape(-1, 22)
-        segments = np.zeros(len(rows), cb.SEGMENT)
-        # All fields but the two about knots.
-        segments.view(np.uint32).reshape(len(rows), -1)[:, :22] = rows
-        self.grid.deposit(medium_of(words[:16], self), segments)
+        segments, rest = [], words[16:]
+        while len(rest):
+            segment, rest = segment_of(rest)
+            segments.append(segment)
+        self.grid.deposit(medium_of(words[:16], self), np.stack(segments))
         return NOTHING
+
+    def segment_field_at(self, words, _):
+        self.run_together()
+        segment, rest = segment_of(words)
+        medium, distance = medium_of(rest[:16], self), rest[16:].view(np.float32)
+        return flat(cb.segment.field_at(segment, medium, distance))
+
+    def path_number(self, words, _):
+        return flat(cb.path_numbers(int(words[0]), int(words[1]), words[2:3], int(words[3])))
 
     def grid_deposit_spectra(self, words, numbers):
         self.run_together()

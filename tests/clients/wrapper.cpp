@@ -42,8 +42,11 @@ SIZE(light_field, 64); AT(light_field, root, 0); AT(light_field, x_axis, 40); AT
 SIZE(curvature, 24); AT(curvature, tangent, 0); AT(curvature, along, 12); AT(curvature, across, 16);
 AT(curvature, twist, 20);
 SIZE(knot, 8); AT(knot, distance, 0); AT(knot, column, 4);
-SIZE(segment, 104); AT(segment, origin, 0); AT(segment, length, 12); AT(segment, power, 16);
-AT(segment, unscattered, 20); AT(segment, field, 24); AT(segment, knots, 88); AT(segment, knot_count, 96);
+SIZE(edge, 20); AT(edge, depth, 0); AT(edge, distance, 4); AT(edge, towards, 8);
+SIZE(probe_hit, 20); AT(probe_hit, distance, 0); AT(probe_hit, normal, 4); AT(probe_hit, offset, 16);
+SIZE(segment, 192); AT(segment, origin, 0); AT(segment, length, 12); AT(segment, power, 16);
+AT(segment, unscattered, 20); AT(segment, field, 24); AT(segment, edges, 88); AT(segment, edge_count, 168);
+AT(segment, knots, 176); AT(segment, knot_count, 184);
 SIZE(derivatives, 36); AT(derivatives, gradient, 0); AT(derivatives, hessian, 12);
 SIZE(column, 32); AT(column, kind, 0); AT(column, density, 4); AT(column, rate, 8); AT(column, knots, 16);
 AT(column, knot_count, 24);
@@ -376,6 +379,34 @@ void a_table_of_columns_is_what_the_medium_says() {
            "and gives what the map gives, to the bit");
 }
 
+void edges_are_found_by_probes_and_their_exceptions_come_out() {
+    // A ball of radius 1 at distance 5, passed at 0.05 rad from its silhouette: sin = 1/5, which touches at sqrt(24).
+    const float angle = std::asin(0.2f) + 0.05f, center[3] = {5 * std::sin(angle), 0, 5 * std::cos(angle)};
+    const auto ball = [&](const float* d, covbeam_probe_hit& hit) {
+        const float along = center[0] * d[0] + center[2] * d[2], half2 = along * along - 24;
+        if (along <= 0 || half2 <= 0) return;
+        hit.distance = along - std::sqrt(half2);
+        for (int i = 0; i < 3; ++i) hit.normal[i] = hit.distance * d[i] - center[i];
+    };
+    const Vec z = {0, 0, 1};
+    cb::Segment segment;
+    segment.field = cb::LightField::point(&z.x, 0.05f);
+    segment.find_edges(nullptr, ball);
+    expect(segment.edge_count >= 1, "the ball's silhouette");
+    const covbeam_edge& edge = segment.edges[0];
+    const float touch = std::sqrt(24.0f), distance = touch * std::tan(0.05f);
+    expect(std::abs(edge.depth / touch - 1) < 0.05f && std::abs(edge.distance / distance - 1) < 0.12f,
+           "where its tangents touch");
+    expect(edge.towards[0] > 0.92f, "on the ball's side");
+    bool caught = false;
+    try {
+        segment.find_edges(nullptr, [](const float*, covbeam_probe_hit&) { throw std::out_of_range("far"); });
+    } catch (const std::out_of_range&) {
+        caught = true;
+    }
+    expect(caught && segment.edge_count >= 1, "and the edges are as they were");
+}
+
 void a_grid_keeps_what_it_collected() {
     const Vec down = {0, -1, 0};
     covbeam_segment segment = {};
@@ -423,6 +454,7 @@ int main() {
         a_medium_of_the_hosts_gives_what_the_built_in_one_gives,
         batches_of_beams_and_threads_of_rays_do_not_change_a_bit,
         a_table_of_columns_is_what_the_medium_says,
+        edges_are_found_by_probes_and_their_exceptions_come_out,
         a_grid_keeps_what_it_collected,
     };
     for (const auto test : all) {

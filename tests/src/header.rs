@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// The sources that C sees something of, in the order of the manual. (`lib.rs` would bring all of them once more.)
-const SOURCES: [&str; 19] = [
+const SOURCES: [&str; 22] = [
     "version.rs",
     "status.rs",
     "types.rs",
@@ -16,6 +16,9 @@ const SOURCES: [&str; 19] = [
     "medium_rays.rs",
     "column.rs",
     "spectrum.rs",
+    "emission.rs",
+    "edges.rs",
+    "segment.rs",
     "grid.rs",
     "kernel.rs",
     "beam_map.rs",

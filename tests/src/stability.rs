@@ -601,6 +601,7 @@ pub fn extinguished_beam() -> (f64, usize) {
             power: 1.0,
             unscattered: true,
             field,
+            edges: &[],
             column: Column::Uniform,
         },
     );

@@ -8,9 +8,9 @@ use covbeam::{
     FILM_TILE_PIXELS, FilmFilterNode, FilmFilters, FilmLattice, FilmNode, FilmPixel, FilmSample, FilmSums,
     FilmUnit, FluenceCell, FluenceGrid, FluenceSpectrum, Gathered, GridCell, GridError, GridLayout,
     ImageFilter, ImageSpectrum, Kernel, KernelShape, Knot, LightField, March, MarchCell, MarchKnot,
-    MarchSample, Medium, PhaseFunction, PhaseKind, PixelStep, Reconstruction, Schedule, Segment, Vec2, Vec3,
-    cross, error_bound, film_regions, gather_pair, pixel_threshold, progressive_radius, standard_errors,
-    verify_filters,
+    MarchSample, Medium, PhaseFunction, PhaseKind, PixelStep, ProbeHit, Reconstruction, Schedule, Segment,
+    Vec2, Vec3, cross, error_bound, film_regions, find_edges, gather_pair, path_number, pixel_threshold,
+    progressive_radius, standard_errors, verify_filters,
 };
 
 const LAYOUT: GridLayout = GridLayout { min: Vec3::splat(-2.0), max: Vec3::splat(2.0), cells: [8, 8, 8] };
@@ -70,20 +70,26 @@ fn the_grid_does_not_allocate() {
         let mut grid = CovarianceGrid::new(LAYOUT, &mut cells).unwrap();
         grid.deposit_spectrum(Vec3::ZERO, &FluenceSpectrum::from_array([1.0; 6]), 1.0);
         let field = LightField::point(Vec3::X, 0.1);
+        let probe = |to: Vec3| {
+            (to.z > 0.1).then_some(ProbeHit { distance: 1.0 / to.x, normal: Vec3::X, offset: 0.0 })
+        };
+        let edges = find_edges(Vec3::X, None, probe);
+        black_box(path_number(1, 2, 3, edges.len() as u32));
         let mut spectrum = field.fluence();
         spectrum.add_along(Vec3::X, 0.1);
         black_box(spectrum);
-        grid.deposit(
-            &Medium::homogeneous(0.0, 0.4),
-            &Segment {
-                origin: Vec3::new(-3.0, 0.1, 0.1),
-                length: 9.0,
-                power: 1.0,
-                unscattered: true,
-                field,
-                column: Column::Uniform,
-            },
-        );
+        let medium = Medium::homogeneous(0.0, 0.4);
+        let segment = Segment {
+            origin: Vec3::new(-3.0, 0.1, 0.1),
+            length: 9.0,
+            power: 1.0,
+            unscattered: true,
+            field,
+            edges: &edges,
+            column: Column::Uniform,
+        };
+        grid.deposit(&medium, &segment);
+        black_box(segment.field_at(&medium, 5.0));
         grid.merge(&more).unwrap();
         grid.resolve(&mut means).unwrap();
         LAYOUT.save(&more, &mut bytes).unwrap();

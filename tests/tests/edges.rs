@@ -2,7 +2,6 @@
 
 mod shapes;
 
-use covbeam_geometry::edges::find_edges;
 use covbeam_geometry::mesh::{Mesh, Placement};
 use covbeam_geometry::obj::ObjTriangles;
 use covbeam_render::random::Random;
@@ -42,7 +41,7 @@ fn the_silhouette_of_a_sphere_is_found_from_both_sides() {
             let turn = std::f32::consts::TAU * random.uniform();
             let (origin, direction) = ray(silhouette + offset, turn);
             let hit = scene.intersect(origin, direction, f32::INFINITY);
-            let edges = find_edges(&scene, origin, direction, hit.as_ref());
+            let edges = scene.edges_beside(origin, direction, hit.as_ref());
             let edge = edges
                 .iter()
                 .min_by(|a, b| a.distance.total_cmp(&b.distance))
@@ -84,7 +83,7 @@ fn assert_edge_at_zero(scene: &Scene, seed: u32) {
         let x = (0.02 + 0.6 * random.uniform()) * if random.uniform() < 0.5 { -1.0 } else { 1.0 };
         let origin = Vec3::new(x, 2.0 * random.uniform(), -5.0);
         let hit = scene.intersect(origin, Vec3::Z, f32::INFINITY);
-        let edges = find_edges(scene, origin, Vec3::Z, hit.as_ref());
+        let edges = scene.edges_beside(origin, Vec3::Z, hit.as_ref());
         assert_eq!(edges.len(), 1, "{edges:?}");
         // Bisection: 1/128 of at most 0.2 rad at the depth 5, on either of two probes.
         assert!((edges[0].distance - x.abs()).abs() < 0.017, "{edges:?} for {x}");
@@ -102,7 +101,7 @@ fn a_slit_has_two_edges_and_a_room_has_none() {
     let origin = Vec3::new(0.0, 0.0, -5.0);
     let hit = slit.intersect(origin, Vec3::Z, f32::INFINITY);
     let mut distances: Vec<f32> =
-        find_edges(&slit, origin, Vec3::Z, hit.as_ref()).iter().map(|edge| edge.distance).collect();
+        slit.edges_beside(origin, Vec3::Z, hit.as_ref()).iter().map(|edge| edge.distance).collect();
     distances.sort_by(f32::total_cmp);
     assert_eq!(distances.len(), 2);
     assert!((distances[0] - 0.1).abs() < 0.01 && (distances[1] - 0.2).abs() < 0.01, "{distances:?}");
@@ -113,7 +112,7 @@ fn a_slit_has_two_edges_and_a_room_has_none() {
     let direction = Vec3::new(0.0, -1.0, 1.0).normalize();
     let hit = room.intersect(Vec3::new(0.0, 0.0, 0.0), direction, f32::INFINITY);
     assert!(
-        find_edges(&room, Vec3::ZERO, direction, hit.as_ref()).is_empty(),
+        room.edges_beside(Vec3::ZERO, direction, hit.as_ref()).is_empty(),
         "where floor and wall meet is no edge"
     );
 }
@@ -168,7 +167,7 @@ fn continuous_surfaces_have_no_edges_however_grazing_or_creased() {
             let flat = if uniform() < 0.0 { 0.05 } else { 1.0 };
             let direction = Vec3::new(uniform(), uniform(), flat * uniform()).normalize();
             let hit = scene.intersect(origin, direction, f32::INFINITY);
-            let edges = find_edges(&scene, origin, direction, hit.as_ref());
+            let edges = scene.edges_beside(origin, direction, hit.as_ref());
             assert!(edges.is_empty(), "{name}: from {origin} along {direction}: {edges:?}");
         }
     }
@@ -192,7 +191,7 @@ fn round_hole(radius: f32) -> (Shape, Material) {
 fn sums(scene: &Scene, at: [f32; 2], free: [f32; 2]) -> [f32; 2] {
     let origin = Vec3::new(at[0], at[1], -5.0);
     let hit = scene.intersect(origin, Vec3::Z, f32::INFINITY);
-    let edges = find_edges(scene, origin, Vec3::Z, hit.as_ref());
+    let edges = scene.edges_beside(origin, Vec3::Z, hit.as_ref());
     let along = |axis: Vec3| {
         edges.iter().map(|edge| (edge.towards.dot(axis) / (PI * edge.distance)).powi(2)).sum::<f32>().sqrt()
     };
@@ -254,7 +253,7 @@ fn a_nearer_occluder_is_kept_beside_a_farther_one_of_smaller_angle() {
     let scene = scene_of(vec![(near, Material::Black), (far, Material::Black), wall()]);
     let origin = Vec3::new(0.0, 0.0, -5.0);
     let hit = scene.intersect(origin, Vec3::Z, f32::INFINITY);
-    let edges = find_edges(&scene, origin, Vec3::Z, hit.as_ref());
+    let edges = scene.edges_beside(origin, Vec3::Z, hit.as_ref());
     assert!(edges.len() >= 2, "{edges:?}");
     // 2.5 %: half the precision of the search.
     assert!((edges[0].depth - 1.0).abs() < 0.03 && (edges[0].distance - 0.1).abs() < 0.003, "{edges:?}");

@@ -2,7 +2,8 @@
 
 mod shapes;
 
-use covbeam_geometry::edges::{PROBES, probe_edges};
+use covbeam::edges::MOST_PROBES;
+use covbeam::{ProbeHit, find_edges};
 use covbeam_geometry::mesh::{Mesh, Placement};
 use covbeam_geometry::obj::{self, ObjTriangles};
 use covbeam_render::scene::{Material, Scene, Shape};
@@ -95,7 +96,11 @@ impl Score {
     fn add(&mut self, scene: &Scene, origin: Vec3, direction: Vec3) {
         let hit = scene.intersect(origin, direction, f32::INFINITY);
         let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
-        let (found, probes) = probe_edges(scene, origin, direction, hit.as_ref());
+        let mut probes = 0;
+        let found = find_edges(direction, hit.as_ref().map(ProbeHit::from), |towards| {
+            probes += 1;
+            scene.intersect(origin, towards, f32::INFINITY).as_ref().map(ProbeHit::from)
+        });
         self.segments += 1;
         self.probes.push(probes);
         let all = brute(scene, origin, direction);
@@ -295,7 +300,7 @@ fn check(name: &str, score: &mut Score, [found, missed, wrong]: [usize; 3]) {
     assert!(100 * score.near >= found * score.with_edge, "{name}: found");
     assert!(100 * score.missed <= missed * score.with_edge, "{name}: missed");
     assert!(100 * score.false_edges <= wrong * score.edges, "{name}: false");
-    assert!(score.probes.iter().all(|&probes| probes <= PROBES), "{name}: probes");
+    assert!(score.probes.iter().all(|&probes| probes <= MOST_PROBES), "{name}: probes");
 }
 
 #[test]
@@ -311,7 +316,7 @@ fn a_mesh_sphere_has_the_edges_of_the_sphere() {
         let direction = (random.cube().as_vec3() - origin).normalize();
         let nearest = |scene: &Scene| {
             let hit = scene.intersect(origin, direction, f32::INFINITY);
-            let (edges, _) = probe_edges(scene, origin, direction, hit.as_ref());
+            let edges = scene.edges_beside(origin, direction, hit.as_ref());
             let tangents = edges.iter().map(|edge| edge.distance / edge.depth);
             tangents.min_by(f32::total_cmp).expect("an edge")
         };

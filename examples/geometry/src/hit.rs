@@ -1,6 +1,6 @@
 //! Where a ray meets a surface, whatever the surface is.
 
-use covbeam::Curvature;
+use covbeam::{Curvature, ProbeHit};
 use glam::Vec3;
 
 /// Where a ray meets a surface.
@@ -28,5 +28,11 @@ impl Hit {
     pub fn leave(&self, direction: Vec3) -> Vec3 {
         let side = if direction.dot(self.geometric_normal) < 0.0 { -self.offset } else { self.offset };
         self.position + side * self.geometric_normal
+    }
+}
+
+impl From<&Hit> for ProbeHit {
+    fn from(hit: &Hit) -> Self {
+        Self { distance: hit.distance, normal: hit.geometric_normal, offset: hit.offset }
     }
 }

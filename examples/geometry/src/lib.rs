@@ -4,9 +4,7 @@
 //! - [`hit`]: where a ray meets a surface.
 //! - [`triangles`]: triangles in a local frame, with their hierarchy.
 //! - [`mesh`]: a mesh placed in a scene, from the triangles of an [`obj`] file.
-//! - [`edges`]: silhouettes beside a ray.
 
-pub mod edges;
 pub mod hit;
 pub mod mesh;
 pub mod obj;

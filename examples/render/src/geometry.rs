@@ -3,8 +3,7 @@
 //! Spheres, rectangles and boxes are intersected in f64 and rounded once at the end, so nothing here depends on
 //! the scene's size or on its distance from the origin beyond what f32 positions can say.
 
-use covbeam::Curvature;
-use covbeam_geometry::edges::Surfaces;
+use covbeam::{Curvature, Edges, ProbeHit, find_edges};
 use covbeam_geometry::hit::Hit;
 use covbeam_geometry::triangles::TriangleHit;
 use glam::{DVec3, Vec3};
@@ -55,6 +54,14 @@ impl Scene {
         })
     }
 
+    /// Edges beside the ray from `origin` along `direction` (unit) that ends at `hit`.
+    pub fn edges_beside(&self, origin: Vec3, direction: Vec3, hit: Option<&Hit>) -> Edges {
+        let nearest = |towards: Vec3| self.intersect(origin, towards, f32::INFINITY);
+        find_edges(direction, hit.map(ProbeHit::from), |towards| {
+            nearest(towards).as_ref().map(ProbeHit::from)
+        })
+    }
+
     /// The closed dielectric objects that contain `point`, outermost (largest) first.
     pub fn containing(&self, point: Vec3) -> Vec<u32> {
         let holds = |object: &Object| {
@@ -70,12 +77,6 @@ impl Scene {
         let volume = |index: &u32| self.objects[*index as usize].shape.volume();
         found.sort_by(|a, b| volume(b).total_cmp(&volume(a)));
         found
-    }
-}
-
-impl Surfaces for Scene {
-    fn nearest(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
-        self.intersect(origin, direction, f32::INFINITY)
     }
 }
 

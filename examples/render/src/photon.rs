@@ -6,14 +6,12 @@ use crate::operators::Operator;
 use crate::optics::{Boundary, Interior, curvature_towards, facing_normal, reflect};
 use crate::random::{Emission, PathSampler};
 use crate::record::add;
-pub use crate::record::{Deposit, Energy, PhotonRecord, Record, Splat};
+pub use crate::record::{Energy, FieldSegment, PhotonRecord, Record, Splat};
 use crate::scene::{Material, Scene};
 use crate::surface::SurfacePhoton;
-use covbeam::{Beam, Column, CovarianceGrid, Curvature, Density, Knot, LightField, Medium, Segment};
-use covbeam_geometry::edges::{Edge, find_edges};
+use covbeam::{Beam, Column, CovarianceGrid, Curvature, Density, Edges, Knot, LightField, Medium};
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
-use smallvec::SmallVec;
 use std::time::Instant;
 
 /// After this many events a path goes on with probability [`GOING_ON`] only, so that every path ends: without
@@ -74,16 +72,20 @@ impl<'a> PhotonTracer<'a> {
         self.left_out != Some(operator)
     }
 
+    /// The medium as it acts on light fields.
+    fn acting<'m>(&self, fog: &Medium<'m>) -> Medium<'m> {
+        let density = if self.acts(Operator::Attenuation) { fog.density } else { Density::Uniform };
+        Medium { density, ..*fog }
+    }
+
     /// Adds deposits that this tracer made to a covariance grid, in their order.
-    pub fn deposit_into(&self, grid: &mut CovarianceGrid, deposits: &[Deposit]) {
+    pub fn deposit_into(&self, grid: &mut CovarianceGrid, deposits: &[(u32, FieldSegment)]) {
         let mut knots = Vec::new();
-        for d in deposits {
-            let fog = &self.fogs[d.medium as usize];
-            let column = media::column(fog, d.origin, d.field.direction, d.length, &mut knots);
-            let acting = if self.acts(Operator::Attenuation) { fog.density } else { Density::Uniform };
-            let medium = Medium { density: acting, ..*fog };
-            let Deposit { origin, length, power, unscattered, field, .. } = *d;
-            grid.deposit(&medium, &Segment { origin, length, power, unscattered, field, column });
+        for (medium, segment) in deposits {
+            let fog = &self.fogs[*medium as usize];
+            let FieldSegment { origin, length, ref field, .. } = *segment;
+            let column = media::column(fog, origin, field.direction, length, &mut knots);
+            grid.deposit(&self.acting(fog), &segment.with(column));
         }
     }
 
@@ -170,27 +172,20 @@ impl<'a> PhotonTracer<'a> {
                 Record::Field | Record::Direct => {}
             }
         }
-        let edges = photon.field.map(|field| {
-            let start = Instant::now();
-            let edges = if self.acts(Operator::Occlusion) {
-                find_edges(scene, photon.origin, photon.direction, hit.as_ref())
-            } else {
-                SmallVec::new()
-            };
-            if let Some((id, fog, column)) = &inside {
-                self.deposit(photon, field, &edges, (fog, column, reach), *id, out);
-            }
-            out.field_time += start.elapsed();
-            edges
-        });
         let collision = inside.map(|(_, fog, column)| {
             let target = free_column(photon.power, fog, sampler);
             (target, column.distance_at(target))
         });
         let flight = collision.map_or(f32::INFINITY, |(_, distance)| distance);
-        if let (Some(field), Some(edges)) = (&mut photon.field, edges) {
+        if let Some(field) = photon.field {
             let start = Instant::now();
-            self.travel(field, inside.map(|(_, fog, _)| fog), photon.origin, &edges, flight.min(reach));
+            let length = inside.map_or(reach, |(_, fog, column)| {
+                reach.min(media::opaque_distance(fog, photon.origin, photon.direction, &column))
+            });
+            let segment = self.field_segment(photon, field, length, hit.as_ref());
+            out.deposits.extend(inside.map(|(id, ..)| (id, segment)));
+            let fog = inside.map_or(Medium::default(), |(_, fog, _)| self.acting(fog));
+            photon.field = Some(segment.with(Column::Uniform).field_at(&fog, flight.min(reach)));
             out.field_time += start.elapsed();
         }
         if let (Some((_, fog, column)), Some((target, _))) = (inside, collision) {
@@ -329,65 +324,21 @@ impl<'a> PhotonTracer<'a> {
         if self.acts(Operator::Curvature) { curvature_towards(hit, normal) } else { Curvature::default() }
     }
 
-    /// Moves a light field on from `from` to `to`, measured from `origin`.
-    fn advance(&self, field: &mut LightField, fog: Option<&Medium>, origin: Vec3, from: f32, to: f32) {
-        match fog {
-            Some(fog) if self.acts(Operator::Attenuation) => {
-                field.travel_through(fog, origin + from * field.direction, to - from)
-            }
-            _ => field.travel(to - from),
-        }
-    }
-
-    /// Moves a light field on from `origin` by `distance` past the edges on the way.
-    fn travel(
-        &self,
-        field: &mut LightField,
-        fog: Option<&Medium>,
-        origin: Vec3,
-        edges: &[Edge],
-        distance: f32,
-    ) {
-        let mut at = 0.0;
-        for edge in edges.iter().filter(|edge| edge.depth <= distance) {
-            self.advance(field, fog, origin, at, edge.depth);
-            field.occlude(edge.towards, edge.distance);
-            at = edge.depth;
-        }
-        self.advance(field, fog, origin, at, distance);
-    }
-
-    /// Records what the field leaves along the whole segment, cut at the edges.
-    fn deposit(
+    /// The segment of a light field that a photon carries up to `hit`.
+    fn field_segment(
         &self,
         photon: &Photon,
-        mut field: LightField,
-        edges: &[Edge],
-        (fog, column, reach): (&Medium, &Column, f32),
-        medium: u32,
-        out: &mut PhotonRecord,
-    ) {
-        let extinction = fog.mean_extinction();
+        field: LightField,
+        length: f32,
+        hit: Option<&Hit>,
+    ) -> FieldSegment {
+        let edges = match self.acts(Operator::Occlusion) {
+            true => self.scene.edges_beside(photon.origin, photon.direction, hit),
+            false => Edges::default(),
+        };
         let power = photon.power.element_sum() / 3.0;
-        let length = reach.min(media::opaque_distance(fog, photon.origin, photon.direction, column));
-        let mut at = 0.0;
-        let cuts = edges.iter().map(|edge| (edge.depth, Some(edge))).chain([(length, None)]);
-        for (depth, edge) in cuts {
-            let depth = depth.min(length);
-            out.deposits.push(Deposit {
-                origin: photon.origin + at * photon.direction,
-                length: depth - at,
-                field,
-                power: power * (-extinction * column.at(at)).exp(),
-                medium,
-                unscattered: photon.specular && self.acts(Operator::Spreading),
-            });
-            self.advance(&mut field, Some(fog), photon.origin, at, depth);
-            if let Some(edge) = edge {
-                field.occlude(edge.towards, edge.distance);
-            }
-            at = depth;
-        }
+        let unscattered = photon.specular && self.acts(Operator::Spreading);
+        FieldSegment { origin: photon.origin, length, field, power, unscattered, edges }
     }
 
     /// Connects one point of a segment with the pinhole.

@@ -1,25 +1,33 @@
-//! What light paths leave behind: beams, photons on surfaces, pieces of light fields, connections, and a balance.
+//! What light paths leave behind: beams, photons on surfaces, segments of light fields, connections, and a balance.
 
 use crate::surface::SurfacePhoton;
-use covbeam::{Beam, LightField};
+use covbeam::{Beam, Column, Edges, LightField, Segment};
 use glam::Vec3;
 use std::time::Duration;
 
-/// What a light field leaves along one straight piece of its path.
+/// A segment of a light path that carries a light field.
 #[derive(Clone, Copy, Debug)]
-pub struct Deposit {
-    /// Start of the piece.
+pub struct FieldSegment {
+    /// Its start.
     pub origin: Vec3,
-    /// Its length.
+    /// Up to the next surface, or until nothing is left of the light.
     pub length: f32,
     /// The light field at `origin`.
     pub field: LightField,
     /// Flux at `origin` (mean of the channels).
     pub power: f32,
-    /// Index of its medium.
-    pub medium: u32,
     /// Whether it has met neither medium nor diffuse surfaces since its light.
     pub unscattered: bool,
+    /// The edges beside it.
+    pub edges: Edges,
+}
+
+impl FieldSegment {
+    /// The same with the column along it.
+    pub fn with<'a>(&'a self, column: Column<'a>) -> Segment<'a> {
+        let Self { origin, length, field, power, unscattered, ref edges } = *self;
+        Segment { origin, length, power, unscattered, field, edges, column }
+    }
 }
 
 /// A contribution of a path vertex to one pixel.
@@ -60,8 +68,8 @@ pub struct PhotonRecord {
     pub beams: Vec<(u32, Beam)>,
     /// Photons on diffuse surfaces, without those that came straight from a light.
     pub surface: Vec<SurfacePhoton>,
-    /// Pieces of light fields for the covariance grid.
-    pub deposits: Vec<Deposit>,
+    /// What light fields leave in the covariance grid, with the index of their medium.
+    pub deposits: Vec<(u32, FieldSegment)>,
     /// Connections with the camera.
     pub splats: Vec<Splat>,
     /// Balance.

@@ -29,13 +29,28 @@ static int32_t shade(void *user, const covbeam_contact *contacts, size_t count, 
     return callbacks.failed ? -7 : 0;
 }
 
+static int32_t probe(void *user, const float *direction, covbeam_probe_hit *hit) {
+    const float length2 = direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2];
+    callbacks.shades++;
+    if (user != &callbacks || callbacks.failed || callbacks.nonsense || !(fabsf(length2 - 1) < 1e-3f)) callbacks.wrong = true;
+    if (hit->distance != INFINITY) callbacks.wrong = true;
+    if (direction[2] > 0.2f && callbacks.shade_values != 3) {
+        hit->distance = 1 / direction[2];
+        hit->normal[2] = 1;
+    }
+    if (callbacks.shade_values == 1) hit->distance = NAN;
+    callbacks.nonsense = callbacks.shade_values == 1;
+    if (callbacks.shades == callbacks.refuse_shade) callbacks.failed = true;
+    return callbacks.failed ? -7 : 0;
+}
+
 /* How many ways there are to spoil a parameter in this manner, for the systematic part. */
 int variants(const struct function *function, int parameter, enum fault_kind kind, bool *numbers) {
     const struct parameter *p = &function->parameters[parameter];
     const bool pointer = strchr("<>=@!+", p->kind) != NULL;
     *numbers = false;
     switch (kind) {
-    case NULL_POINTER: return pointer || p->kind == 'h';
+    case NULL_POINTER: return pointer || p->kind == 'h' || p->kind == 'x';
     case MISALIGNED: return pointer && (!p->type || p->type->alignment > 1) ? 3 : 0;
     case WORD:
         *numbers = true;
@@ -46,8 +61,8 @@ int variants(const struct function *function, int parameter, enum fault_kind kin
     case WRONG_HANDLE: return strchr("@!", p->kind) ? 3 : 0;
     case STRUCT_SIZE: return p->type && p->type->rules[0] == 'S' ? 12 : 0;
     case WRONG_LENGTH: return p->kind == 'k' ? 4 : 0;
-    case INSIDE: return p->type && p->kind == '<' && strchr("msc", p->type->name[0]) && p->type->alignment == 8 ? 12 : 0;
-    case CALLBACK: return p->kind == 'p' || p->kind == 'h' ? 6 : 0;
+    case INSIDE: return p->type && p->kind == '<' && strchr("mscw", p->type->name[0]) && p->type->alignment == 8 ? 24 : 0;
+    case CALLBACK: return strchr("phx", p->kind) ? 6 : 0;
     default: return 0;
     }
 }
@@ -245,7 +260,7 @@ static void pointer_argument(struct prepared *call, int index, const struct faul
         *b = memory(count, stride, p->type->size, 0);
         if (p->kind != '>' && !is(p->type, "cell") && !is(p->type, "mean"))
             for (size_t i = 0; i < count; i++) {
-                unsigned char element[128];
+                unsigned char element[256];
                 sound_element(call, p, element);
                 memcpy(b->first + i * stride, element, p->type->size);
             }
@@ -261,7 +276,7 @@ static void pointer_argument(struct prepared *call, int index, const struct faul
         if (is(p->type, "cell") || is(p->type, "mean")) memset(b->first, 0, b->length);
         if (count > 0 && p->kind != '>') {
             unsigned char *at = b->first + (count - 1) * stride;
-            unsigned char element[128];
+            unsigned char element[256];
             memcpy(element, at, p->type->size);
             if (fault->kind == WORD && p->type->size >= 4) {
                 if (strchr("-", p->type->rules[0]) == NULL) spoil_word(call, p, element, fault);
@@ -427,6 +442,13 @@ void prepare(struct prepared *call, const struct function *function, const struc
             if (!a->shade) must(call, COVBEAM_NULL_POINTER);
             callbacks.shade_values = chance(3) ? 1 + below(3) : 0;
             if (callbacks.shade_values == 1 || callbacks.shade_values == 2) call->meaningless = true;
+            if (fault->kind == CALLBACK || chance(6)) callbacks.refuse_shade = 1 + fault->variant / 2 % 3;
+            break;
+        case 'x':
+            a->probe = fault->kind == NULL_POINTER ? NULL : probe;
+            if (!a->probe) must(call, COVBEAM_NULL_POINTER);
+            callbacks.shade_values = chance(3) ? 1 + below(3) : 0;
+            if (callbacks.shade_values == 1) must(call, COVBEAM_INVALID_VALUE);
             if (fault->kind == CALLBACK || chance(6)) callbacks.refuse_shade = 1 + fault->variant / 2 % 3;
             break;
         case 'u': a->pointer = &callbacks; break;

@@ -60,8 +60,8 @@ struct callbacks {
     const struct prepared *call;
     uint32_t polls, refuse_poll;
     uint32_t shades, refuse_shade;
-    uint32_t shade_values; /* 0 sound, 1 NaN, 2 huge, 3 none */
-    bool refused, failed, wrong;
+    uint32_t shade_values; /* 0 sound, 1 NaN, 2 huge, 3 none; of a probe, too */
+    bool refused, failed, wrong, nonsense; /* a probe has answered none */
 };
 extern struct callbacks callbacks;
 

@@ -4,7 +4,7 @@
  *
  * A parameter is its name in the header and its kind:
  *   n count of the arrays after it; s stride of the array before; k number of elements of the packed array before
- *   $R a float under rule R; #shape, #pass, #extent (of a picture), #row (its first), #any an integer; poll, shade, user
+ *   $R a float under rule R; #shape, #pass, #extent (of a picture), #row (its first), #any an integer; poll, shade, probe, user
  *   @KIND a handle that is looked at, !KIND one that is changed, +KIND place for a new one; .STATE it must be in
  *   <TYPE read, >TYPE written, =TYPE both; TYPE a struct of types.c, or f:RULES floats
  *   ? may be NULL
@@ -95,6 +95,22 @@ CALL(covbeam_grid_clear,
 CALL(covbeam_grid_deposit,
     "grid !grid; medium <medium; count n; segments <segment; segment_stride s",
     POINTER(0), POINTER(1), SIZE(2), POINTER(3), SIZE(4))
+CALL(covbeam_segment_field_at,
+    "segment <way; medium <medium; distance $q; out >field",
+    POINTER(0), POINTER(1), NUMBER(2), POINTER(3))
+CALL(covbeam_segments_field_at,
+    "count n; segments <way; segment_stride s; medium <medium; distances <f:q; distance_stride s; out >field; "
+    "out_stride s",
+    SIZE(0), POINTER(1), SIZE(2), POINTER(3), POINTER(4), SIZE(5), POINTER(6), SIZE(7))
+CALL(covbeam_find_edges,
+    "direction <f:uuu; hit <hit?; probe probe; user user; edges >edges; edge_count >word",
+    POINTER(0), POINTER(1), PROBE(2), POINTER(3), POINTER(4), POINTER(5))
+CALL(covbeam_path_number,
+    "seed #any; sequence #any; path #any; dimension #any; number >f:r",
+    WORD(0), WORD(1), WORD(2), WORD(3), POINTER(4))
+CALL(covbeam_path_numbers,
+    "seed #any; sequence #any; count n; paths <word; path_stride s; dimension #any; numbers >f:r; number_stride s",
+    WORD(0), WORD(1), SIZE(2), POINTER(3), SIZE(4), WORD(5), POINTER(6), SIZE(7))
 CALL(covbeam_grid_deposit_spectra,
     "grid !grid; count n; positions <f:fff; position_stride s; spectra <spectrum; spectrum_stride s; "
     "weights <f:q; weight_stride s",

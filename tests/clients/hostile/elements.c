@@ -40,9 +40,31 @@ covbeam_knot *new_table(size_t count, uint32_t misalignment, bool ordered) {
     return (covbeam_knot *)(void *)(bytes + misalignment);
 }
 
+static bool is_segment(const struct type *type) { return is(type, "segment") || is(type, "way"); }
+
+static void sound_edges(covbeam_segment *segment, uint32_t count) {
+    float depth = -0.5f;
+    segment->edge_count = count;
+    for (uint32_t i = 0; i < count; i++) {
+        const covbeam_edge edge = { depth += uniform(0, 1), uniform(0, 1), { uniform(-1, 1), 1, 0 } };
+        segment->edges[i] = edge;
+    }
+}
+
+static void spoil_edges(covbeam_segment *segment, uint32_t variant) {
+    sound_edges(segment, 3);
+    switch (variant % 5) {
+    case 0: segment->edge_count = variant % 2 ? 5 : 0xffffffffu; break;
+    case 1: segment->edges[2].depth = variant % 2 ? NAN : INFINITY; break;
+    case 2: segment->edges[1].depth = segment->edges[0].depth - 1; break;
+    case 3: segment->edges[1].distance = variant % 2 ? NAN : -1; break;
+    default: segment->edges[2].towards[1] = segment->edges[2].towards[0] = 0;
+    }
+}
+
 void sound_element(struct prepared *call, const struct parameter *p, unsigned char *at) {
     const struct type *type = p->type;
-    uint32_t words[32] = { 0 };
+    uint32_t words[64] = { 0 };
     for (size_t i = 0; i < type->size / 4; i++) {
         const char rule = type->rules[i];
         if (strchr("uvd", rule)) {
@@ -70,7 +92,7 @@ void sound_element(struct prepared *call, const struct parameter *p, unsigned ch
         const int map = call->handles[0];
         if (map >= 0 && pool[map].committed && !chance(4))
             for (int i = 2; i < 4; i++) words[i] = bits_of(fminf(float_of(words[i]), pool[map].max_radius));
-    } else if (is(type, "field") || is(type, "segment")) {
+    } else if (is(type, "field") || is_segment(type)) {
         memcpy(words + (is(type, "field") ? 0 : 6), &fields[below(16)], sizeof *fields);
     }
     if (is(type, "seen") && call->handles[0] >= 0) {
@@ -87,10 +109,13 @@ void sound_element(struct prepared *call, const struct parameter *p, unsigned ch
             if (!slot->tame) call->tame = false;
         }
         call->density_kind = medium->density;
-    } else if (is(type, "segment") && chance(3)) {
+    } else if (is_segment(type)) {
         covbeam_segment *segment = (covbeam_segment *)(void *)at;
-        segment->knot_count = below(4);
-        segment->knots = new_table(segment->knot_count, 0, true);
+        sound_edges(segment, below(COVBEAM_MOST_EDGES + 1));
+        if (is(type, "segment") && chance(3)) {
+            segment->knot_count = below(4);
+            segment->knots = new_table(segment->knot_count, 0, true);
+        }
     } else if (is(type, "column")) {
         covbeam_column *column = (covbeam_column *)(void *)at;
         column->knot_count = below(4);
@@ -101,7 +126,7 @@ void sound_element(struct prepared *call, const struct parameter *p, unsigned ch
 /* What is noticed, if a word of an element becomes hostile. */
 void spoil_word(struct prepared *call, const struct parameter *p, unsigned char *at, const struct fault *fault) {
     const struct type *type = p->type;
-    uint32_t words[32];
+    uint32_t words[64];
     memcpy(words, at, type->size);
     const size_t word = fault->variant % (type->size / 4);
     const char rule = rule_of(type, words, word);
@@ -150,6 +175,11 @@ void spoil_inside(struct prepared *call, const struct parameter *p, unsigned cha
         call->statuses |= !medium->voxels ? 1u << COVBEAM_NULL_POINTER
             : variant % 3 == 1 ? 1u << COVBEAM_MISALIGNED : 1u << COVBEAM_INVALID_HANDLE;
         call->sure = true;
+        return;
+    }
+    if (is_segment(p->type) && (is(p->type, "way") || variant % 8 > 3)) {
+        spoil_edges((covbeam_segment *)(void *)at, variant / 8 * 4 + variant % 4);
+        must(call, COVBEAM_INVALID_VALUE);
         return;
     }
     const bool segment = is(p->type, "segment");

@@ -30,7 +30,11 @@ bool chance(uint32_t in) { return below(in) == 0; }
 static const struct type types[] = {
     { "beam", sizeof(covbeam_beam), 4, "fffuuuqfffvvvvvv" },
     { "ray", sizeof(covbeam_eye_ray), 4, "fffuuup" },
-    { "segment", sizeof(covbeam_segment), 8, "fffP+bffffffffffuuuuuu----" },
+    { "segment", sizeof(covbeam_segment), 8, "fffP+bffffffffffuuuuuu--------------------------" },
+    { "way", sizeof(covbeam_segment), 8, "fff---ffffffffffuuuuuu--------------------------" },
+    { "hit", sizeof(covbeam_probe_hit), 4, "Pdddq" },
+    { "edges", COVBEAM_MOST_EDGES * sizeof(covbeam_edge), 4, "pqfffpqfffpqfffpqfff" },
+    { "word", 4, 4, "i" },
     { "field", sizeof(covbeam_light_field), 4, "ffffffffffuuuuuu" },
     { "medium", sizeof(covbeam_medium), 8, "Skkkkkkeaefffddd+---" },
     { "kernel", sizeof(covbeam_kernel), 4, "Semm+" },
@@ -94,6 +98,7 @@ void describe(struct function *function) {
         p->stride = p->count = -1;
         if (strcmp(kind, "poll") == 0) p->kind = 'p';
         if (strcmp(kind, "shade") == 0) p->kind = 'h';
+        if (strcmp(kind, "probe") == 0) p->kind = 'x';
         p->nullable = kind[strlen(kind) - 1] == '?';
         p->resolved = strstr(kind, ".resolved") != NULL;
         p->committed = strstr(kind, ".committed") != NULL;
@@ -197,6 +202,7 @@ char rule_of(const struct type *type, const uint32_t *words, size_t word) {
     if (is(type, "medium") && word == 8 && words[7] != COVBEAM_PHASE_HENYEY_GREENSTEIN) return '-';
     if (is(type, "medium") && word >= 10 && words[9] != COVBEAM_DENSITY_EXPONENTIAL) return '-';
     if (is(type, "phase") && word == 1 && words[0] != COVBEAM_PHASE_HENYEY_GREENSTEIN) return '-';
+    if (is(type, "hit") && word >= 1 && float_of(words[0]) == INFINITY) return '-';
     if (is(type, "column") && word >= 1 && words[0] != COVBEAM_DENSITY_EXPONENTIAL) return '-';
     return rule;
 }

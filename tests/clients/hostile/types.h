@@ -21,6 +21,7 @@ union argument {
     uint32_t word;
     covbeam_poll poll;
     covbeam_shade shade;
+    covbeam_probe probe;
 };
 
 enum { PARAMETERS = 20 };
@@ -35,7 +36,7 @@ struct type {
 /* A parameter, from its description in calls.h. */
 struct parameter {
     char name[32];
-    char kind;   /* n s k $ # p(oll) h(shade) u(ser) @ ! + < > = */
+    char kind;   /* n s k $ # p(oll) h(shade) x(probe) u(ser) @ ! + < > = */
     char word[24]; /* what follows the kind */
     const struct type *type;
     bool nullable, resolved, committed, adding;

@@ -4,7 +4,8 @@
 
 #include <covbeam.h>
 
-enum { MEDIUM_WORDS = 16, PHASE_WORDS = 2 };
+/* Of a segment without edges. */
+enum { MEDIUM_WORDS = 16, PHASE_WORDS = 2, SEGMENT_WORDS = 23 };
 
 /* One line of the file. */
 struct line {
@@ -48,6 +49,7 @@ size_t left(const struct call *c, size_t words);
 float take_float(struct call *c);
 uint32_t take_u32(struct call *c);
 covbeam_medium take_medium(struct call *c);
+covbeam_segment take_segment(struct call *c);
 covbeam_kernel take_kernel(struct call *c);
 /* Words of what was found. */
 void give(struct call *c, const void *from, size_t words);
@@ -110,6 +112,8 @@ void medium_knots(struct call *c);
 void medium_tabulate(struct call *c);
 void density_new(struct call *c);
 void grid_new(struct call *c);
+void segment_field_at(struct call *c);
+void path_number(struct call *c);
 void grid_deposit(struct call *c);
 void grid_deposit_spectra(struct call *c);
 void grid_resolve(struct call *c);

@@ -30,18 +30,27 @@ void grid_new(struct call *c)
 void grid_deposit(struct call *c)
 {
     covbeam_medium medium = take_medium(c);
-    size_t i, count = left(c, 22);
+    size_t count = 0;
     struct padded {
         covbeam_segment segment;
         double pad;
-    } *segments = memory(count * sizeof *segments);
-    for (i = 0; i < count; i++) {
-        take(c, &segments[i].segment, 22);
-        segments[i].segment.knots = NULL;
-        segments[i].segment.knot_count = 0;
-    }
+    } *segments = memory(left(c, 1) / SEGMENT_WORDS * sizeof *segments);
+    while (left(c, 1) > 0)
+        segments[count++].segment = take_segment(c);
     must(covbeam_grid_deposit(grid, &medium, count, &segments[0].segment, sizeof *segments));
     free(segments);
+}
+
+void segment_field_at(struct call *c)
+{
+    covbeam_segment segment = take_segment(c);
+    covbeam_medium medium = take_medium(c);
+    covbeam_light_field field, again;
+    float distance = take_float(c);
+    must(covbeam_segment_field_at(&segment, &medium, distance, &field));
+    must(covbeam_segments_field_at(1, &segment, 0, &medium, &distance, 0, &again, 0));
+    equal(&field, &again, sizeof field, "covbeam_segments_field_at: another field");
+    give(c, &field, 16);
 }
 
 void grid_deposit_spectra(struct call *c)

@@ -125,3 +125,13 @@ void light_field_variance_along_ray(struct call *c)
     must(covbeam_light_field_variance_along_ray(&field, take_float(c), &variance));
     give(c, &variance, 1);
 }
+
+void path_number(struct call *c)
+{
+    uint32_t seed = take_u32(c), sequence = take_u32(c), path = take_u32(c), dimension = take_u32(c);
+    float number, again;
+    must(covbeam_path_number(seed, sequence, path, dimension, &number));
+    must(covbeam_path_numbers(seed, sequence, 1, &path, 0, dimension, &again, 0));
+    equal(&number, &again, sizeof number, "covbeam_path_numbers: another number");
+    give(c, &number, 1);
+}

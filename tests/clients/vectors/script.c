@@ -89,6 +89,16 @@ covbeam_medium take_medium(struct call *c)
     return medium;
 }
 
+covbeam_segment take_segment(struct call *c)
+{
+    covbeam_segment segment;
+    memset(&segment, 0, sizeof segment);
+    take(c, &segment, SEGMENT_WORDS - 1);
+    segment.edge_count = take_u32(c);
+    take(c, segment.edges, 5 * segment.edge_count);
+    return segment;
+}
+
 covbeam_kernel take_kernel(struct call *c)
 {
     covbeam_kernel kernel;

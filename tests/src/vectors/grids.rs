@@ -1,11 +1,12 @@
-//! Grids: deposits, look-ups, and the radii that these allow.
+//! Segments with their edges, grids: deposits, look-ups, and the radii that these allow.
 
 use super::hard::{Fog, Hard, Voxels};
 use super::kernels::{SHAPES, spectrum};
 use super::media::medium;
 use super::words::{Script, Words, fnv};
 use covbeam::{
-    CovarianceGrid, FluenceCell, FluenceGrid, FluenceSpectrum, GridCell, GridLayout, Kernel, LightField, Vec3,
+    Column, CovarianceGrid, Edge, FluenceCell, FluenceGrid, FluenceSpectrum, GridCell, GridLayout, Kernel,
+    LightField, Vec3,
 };
 
 /// A grid with what it has collected and what look-ups see.
@@ -33,13 +34,12 @@ impl Grid {
     pub(super) fn deposit(&mut self, script: &mut Script, fog: &Fog, segments: &[Segment]) {
         script.call("grid_deposit", &[fog, &Many(segments)], &[]);
         for segment in segments {
-            let Segment { origin, length, power, unscattered, field } = *segment;
+            let Segment { origin, length, ref field, .. } = *segment;
             let medium = fog.view();
             let mut knots = Vec::new();
             medium.tabulate(origin, field.direction, length, &mut |knot| knots.push(knot));
             let column = medium.density.column(origin, field.direction, &knots);
-            let segment = covbeam::Segment { origin, length, power, unscattered, field, column };
-            self.collecting().deposit(&medium, &segment);
+            self.collecting().deposit(&medium, &segment.with(column));
         }
     }
 
@@ -91,18 +91,28 @@ impl Words for Found {
 }
 
 /// A `covbeam_segment`.
+#[derive(Clone)]
 pub(super) struct Segment {
     pub(super) origin: Vec3,
     pub(super) length: f32,
     pub(super) power: f32,
     pub(super) unscattered: bool,
     pub(super) field: LightField,
+    pub(super) edges: Vec<Edge>,
+}
+
+impl Segment {
+    fn with<'a>(&'a self, column: Column<'a>) -> covbeam::Segment<'a> {
+        let Self { origin, length, power, unscattered, field, ref edges } = *self;
+        covbeam::Segment { origin, length, power, unscattered, field, edges, column }
+    }
 }
 
 impl Words for Segment {
     fn append(&self, line: &mut String) {
-        let Self { origin, length, power, unscattered, field } = self;
-        let words: [&dyn Words; 5] = [origin, length, power, unscattered, field];
+        let Self { origin, length, power, unscattered, field, edges } = self;
+        let count = edges.len() as u32;
+        let words: [&dyn Words; 7] = [origin, length, power, unscattered, field, &count, edges];
         words.iter().for_each(|word| word.append(line));
     }
 }
@@ -124,7 +134,20 @@ pub(super) fn segment(hard: &mut Hard, size: f64) -> Segment {
         field.scatter(hard.unit(), hard.decades(-2.0, 2.0));
     }
     let length = if hard.chance(0.2) { f32::INFINITY } else { hard.decades(-2.0, 1.0) };
-    Segment { origin, length, power: hard.decades(-6.0, 3.0), unscattered, field }
+    Segment { origin, length, power: hard.decades(-6.0, 3.0), unscattered, field, edges: Vec::new() }
+}
+
+/// The same past some edges: some behind it, some that it does not reach.
+fn with_edges(hard: &mut Hard, count: u32) -> Segment {
+    let mut edges: Vec<Edge> = (0..count)
+        .map(|_| Edge {
+            depth: hard.between(-0.3, 2.0),
+            distance: hard.extreme(-3.0, 1.0),
+            towards: hard.direction(),
+        })
+        .collect();
+    edges.sort_by(|a, b| a.depth.total_cmp(&b.depth));
+    Segment { edges, ..segment(hard, 2.0) }
 }
 
 pub(super) fn write(script: &mut Script) {
@@ -159,6 +182,27 @@ pub(super) fn write(script: &mut Script) {
             grid.save(script);
         }
     }
+    past_edges(script, &mut Hard::new(8), &voxels);
+}
+
+fn past_edges(script: &mut Script, hard: &mut Hard, voxels: &Voxels) {
+    let (min, max) = (Vec3::splat(-2.0), Vec3::splat(2.0));
+    let mut grid = Grid::new(script, GridLayout { min, max, cells: [7, 6, 5] });
+    let fogs = [
+        Fog::homogeneous(medium(hard)),
+        Fog::exponential(medium(hard), hard.point(1.0), hard.direction(), hard.decades(-0.5, 1.0)),
+        Fog::voxels(medium(hard), voxels),
+    ];
+    for fog in &fogs {
+        let segments: Vec<Segment> = [1, 4, 3].map(|count| with_edges(hard, count)).to_vec();
+        grid.deposit(script, fog, &segments);
+        for segment in &segments {
+            let distance = hard.between(0.0, 2.0);
+            let field = segment.with(Column::Uniform).field_at(&fog.view(), distance);
+            script.call("segment_field_at", &[segment, fog, &distance], &[&field]);
+        }
+    }
+    grid.save(script);
 }
 
 fn look_ups(script: &mut Script, hard: &mut Hard, grid: &Grid) {

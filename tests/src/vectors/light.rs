@@ -1,18 +1,24 @@
-//! Light fields: sources, then chains of events.
+//! Light fields: sources, then chains of events; the numbers of light paths.
 
 use super::hard::{Fog, Hard};
 use super::words::Script;
-use covbeam::{LightField, Medium, Vec3};
+use covbeam::{LightField, Medium, Vec3, path_number};
 
 pub(super) fn write(script: &mut Script) {
     script.comment("Light fields");
     let hard = &mut Hard::new(1);
-    for chain in 0..72 {
+    for chain in 0..68 {
         let mut field = source(script, hard, chain);
         for _ in 0..9 {
             event(script, hard, &mut field);
         }
         read(script, hard, &field);
+    }
+    for (seed, sequence, path) in [(0, 0, 0), (1, 2, 3), (0x1234_5678, 77, 0xdead_beef)] {
+        for dimension in [0_u32, 1, 4, 7, 8, 9, 1000] {
+            let number = path_number(seed, sequence, path, dimension);
+            script.call("path_number", &[&seed, &sequence, &path, &dimension], &[&number]);
+        }
     }
 }
 

@@ -13,8 +13,9 @@
 //! ```text
 //! medium      scattering[3] absorption[3] phase.kind phase.asymmetry density origin[3] up[3] scale_height
 //! kernel      shape min_radius max_radius error        schedule  shape radius alpha max_radius error
-//! segment     origin[3] length power unscattered field[16], without knots
+//! segment     origin[3] length power unscattered field[16] edge_count edge[5]..., without knots
 //! density_new layout[9] value... ->                  grid_new layout[9] ->
+//! segment_field_at segment medium distance -> field[16]  path_number seed sequence path dimension -> number
 //! grid_deposit medium segment... ->                  grid_deposit_spectra position[3] spectrum[6] weight ->
 //! grid_resolve ->                                    grid_look_up position[3]... -> (found spectrum[6])...
 //! grid_save -> size (16 digits) FNV-1a of the bytes (16 digits)

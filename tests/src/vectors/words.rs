@@ -1,7 +1,7 @@
 //! Values as words, and the lines of the file.
 
 use covbeam::{
-    Beam, Crossing, Curvature, Derivatives, EyeRay, FilmPixel, FluenceSpectrum, Gathered, GridLayout,
+    Beam, Crossing, Curvature, Derivatives, Edge, EyeRay, FilmPixel, FluenceSpectrum, Gathered, GridLayout,
     ImageFilter, ImageSpectrum, Kernel, KernelShape, Knot, LightField, MarchKnot, MarchSample, PhaseFunction,
     PhaseKind, PixelStep, Vec3,
 };
@@ -72,6 +72,12 @@ impl Words for Vec3 {
 impl Words for LightField {
     fn append(&self, line: &mut String) {
         append_all(&[&self.root, &self.x_axis, &self.direction], line);
+    }
+}
+
+impl Words for Edge {
+    fn append(&self, line: &mut String) {
+        append_all(&[&self.depth, &self.distance, &self.towards], line);
     }
 }
 

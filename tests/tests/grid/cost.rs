@@ -43,6 +43,7 @@ fn the_cost_of_look_ups_and_deposits() {
                         power: 1.0,
                         unscattered: true,
                         field,
+                        edges: &[],
                         column: Column::Uniform,
                     },
                 );

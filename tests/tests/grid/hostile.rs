@@ -40,7 +40,7 @@ proptest! {
         if let Ok(mut grid) = CovarianceGrid::new(layout, &mut cells) {
             grid.deposit_spectrum(origin, &spectrum(values), power);
             let field = LightField { root, x_axis, direction };
-            let segment = Segment { origin, length, power, unscattered: true, field, column: Column::Uniform };
+            let segment = Segment { origin, length, power, unscattered: true, field, edges: &[], column: Column::Uniform };
             grid.deposit(&Medium::homogeneous(0.0, extinction), &segment);
             let mut out = vec![FluenceCell::default(); layout.cell_count()];
             grid.resolve(&mut out).unwrap();

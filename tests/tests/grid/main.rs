@@ -1,6 +1,7 @@
 //! The covariance grid: what deposits add up to, in the voxels and over segments, and what look-ups find there.
 
 mod cost;
+mod edges;
 mod hostile;
 mod look_up;
 mod saved;

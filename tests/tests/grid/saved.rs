@@ -99,7 +99,7 @@ fn deposit_random(stream: &mut Stream, layout: &GridLayout, grid: &mut Covarianc
     let unscattered = stream.uniform() < 0.5;
     grid.deposit(
         &Medium::homogeneous(0.0, extinction),
-        &Segment { origin: from, length, power, unscattered, field, column: Column::Uniform },
+        &Segment { origin: from, length, power, unscattered, field, edges: &[], column: Column::Uniform },
     );
 }
 
@@ -199,7 +199,7 @@ proptest! {
         let power = 10_f64.powf(power) as f32;
         let centre = Vec3::splat(0.5 * side);
         for unscattered in [true, false] {
-            grid.deposit(&Medium::homogeneous(0.0, 0.0), &Segment { origin: centre, length: side, power, unscattered, field, column: Column::Uniform });
+            grid.deposit(&Medium::homogeneous(0.0, 0.0), &Segment { origin: centre, length: side, power, unscattered, field, edges: &[], column: Column::Uniform });
         }
         let mut bytes = vec![0; layout.saved_size()];
         prop_assert_eq!(layout.save(&cells, &mut bytes), Ok(()), "{:?}", cells);

@@ -85,6 +85,7 @@ impl Segment {
                 power,
                 unscattered: true,
                 field: field(self.direction),
+                edges: &[],
                 column: Column::Uniform,
             },
         );
@@ -223,7 +224,15 @@ fn segments_without_meaning_deposit_nothing() {
         let field = LightField { direction, ..field(Vec3::Z) };
         grid.deposit(
             &Medium::homogeneous(0.0, extinction),
-            &covbeam::Segment { origin, length, power, unscattered: true, field, column: Column::Uniform },
+            &covbeam::Segment {
+                origin,
+                length,
+                power,
+                unscattered: true,
+                field,
+                edges: &[],
+                column: Column::Uniform,
+            },
         );
         cells.iter().map(|cell| cell.weight).sum::<f64>()
     };

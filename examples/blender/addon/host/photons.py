@@ -4,7 +4,7 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-from covbeam import BEAM, CURVATURE, SEGMENT, light_field
+from covbeam import BEAM, CURVATURE, SEGMENT, Medium, light_field, segment
 
 from . import ask
 from .sampler import Sampler
@@ -13,6 +13,9 @@ from .surfaces import SMOOTH, Lobe, follow, leave, meet, weights
 
 #: After this many events a path goes on with a probability only, so that every path ends.
 _LONG_PATH, _GOING_ON = 64, np.float32(0.95)
+
+#: Light fields of homogeneous fog travel as in vacuum.
+_VACUUM = Medium(0)
 
 #: Light is opaque after this optical depth: e^-17 = 4e-8.
 _OPAQUE = 17.0
@@ -199,55 +202,31 @@ class PhotonTracer:
             record.add("beams", number, beams)
 
     def _carry(self, photons, hit, volume, flight, record):
-        """Records what light fields leave along whole segments, cut at silhouettes, and moves them on by the flight."""
-        geometry = self._scene.geometry
-        counts, edges = geometry.edges(photons.origin, photons.direction, hit, self._bounds)
-        reach = np.minimum(hit["distance"], self._opaque[volume])
-        ahead = photons.light.copy()
-        extinction = self._extinction[volume].mean(axis=1)
-        power = photons.power.mean(axis=1)
-        passed = np.zeros(len(counts), np.float32)
-        moved = np.zeros(len(counts), np.float32)
-        for slot in range(edges.shape[1] + 1):
-            cut = counts > slot if slot < edges.shape[1] else np.zeros(len(counts), bool)
-            depth = np.where(cut, edges["depth"][:, min(slot, edges.shape[1] - 1)], np.inf)
-            # What is left of a segment behind its last edge is deposited with the slot after that.
-            here = np.flatnonzero(counts >= slot)
-            end = np.minimum(depth[here], reach[here])
-            self._deposit(photons, ahead, here, volume, passed, end, power, extinction, record)
-            go = here[cut[here]]
-            if len(go) == 0:
-                continue
-            field = ahead[go]
-            stop = np.minimum(depth[go], np.where(np.isfinite(reach[go]), reach[go], depth[go])).astype(np.float32)
-            light_field.travel(field, stop - passed[go])
-            light_field.occlude(field, edges["towards"][go, slot], edges["distance"][go, slot])
-            ahead[go] = field
-            passed[go] = stop
-            # The photon's own field goes past those edges that lie before its next event.
-            own = go[depth[go] <= flight[go]]
-            photons.light[own] = ahead[own]
-            moved[own] = passed[own]
-        rest = np.where(np.isfinite(flight), flight - moved, 0).astype(np.float32)
-        light_field.travel(photons.light, np.maximum(rest, 0))
+        """Records whole segments with the silhouettes beside them, and moves light fields on by the flight."""
+        segments = np.zeros(len(flight), SEGMENT)
+        segments["origin"], segments["field"] = photons.origin, photons.light
+        counts, edges = self._scene.geometry.edges(photons.origin, photons.direction, hit, self._bounds)
+        segments["edge_count"], segments["edges"] = counts, edges
+        # What escapes ends there.
+        distance = np.where(np.isfinite(flight), flight, 0).astype(np.float32)
+        photons.light = segment.field_at(segments, _VACUUM, distance)
+        self._leave_segments(photons, segments, hit["distance"], volume, record)
 
-    def _deposit(self, photons, ahead, here, volume, passed, end, power, extinction, record):
-        start = np.maximum(passed, photons.dark)
-        piece = np.minimum(end, photons.until[here]) - start[here]
-        wanted = (piece > 0) & np.isfinite(end) & (volume[here] >= 0) & ~photons.glass[here]
-        here, piece = here[wanted], piece[wanted]
-        for number in np.unique(volume[here]):
-            of = volume[here] == number
-            at = here[of]
-            segments = np.zeros(len(at), SEGMENT)
-            segments["origin"] = photons.origin[at] + start[at, None] * photons.direction[at]
-            segments["length"] = piece[of]
-            segments["power"] = power[at] * np.exp(-extinction[at] * start[at])
-            segments["unscattered"] = photons.unscattered[at]
-            field = ahead[at]
-            light_field.travel(field, start[at] - passed[at])
-            segments["field"] = field
-            record.add("segments", number, segments)
+    def _leave_segments(self, photons, segments, reach, volume, record):
+        """Like beams, segments run from where their light begins to the next surface."""
+        dark = photons.dark
+        length = np.minimum(np.minimum(reach, self._opaque[volume]), photons.until) - dark
+        power = photons.power.mean(axis=1) * np.exp(-self._extinction[volume].mean(axis=1) * dark)
+        wanted = (volume >= 0) & ~photons.glass & np.isfinite(length) & (length > 0) & (power > 0)
+        late = np.flatnonzero(wanted & (dark > 0))
+        if len(late):
+            # Edges before that lie behind the segment then.
+            segments["field"][late] = segment.field_at(segments[late], _VACUUM, dark[late])
+            segments["origin"][late] += dark[late, None] * photons.direction[late]
+            segments["edges"]["depth"][late] -= dark[late, None]
+        segments["length"], segments["power"], segments["unscattered"] = length, power, photons.unscattered
+        for number in np.unique(volume[wanted]):
+            record.add("segments", number, segments[wanted & (volume == number)])
 
     def _scatter(self, photons, at, volume, extinction, flight, choice, xi):
         """Collisions in media: which photons scatter on."""

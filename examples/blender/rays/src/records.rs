@@ -1,7 +1,6 @@
-//! The records of arrays that Python reads and writes: the dtypes HIT and EDGE of the module.
+//! The records of arrays that Python reads and writes: the dtype HIT of the module; EDGE is core's [`covbeam::Edge`].
 
-use covbeam::Curvature;
-use covbeam_geometry::edges::Edge;
+use covbeam::ProbeHit;
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 
@@ -67,38 +66,9 @@ impl HitRecord {
     }
 
     /// What the search for edges reads of a hit; None if nothing was hit.
-    pub fn hit(&self) -> Option<Hit> {
-        (self.distance < f32::INFINITY).then(|| Hit {
-            distance: self.distance,
-            position: Vec3::from_array(self.position),
-            geometric_normal: Vec3::from_array(self.geometric_normal),
-            normal: Vec3::from_array(self.normal),
-            curvature: Curvature {
-                tangent: Vec3::from_array(self.tangent),
-                along: self.along,
-                across: self.across,
-                twist: self.twist,
-            },
-            object: 0,
-            offset: self.offset,
-        })
-    }
-}
-
-/// An edge beside a ray: see EDGE in the Python module.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct EdgeRecord {
-    /// Distance along the ray at which the edge passes by \[m\].
-    pub depth: f32,
-    /// Distance from the ray to the edge there \[m\].
-    pub distance: f32,
-    /// Unit direction from the ray to the edge.
-    pub towards: [f32; 3],
-}
-
-impl From<&Edge> for EdgeRecord {
-    fn from(edge: &Edge) -> Self {
-        Self { depth: edge.depth, distance: edge.distance, towards: edge.towards.to_array() }
+    pub fn probe_hit(&self) -> Option<ProbeHit> {
+        let normal = Vec3::from_array(self.geometric_normal);
+        let Self { distance, offset, .. } = *self;
+        (distance < f32::INFINITY).then_some(ProbeHit { distance, normal, offset })
     }
 }

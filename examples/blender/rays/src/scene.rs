@@ -3,10 +3,9 @@
 use crate::failure::{Result, invalid};
 use crate::instance::Instance;
 use crate::mesh::Mesh;
-use crate::records::{EdgeRecord, HitRecord};
+use crate::records::HitRecord;
 use crate::wide::Wide;
-use covbeam_geometry::edges::{Surfaces, find_edges};
-use covbeam_geometry::hit::Hit;
+use covbeam::{Edge, MOST_EDGES, ProbeHit, find_edges};
 use covbeam_geometry::triangles::{Frame, Hierarchy, PADDING, TriangleHit, Triangles};
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
@@ -21,9 +20,6 @@ const UNIT: f32 = 1e-4;
 
 /// A ray that has passed this many surfaces which let light through is taken to meet nothing.
 const MOST_THROUGH: usize = 64;
-
-/// Most edges beside one ray.
-pub const EDGES: usize = 4;
 
 /// Meshes and instances that can be hit.
 pub struct Scene {
@@ -150,7 +146,7 @@ impl Scene {
         hits: &[HitRecord],
         through: &[u8],
         counts: &mut [u8],
-        edges: &mut [[EdgeRecord; EDGES]],
+        edges: &mut [[Edge; MOST_EDGES]],
     ) -> Result<()> {
         /// Rays that a thread takes at a time: each shoots up to 128 others.
         const FEW: usize = 32;
@@ -164,11 +160,12 @@ impl Scene {
                     }
                     let opaque = Opaque { scene: self, through };
                     let passes = opaque.lets_through(hits[index].material);
-                    let hit = if passes { opaque.nearest(origin, direction) } else { hits[index].hit() };
-                    let found = find_edges(&opaque, origin, direction, hit.as_ref());
+                    let hit =
+                        if passes { opaque.nearest(origin, direction) } else { hits[index].probe_hit() };
+                    let found = find_edges(direction, hit, |towards| opaque.nearest(origin, towards));
                     *count = found.len() as u8;
                     *edges = Default::default();
-                    edges.iter_mut().zip(&found).for_each(|(record, edge)| *record = edge.into());
+                    edges[..found.len()].copy_from_slice(&found);
                 }
             },
         );
@@ -189,10 +186,8 @@ impl Opaque<'_> {
             .and_then(|index| self.through.get(index))
             .is_some_and(|&byte| byte != 0)
     }
-}
 
-impl Surfaces for Opaque<'_> {
-    fn nearest(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
+    fn nearest(&self, origin: Vec3, direction: Vec3) -> Option<ProbeHit> {
         let mut start = origin;
         for _ in 0..MOST_THROUGH {
             let (instance, hit) = self.scene.intersect(start, direction, f32::INFINITY)?;
@@ -203,7 +198,7 @@ impl Surfaces for Opaque<'_> {
             }
             let material = instance.material(&self.scene.meshes[instance.mesh], triangles.index(&hit));
             if !self.lets_through(material) {
-                return Some(found);
+                return Some((&found).into());
             }
             start = found.leave(direction);
         }

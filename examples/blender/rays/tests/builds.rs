@@ -2,10 +2,11 @@
 
 mod shapes;
 
+use covbeam::Edge;
 use covbeam_rays::failure::Failure;
 use covbeam_rays::geometry::Geometry;
 use covbeam_rays::job::Job;
-use covbeam_rays::records::{EdgeRecord, HitRecord};
+use covbeam_rays::records::HitRecord;
 use covbeam_rays::tasks;
 use glam::{DMat4, DVec3};
 use rayon::ThreadPoolBuilder;
@@ -34,7 +35,7 @@ fn hits_and_edges_do_not_depend_on_the_number_of_threads() {
         let mut hits = vec![HitRecord::MISS; origins.len()];
         pool.install(|| scene.cast_many(&origins, &directions, &[f32::INFINITY], &mut hits))
             .expect("valid rays");
-        let (few, mut counts, mut edges) = (1000, [0; 1000], [[EdgeRecord::default(); 4]; 1000]);
+        let (few, mut counts, mut edges) = (1000, [0; 1000], [[Edge::default(); 4]; 1000]);
         let search = || {
             let (origins, directions) = (&origins[..few], &directions[..few]);
             scene.edges_many(origins, directions, &hits[..few], &[0; 4], &mut counts, &mut edges)

@@ -2,12 +2,12 @@
 
 mod shapes;
 
-use covbeam_geometry::edges::{Surfaces, find_edges};
+use covbeam::{Edge, ProbeHit, find_edges};
 use covbeam_geometry::hit::Hit;
 use covbeam_geometry::mesh::{Mesh, Placement};
 use covbeam_geometry::obj::ObjTriangles;
 use covbeam_rays::geometry::Geometry;
-use covbeam_rays::records::{EdgeRecord, HitRecord};
+use covbeam_rays::records::HitRecord;
 use covbeam_rays::threads;
 use glam::{DMat4, DVec3, Vec3};
 use shapes::{Random, add, built, icosphere, lumpy, rows};
@@ -15,7 +15,7 @@ use shapes::{Random, add, built, icosphere, lumpy, rows};
 /// The reference: meshes in a row, flat.
 struct Meshes(Vec<Mesh>);
 
-impl Surfaces for Meshes {
+impl Meshes {
     fn nearest(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
         let hits = self
             .0
@@ -82,7 +82,7 @@ fn compare(bounds: bool) {
     }
     let count = origins.len();
     let mut hits = vec![HitRecord::MISS; count];
-    let mut edges = vec![[EdgeRecord::default(); 4]; count];
+    let mut edges = vec![[Edge::default(); 4]; count];
     let mut counts = vec![0; count];
     let pool = threads::pool().expect("starts");
     pool.install(|| scene.cast_many(&origins, &directions, &[f32::INFINITY], &mut hits)).expect("valid rays");
@@ -92,16 +92,19 @@ fn compare(bounds: bool) {
     let (mut same, mut found) = (0, 0);
     for i in 0..count {
         let (origin, direction) = (Vec3::from(origins[i]), Vec3::from(directions[i]));
-        let hit = reference.nearest(origin, direction);
-        let expected = find_edges(&reference, origin, direction, hit.as_ref());
+        let nearest = |towards: Vec3| reference.nearest(origin, towards);
+        let hit = nearest(direction);
+        let probe = |towards: Vec3| nearest(towards).as_ref().map(ProbeHit::from);
+        let expected = find_edges(direction, hit.as_ref().map(ProbeHit::from), probe);
         found += expected.len();
-        let close = |(edge, expected): (&EdgeRecord, &covbeam_geometry::edges::Edge)| {
+        let close = |(edge, expected): (&Edge, &Edge)| {
             // A share of what the search resolves, 5 %.
             (edge.depth / expected.depth - 1.0).abs() < 0.01
                 && (edge.distance / expected.distance - 1.0).abs() < 0.01
-                && Vec3::from(edge.towards).dot(expected.towards) > 0.999
+                && edge.towards.dot(expected.towards) > 0.999
         };
-        let equal = usize::from(counts[i]) == expected.len() && edges[i].iter().zip(&expected).all(close);
+        let equal =
+            usize::from(counts[i]) == expected.len() && edges[i].iter().zip(expected.iter()).all(close);
         same += usize::from(equal);
     }
     assert!(found > count / 2, "the rays pass hardly any edges");

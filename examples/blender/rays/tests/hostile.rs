@@ -11,7 +11,7 @@ mod calls;
 use calls::{message, refused};
 use core::ffi::c_void;
 use covbeam_rays::abi::*;
-use covbeam_rays::records::{EdgeRecord, HitRecord};
+use covbeam_rays::records::HitRecord;
 use std::ptr::{null, null_mut};
 
 const POSITIONS: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -184,7 +184,7 @@ fn rays_that_are_wrong_are_refused_by_the_first_of_them() {
     // Finite, however far.
     assert_eq!(cast(&with(&origins, [3e38, -3e38, 3e38]), &directions, &far), 0);
 
-    let (mut counts, mut edges) = (vec![0; count], vec![[EdgeRecord::default(); 4]; count]);
+    let (mut counts, mut edges) = (vec![0; count], vec![[covbeam::Edge::default(); 4]; count]);
     let (counts, edges) = (counts.as_mut_ptr(), edges.as_mut_ptr());
     let wrong = with(&directions, [0.0; 3]);
     // Nonsense for a hit gives nonsense for edges, and nothing worse.

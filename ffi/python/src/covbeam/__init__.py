@@ -11,7 +11,7 @@ light_field.travel, covbeam_beam_map_gather is BeamMap.gather. covbeam.h is the 
   without the interpreter's lock.
 """
 
-from . import dtypes, image, kernel, light_field, march, spectrum
+from . import dtypes, image, kernel, light_field, march, segment, spectrum
 from ._abi import ABI_VERSION
 from ._library import version as __version__
 from .beams import BeamMap, Scratch
@@ -22,6 +22,7 @@ from .dtypes import (
     CROSSING,
     CURVATURE,
     DERIVATIVES,
+    EDGE,
     EYE_RAY,
     FILM_PIXEL,
     FILM_RAY,
@@ -35,9 +36,11 @@ from .dtypes import (
     MARCH_KNOT,
     MARCH_SAMPLE,
     PIXEL_STEP,
+    PROBE_HIT,
     SEGMENT,
     SPECTRUM,
 )
+from .emission import path_numbers
 from .errors import Cancelled, Error, Status
 from .grid import Grid
 from .image import Film

@@ -68,6 +68,7 @@ class MarchExpected(ctypes.Structure):
 Poll = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p)
 # The user pointer is a number here: see _callbacks.
 Shade = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p)
+Probe = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p)
 
 #: The letters of PROTOTYPES: an address (data, handle or callback), size_t, float, uint32_t.
 TYPES = {
@@ -115,6 +116,9 @@ PROTOTYPES = {
     "covbeam_light_fields_variance_along_ray": "z" + "pz" * 3,
     "covbeam_spectra_variance_along": "z" + "pz" * 3,
     "covbeam_spectra_add_along": "z" + "pz" * 3,
+    "covbeam_path_numbers": "uuz" + "pz" + "u" + "pz",
+    "covbeam_find_edges": "p" * 6,
+    "covbeam_segments_field_at": "z" + "pz" + "p" + "pz" * 2,
     "covbeam_phase_evaluate_many": "pz" + "pz" * 2,
     "covbeam_phase_sample_many": "pz" + "pz" * 3,
     "covbeam_phase_sample_cosine_many": "pz" + "pz" * 2,

@@ -150,6 +150,14 @@ def struct(name, value, kind):
     return ctypes.addressof(value._struct)
 
 
+def word(name, number):
+    """An uint32 that is no array."""
+    # ctypes would take it modulo 2^32.
+    if not 0 <= number < 1 << 32:
+        raise ValueError(f"{name}: {number} is not in 0 to 2^32 - 1")
+    return int(number)
+
+
 def single(name, array, kind, written=False):
     """One struct: a view of shape () or (1,)."""
     argument = Argument(name, kind, written).view(array)

@@ -31,13 +31,23 @@ FLUENCE_CELL = _struct(("spectrum", SPECTRUM), ("weight", _f4))
 #: A point of a table of columns: distance along the ray, integral of the relative density up to there [m].
 KNOT = _struct(("distance", _f4), ("column", _f4))
 
-#: A straight piece of a photon's path whose light field goes into a grid. `knots` is an address: see Grid.deposit.
+#: An edge of an occluder beside a ray: distance along the ray at which it passes by, distance from the ray there [m], direction from
+#: the ray to it, any length but 0.
+EDGE = _struct(("depth", _f4), ("distance", _f4), ("towards", _f4, (3,)))
+
+#: Where a probe ray meets a surface: see segment.find_edges.
+PROBE_HIT = _struct(("distance", _f4), ("normal", _f4, (3,)), ("offset", _f4))
+
+#: A straight piece of a photon's path that carries a light field, and the edges that it passes, edge_count of them, sorted by depth.
+#: `knots` is an address: see Grid.deposit.
 SEGMENT = _struct(
     ("origin", _f4, (3,)),
     ("length", _f4),
     ("power", _f4),
     ("unscattered", np.uint32),
     ("field", LIGHT_FIELD),
+    ("edges", EDGE, (4,)),
+    ("edge_count", np.uint32),
     ("knots", np.uintp),
     ("knot_count", np.uintp),
 )

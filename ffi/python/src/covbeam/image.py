@@ -14,7 +14,7 @@ import ctypes
 
 import numpy as np
 
-from ._arrays import COUNT, FLOAT, PIXEL, WORD, Kind, elementwise, given, made, struct
+from ._arrays import COUNT, FLOAT, PIXEL, WORD, Kind, elementwise, given, made, struct, word
 from ._callbacks import Call
 from ._handles import Object, Owner, using
 from ._library import check, lib
@@ -81,8 +81,8 @@ def thresholds(pass_, seed, pixels, *, out=None):
     """
     return elementwise(
         lib.covbeam_pixel_threshold_many,
-        _word("pass_", pass_),
-        _word("seed", seed),
+        word("pass_", pass_),
+        word("seed", seed),
         COUNT,
         given("pixels", pixels, PIXEL),
         made("out", out, FLOAT),
@@ -98,8 +98,8 @@ def regions(width, height, depths, *, out=None):
     """
     return elementwise(
         lib.covbeam_film_regions,
-        _word("width", width),
-        _word("height", height),
+        word("width", width),
+        word("height", height),
         COUNT,
         given("depths", depths, FLOAT),
         made("out", out, WORD),
@@ -114,8 +114,8 @@ def errors(width, height, pixels, *, out=None):
     """
     return elementwise(
         lib.covbeam_film_errors,
-        _word("width", width),
-        _word("height", height),
+        word("width", width),
+        word("height", height),
         COUNT,
         given("pixels", pixels, Kind(FILM_PIXEL)),
         made("out", out, FLOAT),
@@ -135,7 +135,7 @@ class Film(Object):
 
     def __init__(self, width, height, typical_radiance, regions=None):
         #: Pixels across and down.
-        self.width, self.height = _word("width", width), _word("height", height)
+        self.width, self.height = word("width", width), word("height", height)
         count, address, stride = width * height, None, 0
         if regions is not None:
             labels = given("regions", regions, WORD)
@@ -170,9 +170,9 @@ class Film(Object):
             elementwise(
                 lib.covbeam_film_plan,
                 film,
-                _word("pass_", pass_),
+                word("pass_", pass_),
                 error,
-                _word("light_paths", light_paths),
+                word("light_paths", light_paths),
                 COUNT,
                 given("spectra", spectra, Kind(IMAGE_SPECTRUM)),
                 call.poll,
@@ -214,7 +214,7 @@ class Film(Object):
             out = np.zeros(max(count, 0), FILM_PIXEL)
         with using(self) as [film]:
             return elementwise(
-                lib.covbeam_film_picture, film, _word("first_row", first_row), COUNT, made("out", out, Kind(FILM_PIXEL))
+                lib.covbeam_film_picture, film, word("first_row", first_row), COUNT, made("out", out, Kind(FILM_PIXEL))
             )
 
     def _number(self, function):
@@ -222,13 +222,6 @@ class Film(Object):
         with using(self) as [film]:
             check(function(film, ctypes.addressof(number)))
         return number.value
-
-
-def _word(name, number):
-    # ctypes would take it modulo 2^32.
-    if not 0 <= number < 1 << 32:
-        raise ValueError(f"{name}: {number} is not in 0 to 2^32 - 1")
-    return int(number)
 
 
 def pixels(width, height):

@@ -5,10 +5,10 @@ use super::run;
 use crate::failure::invalid;
 use crate::geometry::Geometry;
 use crate::mesh::MeshArrays;
-use crate::records::{EdgeRecord, HitRecord};
-use crate::scene::EDGES;
+use crate::records::HitRecord;
 use crate::threads;
 use core::ffi::c_void;
+use covbeam::{Edge, MOST_EDGES};
 use std::time::Duration;
 
 /// Of handles.
@@ -185,7 +185,7 @@ pub unsafe extern "C" fn covbeam_rays_geometry_edges(
     material_count: usize,
     through: *const u8,
     counts: *mut u8,
-    edges: *mut [EdgeRecord; EDGES],
+    edges: *mut [Edge; MOST_EDGES],
 ) -> i32 {
     // SAFETY: the contract of this module.
     run(|| unsafe {

@@ -1,13 +1,13 @@
-//! Silhouette edges near a photon's segment, found by probe rays without knowing the geometry.
+//! Silhouette edges near a ray, found by probe rays without knowing the geometry.
 //!
 //! Probes are tilted by a tangent τ off the ray. Along such a tilt the inverse depth w = 1/z of a plane is linear in τ,
 //! however grazing the plane is, and a miss is w = 0. So a surface, its creases and a floor that runs to the horizon are
 //! continuous in w, with a slope that the normal at the hit gives; only an occluder makes w jump.
 
-use crate::hit::Hit;
+use core::f32::consts::TAU;
+use core::ops::{Deref, DerefMut};
 use glam::Vec3;
-use smallvec::SmallVec;
-use std::f32::consts::TAU;
+use libm::{sincosf, sqrtf};
 
 /// Azimuths of the probes around the ray. Every other one is searched, those between are looked at.
 const AZIMUTHS: usize = 16;
@@ -25,8 +25,8 @@ const WITHIN: f32 = 0.85;
 /// Probes that look for an edge between two others.
 const SEARCH: u32 = 12;
 
-/// Probes of a segment. One in a hundred would want more; it keeps the edges found until then.
-pub const PROBES: u32 = 128;
+/// Most probes of one search. One in a hundred would want more; it keeps the edges found until then.
+pub const MOST_PROBES: u32 = 128;
 
 /// An edge is found when its tangent and its depth are known to this relative width, or its tangent to [`FINEST`].
 const PRECISION: f32 = 0.05;
@@ -45,101 +45,145 @@ const BEFORE: f32 = 0.7;
 /// radius R that single precision tells from flat, its horizon lies at sqrt(2 R offset), 3000 offsets away.
 const LEAVING: f32 = 4096.0;
 
-/// Edges of a segment: two pairs across each other describe a hole.
-const EDGES: usize = 4;
+/// Most edges of a search: two pairs across each other describe a hole.
+pub const MOST_EDGES: usize = 4;
 
 /// An edge that adds less than this share to the variance that others leave along its normal is left out.
 const GAIN: f32 = 0.1;
 
-/// What probe rays are shot at.
-pub trait Surfaces {
-    /// The nearest hit along `direction`, which is unit.
-    fn nearest(&self, origin: Vec3, direction: Vec3) -> Option<Hit>;
-}
-
 /// An edge of an occluder beside a ray.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Edge {
-    /// Distance along the ray at which the edge passes by, in (0, segment length].
+    /// Distance along the ray at which the edge passes by \[m\].
     pub depth: f32,
-    /// Distance from the ray to the edge there, > 0.
+    /// Distance from the ray to the edge there \[m\] >= 0.
     pub distance: f32,
-    /// Unit direction from the ray to the edge, perpendicular to the ray.
+    /// Direction from the ray to the edge, as in [`LightField::occlude`](crate::LightField::occlude); a search finds unit
+    /// vectors across the ray.
     pub towards: Vec3,
 }
 
-/// Edges beside the segment from `origin` along `direction` (unit) that ends at `hit`, sorted by depth: those up to four
-/// that mask the light most.
+/// Where a probe ray meets a surface.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ProbeHit {
+    /// Along the probe \[m\] > 0; infinity meets nothing.
+    pub distance: f32,
+    /// Geometric normal, any length, either side.
+    pub normal: Vec3,
+    /// How far off this surface rays start that leave it \[m\] >= 0, no farther than rounding asks for. Nearer than 4096 times
+    /// that, it is the surface which the ray itself left, and its horizon no edge.
+    pub offset: f32,
+}
+
+/// What [`find_edges`] found: a slice of up to [`MOST_EDGES`] edges, sorted by depth.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Edges(Few<Edge, MOST_EDGES>);
+
+impl Deref for Edges {
+    type Target = [Edge];
+
+    fn deref(&self) -> &[Edge] {
+        &self.0
+    }
+}
+
+/// Edges beside a ray along `direction` that ends at `hit`, sorted by depth: those up to four that mask the light most.
 ///
 /// Where the depth jumps as the ray is tilted, light passes an occluder, or enters one, at its silhouette; both mask the
 /// light field. It does not matter whose surface is on either side: an object's own folds have edges, walls that meet
 /// have none. What the light just left, and what is hidden behind what it hits, has none either. Edges of what it hits
 /// that lie deeper than the hit are moved there.
 ///
+/// - `direction`: unit; with any other vector nothing is found.
+/// - `hit`: what the ray itself meets; None for nothing.
+/// - `probe`: casts a ray from the same origin along the unit vector that it is given; called [`MOST_PROBES`] times at most.
+///
 /// Ranked by tangent: light that spreads from a point at the origin has past the edge a variance 1/(π² τ² z²), whatever
 /// the edge's depth. Edges on all sides of the ray are kept, and a farther one in tangent if it comes first in depth.
 ///
-/// Cost: 28 probes where there is no edge, about 80 where there are some, at most [`PROBES`]. Error: the nearest edge is
-/// within 20 % in all cases on spheres and in nine of ten on figurines and tracery; bars and tips that pass between the
-/// probes are missed (test `edges_of_meshes_agree_with_brute_force`).
+/// Guarantee: finite edges with depth and distance > 0, whatever `probe` says.
+///
+/// Cost: 28 probes where there is no edge, about 80 where there are some. Error: the nearest edge is within 20 % in all
+/// cases on spheres and in nine of ten on figurines and tracery; bars and tips that pass between the probes are missed
+/// (test `edges_of_meshes_agree_with_brute_force`).
+///
+/// ```
+/// use covbeam::{ProbeHit, Vec3, find_edges};
+/// // Everything at x > 0.1 is masked by a sheet at z = 1.
+/// let sheet = |direction: Vec3| {
+///     let distance = 1.0 / direction.z;
+///     (distance * direction.x > 0.1).then_some(ProbeHit { distance, normal: Vec3::Z, offset: 0.0 })
+/// };
+/// let edges = find_edges(Vec3::Z, None, sheet);
+/// assert_eq!(edges.len(), 1);
+/// assert!((edges[0].depth - 1.0).abs() < 1e-3 && (edges[0].distance - 0.1).abs() < 5e-3);
+/// assert!(edges[0].towards.x > 0.98);
+/// ```
+#[doc(alias = "silhouette")]
 pub fn find_edges(
-    scene: &impl Surfaces,
-    origin: Vec3,
     direction: Vec3,
-    hit: Option<&Hit>,
-) -> SmallVec<[Edge; EDGES]> {
-    probe_edges(scene, origin, direction, hit).0
+    hit: Option<ProbeHit>,
+    probe: impl FnMut(Vec3) -> Option<ProbeHit>,
+) -> Edges {
+    let mut edges = Edges::default();
+    if !direction.is_normalized() {
+        return edges;
+    }
+    let mut prober = Prober { probe, direction, probes: 0 };
+    let jumps = prober.all_jumps(sample(direction, 0.0, hit));
+    let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
+    for jump in strongest(&jumps).iter() {
+        let depth = (1.0 / jump.inverse).min(reach);
+        let tangent = jump.offset.length();
+        let edge = Edge { depth, distance: tangent * depth, towards: jump.offset / tangent };
+        if depth > 0.0 && edge.distance > 0.0 && edge.distance.is_finite() && edge.towards.is_finite() {
+            edges.0.insert_by(edge, |edge| edge.depth);
+        }
+    }
+    edges
 }
 
-/// [`find_edges`], and how many probe rays it shot.
-pub fn probe_edges(
-    scene: &impl Surfaces,
-    origin: Vec3,
-    direction: Vec3,
-    hit: Option<&Hit>,
-) -> (SmallVec<[Edge; EDGES]>, u32) {
-    let mut prober = Prober { scene, origin, direction, probes: 0 };
-    let central = prober.sample(0.0, hit);
-    let (e, f) = direction.any_orthonormal_pair();
-    let towards = |azimuth: usize| {
-        let (sin, cos) = (TAU * azimuth as f32 / AZIMUTHS as f32).sin_cos();
-        cos * e + sin * f
-    };
-    let first = |jumps: &Jumps| jumps.first().map_or(f32::INFINITY, |jump| jump.offset.length());
-    let mut jumps: [Jumps; AZIMUTHS] = Default::default();
-    for azimuth in (0..AZIMUTHS).step_by(2) {
-        jumps[azimuth] = prober.tilt(towards(azimuth), RINGS[azimuth / 2 % 2], central);
+/// Up to N values.
+#[derive(Clone, Copy, Debug)]
+struct Few<T, const N: usize> {
+    values: [T; N],
+    count: usize,
+}
+
+impl<T: Copy + Default, const N: usize> Default for Few<T, N> {
+    fn default() -> Self {
+        Self { values: [T::default(); N], count: 0 }
     }
-    let mut nearest = jumps.iter().map(first).fold(f32::INFINITY, f32::min);
-    if nearest == f32::INFINITY {
-        for azimuth in (1..AZIMUTHS).step_by(2) {
-            jumps[azimuth] = prober.tilt(towards(azimuth), &[BETWEEN], central);
-            nearest = nearest.min(first(&jumps[azimuth]));
-        }
+}
+
+impl<T, const N: usize> Deref for Few<T, N> {
+    type Target = [T];
+
+    fn deref(&self) -> &[T] {
+        &self.values[..self.count]
     }
-    if nearest < f32::INFINITY {
-        for (azimuth, jumps) in jumps.iter_mut().enumerate() {
-            if WITHIN * first(jumps) < nearest {
-                continue;
-            }
-            let nearer = prober.tilt(towards(azimuth), &[WITHIN * nearest], central);
-            if !nearer.is_empty() {
-                nearest = first(&nearer);
-                *jumps = nearer;
-            }
-        }
+}
+
+impl<T, const N: usize> DerefMut for Few<T, N> {
+    fn deref_mut(&mut self) -> &mut [T] {
+        &mut self.values[..self.count]
     }
-    let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
-    let mut edges: SmallVec<[Edge; EDGES]> = strongest(&jumps)
-        .iter()
-        .map(|jump| {
-            let depth = (1.0 / jump.inverse).min(reach);
-            let tangent = jump.offset.length();
-            Edge { depth, distance: tangent * depth, towards: jump.offset / tangent }
-        })
-        .collect();
-    edges.sort_by(|a, b| a.depth.total_cmp(&b.depth));
-    (edges, prober.probes)
+}
+
+impl<T, const N: usize> Few<T, N> {
+    fn push(&mut self, value: T) {
+        self.values[self.count] = value;
+        self.count += 1;
+    }
+
+    /// Puts a value behind those whose key is not larger.
+    fn insert_by(&mut self, value: T, key: impl Fn(&T) -> f32) {
+        let at = self.iter().take_while(|other| key(other) <= key(&value)).count();
+        self.push(value);
+        self[at..].rotate_right(1);
+    }
 }
 
 /// What a tilted ray meets.
@@ -155,13 +199,14 @@ struct Sample {
 }
 
 /// A jump of depth: the nearer side's inverse depth, and where it is seen at depth 1.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Jump {
     inverse: f32,
     offset: Vec3,
 }
 
-type Jumps = SmallVec<[Jump; 2]>;
+/// Those of one tilt.
+type Jumps = Few<Jump, 2>;
 
 /// What lies between two samples of one tilt.
 enum Between {
@@ -173,48 +218,69 @@ enum Between {
     Step,
 }
 
-struct Prober<'a, S> {
-    scene: &'a S,
-    origin: Vec3,
+struct Prober<P> {
+    probe: P,
     direction: Vec3,
     probes: u32,
 }
 
-impl<S: Surfaces> Prober<'_, S> {
-    fn sample(&self, tangent: f32, hit: Option<&Hit>) -> Sample {
-        let Some(hit) = hit else {
-            return Sample { tangent, inverse: 0.0, gradient: Vec3::ZERO, leaving: false };
+impl<P: FnMut(Vec3) -> Option<ProbeHit>> Prober<P> {
+    /// The jumps in all azimuths around the ray, whose own sample is `central`.
+    fn all_jumps(&mut self, central: Sample) -> [Jumps; AZIMUTHS] {
+        let (e, f) = self.direction.any_orthonormal_pair();
+        let towards = |azimuth: usize| {
+            let (sin, cos) = sincosf(TAU * azimuth as f32 / AZIMUTHS as f32);
+            cos * e + sin * f
         };
-        let normal = hit.geometric_normal;
-        Sample {
-            tangent,
-            inverse: (1.0 + tangent * tangent).sqrt() / hit.distance,
-            gradient: normal / normal.dot(hit.position - self.origin),
-            leaving: hit.distance < LEAVING * hit.offset,
+        let first = |jumps: &Jumps| jumps.first().map_or(f32::INFINITY, |jump| jump.offset.length());
+        let mut jumps: [Jumps; AZIMUTHS] = Default::default();
+        for azimuth in (0..AZIMUTHS).step_by(2) {
+            jumps[azimuth] = self.tilt(towards(azimuth), RINGS[azimuth / 2 % 2], central);
         }
+        let mut nearest = jumps.iter().map(first).fold(f32::INFINITY, f32::min);
+        if nearest == f32::INFINITY {
+            for azimuth in (1..AZIMUTHS).step_by(2) {
+                jumps[azimuth] = self.tilt(towards(azimuth), &[BETWEEN], central);
+                nearest = nearest.min(first(&jumps[azimuth]));
+            }
+        }
+        if nearest < f32::INFINITY {
+            for (azimuth, jumps) in jumps.iter_mut().enumerate() {
+                if WITHIN * first(jumps) < nearest {
+                    continue;
+                }
+                let nearer = self.tilt(towards(azimuth), &[WITHIN * nearest], central);
+                if !nearer.is_empty() {
+                    nearest = first(&nearer);
+                    *jumps = nearer;
+                }
+            }
+        }
+        jumps
     }
 
     fn probe(&mut self, towards: Vec3, tangent: f32) -> Sample {
         self.probes += 1;
         let direction = (self.direction + tangent * towards).normalize();
-        self.sample(tangent, self.scene.nearest(self.origin, direction).as_ref())
+        let hit = (self.probe)(direction);
+        sample(direction, tangent, hit)
     }
 
     /// The jumps met when the ray is tilted towards `towards`: the first, and the next that is nearer to the origin.
     fn tilt(&mut self, towards: Vec3, rings: &[f32], central: Sample) -> Jumps {
         // Inverse depth that the nearer side of a jump must exceed.
         let mut least = 0.0;
-        let mut jumps = Jumps::new();
+        let mut jumps = Jumps::default();
         let mut inner = central;
         for &ring in rings {
-            if self.probes == PROBES {
+            if self.probes == MOST_PROBES {
                 break;
             }
             let outer = self.probe(towards, ring);
             while let Some((from, to)) = self.search(towards, inner, outer, least) {
                 let inverse = from.inverse.max(to.inverse);
                 jumps.push(Jump { inverse, offset: 0.5 * (from.tangent + to.tangent) * towards });
-                if jumps.len() == jumps.inline_size() {
+                if jumps.len() == jumps.values.len() {
                     return jumps;
                 }
                 least = inverse / BEFORE;
@@ -252,7 +318,7 @@ impl<S: Surfaces> Prober<'_, S> {
                 Between::Step => 0.5 * (inner.tangent + outer.tangent),
                 Between::Crease(tangent) => tangent,
             };
-            if self.probes == PROBES {
+            if self.probes == MOST_PROBES {
                 return None;
             }
             let middle = self.probe(towards, at);
@@ -272,6 +338,19 @@ impl<S: Surfaces> Prober<'_, S> {
             }
         }
         None
+    }
+}
+
+/// What a probe along a unit `direction` has met.
+fn sample(direction: Vec3, tangent: f32, hit: Option<ProbeHit>) -> Sample {
+    let miss = Sample { tangent, inverse: 0.0, gradient: Vec3::ZERO, leaving: false };
+    let Some(hit) = hit.filter(|hit| hit.distance > f32::MIN_POSITIVE) else { return miss };
+    let gradient = hit.normal / hit.normal.dot(hit.distance * direction);
+    Sample {
+        tangent,
+        inverse: sqrtf(1.0 + tangent * tangent) / hit.distance,
+        gradient: if gradient.is_finite() { gradient } else { Vec3::ZERO },
+        leaving: hit.distance < LEAVING * hit.offset,
     }
 }
 
@@ -299,23 +378,25 @@ fn between(inner: &Sample, outer: &Sample, towards: Vec3, least: f32) -> Between
 }
 
 /// The jumps that mask most, straightened.
-fn strongest(jumps: &[Jumps; AZIMUTHS]) -> SmallVec<[Jump; EDGES]> {
-    let mut left: SmallVec<[Jump; 2 * AZIMUTHS]> = SmallVec::new();
+fn strongest(jumps: &[Jumps; AZIMUTHS]) -> Few<Jump, MOST_EDGES> {
+    let mut left: Few<Jump, { 2 * AZIMUTHS }> = Few::default();
     for azimuth in 0..AZIMUTHS {
         let beside = [1, 2, AZIMUTHS - 2, AZIMUTHS - 1].map(|step| &jumps[(azimuth + step) % AZIMUTHS]);
-        left.extend(jumps[azimuth].iter().map(|jump| straighten(jump, beside)));
+        for jump in jumps[azimuth].iter() {
+            left.insert_by(straighten(jump, beside), |jump| jump.offset.length_squared());
+        }
     }
-    left.sort_by(|a, b| a.offset.length_squared().total_cmp(&b.offset.length_squared()));
-    let mut chosen: SmallVec<[Jump; EDGES]> = SmallVec::new();
-    for jump in left {
+    let mut chosen: Few<Jump, MOST_EDGES> = Few::default();
+    for &jump in left.iter() {
         let (normal, strength) = (jump.offset.normalize(), 1.0 / jump.offset.length_squared());
         // Those that the light has passed where it passes this one.
         let passed = || chosen.iter().filter(|other| other.inverse > BEFORE * jump.inverse);
         let cosine = |other: &Jump| other.offset.normalize().dot(normal);
-        let present: f32 = passed().map(|other| cosine(other).powi(2) / other.offset.length_squared()).sum();
+        let share = |other: &Jump| cosine(other) * cosine(other) / other.offset.length_squared();
+        let present: f32 = passed().map(share).sum();
         // The same edge farther along, or another on the same side.
         let seen = passed().any(|other| cosine(other) > 0.5);
-        if !seen && strength > GAIN * present && chosen.len() < EDGES {
+        if !seen && strength > GAIN * present && chosen.len() < MOST_EDGES {
             chosen.push(jump);
         }
     }
@@ -329,7 +410,7 @@ fn straighten(jump: &Jump, beside: [&Jumps; 4]) -> Jump {
     let same = |other: &&Jump| (other.inverse - jump.inverse).abs() < 0.5 * jump.inverse;
     let nearer = beside
         .into_iter()
-        .flatten()
+        .flat_map(|jumps| jumps.iter())
         .filter(same)
         .min_by(|a, b| a.offset.length_squared().total_cmp(&b.offset.length_squared()));
     let Some(other) = nearer else { return *jump };
