@@ -2,9 +2,9 @@
 
 use crate::words::Words;
 use covbeam::{
-    BLOCK, BeamBlock, Column, CovarianceGrid, Density, DensityGrid, FluenceCell, FluenceGrid,
-    FluenceSpectrum, Gathered, GridCell, GridLayout, ImageSpectrum, Knot, LightField, Medium, Schedule,
-    Segment, cross, error_bound, gather_pair, pixel_threshold, progressive_radius,
+    BLOCK, BeamBlock, Column, CovarianceGrid, Density, DensityGrid, Edge, FluenceCell, FluenceGrid,
+    FluenceSpectrum, Gathered, GridCell, GridLayout, ImageSpectrum, Knot, LightField, MOST_EDGES, Medium,
+    Schedule, Segment, cross, error_bound, gather_pair, path_number, pixel_threshold, progressive_radius,
 };
 
 /// The largest grids and tables of the file.
@@ -195,12 +195,13 @@ impl Now {
             b"grid_deposit" => {
                 let medium = i.medium(density)?;
                 while !i.is_empty() {
-                    let (origin, [length, power]) = (i.vector()?, i.floats()?);
-                    let (unscattered, field) = (i.int()? == 1, i.field()?);
+                    let mut edges = [Edge::default(); MOST_EDGES];
+                    let segment = i.segment(&mut edges)?;
+                    let Segment { origin, length, field: LightField { direction, .. }, .. } = segment;
                     let mut table = Table::new();
-                    medium.tabulate(origin, field.direction, length, &mut |knot| table.push(knot));
-                    let column = medium.density.column(origin, field.direction, table.knots()?);
-                    grid.deposit(&medium, &Segment { origin, length, power, unscattered, field, column });
+                    medium.tabulate(origin, direction, length, &mut |knot| table.push(knot));
+                    let column = medium.density.column(origin, direction, table.knots()?);
+                    grid.deposit(&medium, &Segment { column, ..segment });
                 }
             }
             b"grid_deposit_spectra" => grid.deposit_spectrum(i.vector()?, &i.spectrum()?, i.float()?),
@@ -236,6 +237,12 @@ impl Now {
     /// Kernels, and pairs of an eye ray and a beam.
     fn pair(&self, name: &[u8], i: &mut Words, o: &mut Words) -> Option<()> {
         match name {
+            b"segment_field_at" => {
+                let mut edges = [Edge::default(); MOST_EDGES];
+                let (segment, medium) = (i.segment(&mut edges)?, i.medium(self.density())?);
+                o.is_field(&segment.field_at(&medium, i.float()?))
+            }
+            b"path_number" => o.are(&[path_number(i.int()?, i.int()?, i.int()?, i.int()?)]),
             b"kernel_radius_at" => {
                 let grid = if i.int()? == 1 { Some(self.fluence()?) } else { None };
                 let (radius, sigma) = i.kernel(grid)?.radius_at(i.vector()?, i.vector()?);

@@ -1,9 +1,9 @@
 //! The words of a line of `tests/vectors.txt`, read as what they stand for.
 
 use covbeam::{
-    Beam, Curvature, Density, DensityGrid, ExponentialDensity, EyeRay, FluenceGrid, FluenceSpectrum,
-    GridLayout, ImageFilter, ImageSpectrum, Kernel, KernelShape, LightField, Medium, PhaseFunction,
-    PhaseKind, PixelStep, Vec3,
+    Beam, Column, Curvature, Density, DensityGrid, Edge, ExponentialDensity, EyeRay, FluenceGrid,
+    FluenceSpectrum, GridLayout, ImageFilter, ImageSpectrum, Kernel, KernelShape, LightField, MOST_EDGES,
+    Medium, PhaseFunction, PhaseKind, PixelStep, Segment, Vec3,
 };
 
 /// Numbers in hexadecimal with spaces between them. `None` of any reading: there is no such word.
@@ -61,6 +61,18 @@ impl<'t> Words<'t> {
 
     pub fn field(&mut self) -> Option<LightField> {
         Some(LightField { root: self.floats()?, x_axis: self.vector()?, direction: self.vector()? })
+    }
+
+    /// A segment without its column, whose edges are put into `edges`.
+    pub fn segment<'e>(&mut self, edges: &'e mut [Edge; MOST_EDGES]) -> Option<Segment<'e>> {
+        let (origin, [length, power]) = (self.vector()?, self.floats()?);
+        let (unscattered, field, count) = (self.int()? == 1, self.field()?, self.int()? as usize);
+        for edge in edges.get_mut(..count)? {
+            let ([depth, distance], towards) = (self.floats()?, self.vector()?);
+            *edge = Edge { depth, distance, towards };
+        }
+        let (edges, column) = (&edges[..count], Column::Uniform);
+        Some(Segment { origin, length, power, unscattered, field, edges, column })
     }
 
     pub fn is_field(&mut self, field: &LightField) -> Option<()> {
