@@ -1,7 +1,8 @@
-//! The covariance grid: voxels that collect the spectra of the light crossing them, and the look-up of their means.
+//! The covariance grid: voxels that collect the spectra of the light crossing them, and the look-up of their
+//! means.
 //!
-//! The cells belong to the caller. Accumulation (`CovarianceGrid`) and look-up (`FluenceGrid`) are two types over two
-//! slices: sums in f64 that 10⁹ deposits do not stall, and compact f32 means for the gather.
+//! The cells belong to the caller. Accumulation (`CovarianceGrid`) and look-up (`FluenceGrid`) are two types
+//! over two slices: sums in f64 that 10⁹ deposits do not stall, and compact f32 means for the gather.
 
 use crate::light_field::medium::DepthShape;
 use crate::light_field::{FluenceSpectrum, LightField};
@@ -34,8 +35,8 @@ pub struct FluenceCell {
     pub weight: f32,
 }
 
-/// The accumulating side of a grid, over the caller's cells. One per thread; merge them in a fixed order and the
-/// result does not depend on the number of threads.
+/// The accumulating side of a grid, over the caller's cells. One per thread; merge them in a fixed order and
+/// the result does not depend on the number of threads.
 #[derive(Debug)]
 pub struct CovarianceGrid<'a> {
     pub(crate) layout: GridLayout,
@@ -74,23 +75,24 @@ impl<'a> CovarianceGrid<'a> {
         add(&mut self.cells[index], spectrum, weight);
     }
 
-    /// Adds the spectra along a segment of a light path: to each voxel on the way, the spectrum at the middle of the stretch
-    /// inside it.
+    /// Adds the spectra along a segment of a light path: to each voxel on the way, the spectrum at the middle
+    /// of the stretch inside it.
     ///
-    /// The spectrum is that of [`LightField::fluence_within`] up to the voxels' Nyquist frequency, half a cycle over their
-    /// smallest side, and past each edge that of the field that the edge has occluded. The weight in a voxel is `power` x
-    /// ∫ transmittance ds over that stretch, from `origin`, of the mean channel. In a medium whose density varies, the field is
-    /// attenuated on its way as well ([`LightField::attenuate`]); in a homogeneous one that costs nothing.
+    /// The spectrum is that of [`LightField::fluence_within`] up to the voxels' Nyquist frequency, half a
+    /// cycle over their smallest side, and past each edge that of the field that the edge has occluded. The
+    /// weight in a voxel is `power` x ∫ transmittance ds over that stretch, from `origin`, of the mean
+    /// channel. In a medium whose density varies, the field is attenuated on its way as well
+    /// ([`LightField::attenuate`]); in a homogeneous one that costs nothing.
     ///
     /// - `medium`: what the segment is in.
     ///
     /// Anything not finite, or out of range, deposits nothing.
     ///
-    /// Guarantee: the stretches partition the part of the segment inside the box, so the weights add up to the closed
-    /// form over it. Error: 1e-5 over hundreds of voxels (test
-    /// `the_weights_of_a_segment_add_up_to_the_closed_form_over_it`); where the density varies, the transmittance inside a
-    /// voxel is taken as an exponential between its two ends. Cost: 0.2 µs a voxel, nearly all of it travel and slice; about
-    /// 0.7 µs where the density varies.
+    /// Guarantee: the stretches partition the part of the segment inside the box, so the weights add up to
+    /// the closed form over it. Error: 1e-5 over hundreds of voxels (test
+    /// `the_weights_of_a_segment_add_up_to_the_closed_form_over_it`); where the density varies, the
+    /// transmittance inside a voxel is taken as an exponential between its two ends. Cost: 0.2 µs a voxel,
+    /// nearly all of it travel and slice; about 0.7 µs where the density varies.
     ///
     /// Source: thesis 5.3.1, Eq 5.14 and 5.15.
     ///
@@ -123,7 +125,8 @@ impl<'a> CovarianceGrid<'a> {
         self.deposit_stretch(medium, segment, &rest, [from, length]);
     }
 
-    /// Adds the spectra along the part of a segment between two distances, without edges; `field` is that at its start.
+    /// Adds the spectra along the part of a segment between two distances, without edges; `field` is that at
+    /// its start.
     fn deposit_stretch(
         &mut self,
         medium: &Medium,
@@ -283,19 +286,19 @@ impl<'a> FluenceGrid<'a> {
         &self.voxels.layout
     }
 
-    /// The spectrum of the fluence around a point: the flux-weighted mean of the eight voxels around it, with trilinear
-    /// weights.
+    /// The spectrum of the fluence around a point: the flux-weighted mean of the eight voxels around it, with
+    /// trilinear weights.
     ///
-    /// The weight of a voxel is its fluence as well as its nearness, as in the sum over light paths that defines the spectrum: in
-    /// the dark beside a shaft, the shaft's border dominates.
+    /// The weight of a voxel is its fluence as well as its nearness, as in the sum over light paths that
+    /// defines the spectrum: in the dark beside a shaft, the shaft's border dominates.
     ///
     /// - `position` \[m\]. Within half a voxel of the border the border's value holds.
     ///
     /// None outside the box, for NaN, and where none of the voxels that would count has data.
     ///
     /// Guarantee: exact on a field that is linear in position, where all voxels are equally bright (test
-    /// `look_ups_reproduce_a_linear_field_and_hold_it_at_the_border`); always a convex combination, so positive
-    /// semi-definite where the cells are. Cost: 20 ns.
+    /// `look_ups_reproduce_a_linear_field_and_hold_it_at_the_border`); always a convex combination, so
+    /// positive semi-definite where the cells are. Cost: 20 ns.
     ///
     /// Source: thesis 5.3.1, Eq 5.15; trilinear instead of by voxel, whose steps would print into the radii.
     ///
@@ -347,7 +350,8 @@ impl<'a> FluenceGrid<'a> {
     }
 }
 
-/// The trilinear shares of the eight voxels around a point, in the order of [`crate::voxels::Trilinear::corners`].
+/// The trilinear shares of the eight voxels around a point, in the order of
+/// [`crate::voxels::Trilinear::corners`].
 #[inline(always)]
 fn shares(low: Vec3, high: Vec3) -> [f32; 8] {
     let plane = |z: f32| {
@@ -364,7 +368,8 @@ pub(crate) struct Surroundings {
     pub(crate) spectrum: FluenceSpectrum,
     /// The trilinear mean of the voxels' weights, > 0.
     pub(crate) flux: f32,
-    /// The harmonic mean of those above 0, near that of the dimmest voxel, > 0 and at most `flux`. Voxels do not tell on which side of
-    /// a shadow's border inside them a point lies: this is the fluence if it is the dark side.
+    /// The harmonic mean of those above 0, near that of the dimmest voxel, > 0 and at most `flux`. Voxels do
+    /// not tell on which side of a shadow's border inside them a point lies: this is the fluence if it is the
+    /// dark side.
     pub(crate) dimmest: f32,
 }

@@ -14,7 +14,8 @@ use std::vec::Vec;
 /// Sub-beams of the largest subtree that is built at a time: its working memory fits a processor's own cache.
 const CHUNK: usize = 1 << 14;
 
-/// A box, and what is in it: the sub-beams `first..first + count`, or with `count` 0 the nodes `first` and `first + 1`.
+/// A box, and what is in it: the sub-beams `first..first + count`, or with `count` 0 the nodes `first` and
+/// `first + 1`.
 #[derive(Clone, Copy, Default)]
 struct Node {
     low: Vec3,
@@ -63,7 +64,8 @@ fn half_area((low, high): (Vec3A, Vec3A)) -> f32 {
     (extent * Vec3A::new(extent.y, extent.z, extent.x)).element_sum()
 }
 
-/// Up to eight boxes side by side, and what is in each: the sub-beams `first..first + count`, or with `count` 0 the node `first`.
+/// Up to eight boxes side by side, and what is in each: the sub-beams `first..first + count`, or with `count`
+/// 0 the node `first`.
 #[derive(Clone, Copy)]
 pub(super) struct WideNode {
     pub(super) low: Vectors,
@@ -93,8 +95,8 @@ impl WideNode {
     }
 }
 
-/// The nodes, root first (none over no sub-beams), and the sub-beams in the order in which a walk meets them: a leaf's are neighbours in
-/// memory, and so are those of a subtree.
+/// The nodes, root first (none over no sub-beams), and the sub-beams in the order in which a walk meets them:
+/// a leaf's are neighbours in memory, and so are those of a subtree.
 #[derive(Clone)]
 pub(super) struct Bvh {
     pub(super) nodes: Vec<WideNode>,
@@ -124,7 +126,8 @@ struct BinaryBvh {
 }
 
 impl BinaryBvh {
-    /// Chunks of neighbouring sub-beams become subtrees, and these the leaves of one more tree, that at the top.
+    /// Chunks of neighbouring sub-beams become subtrees, and these the leaves of one more tree, that at the
+    /// top.
     fn new(
         beams: &[Beam],
         cut: &Cut,
@@ -241,8 +244,8 @@ impl BinaryBvh {
     }
 }
 
-/// Builds trees by joining neighbours in a list: two become one node where each is the one with which the other has the
-/// smaller box, and so on until one is left.
+/// Builds trees by joining neighbours in a list: two become one node where each is the one with which the
+/// other has the smaller box, and so on until one is left.
 ///
 /// Source: Meister and Bittner, Parallel Locally-Ordered Clustering (2018), with a search distance of 1.
 struct Clusters {
@@ -304,7 +307,8 @@ impl Clusters {
         Ok(())
     }
 
-    /// Makes a leaf of every node over at most [`BLOCK`] leaves: these are tested together. Its `count` becomes that of the leaves below it.
+    /// Makes a leaf of every node over at most [`BLOCK`] leaves: these are tested together. Its `count`
+    /// becomes that of the leaves below it.
     fn collapse(&mut self) {
         for i in (0..self.tree.len()).rev() {
             let Node { first, count: 0, .. } = self.tree[i] else { continue };

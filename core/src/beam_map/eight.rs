@@ -1,4 +1,5 @@
-//! The gather of [`crate::gather_pair`], eight pairs side by side and bit for bit: each function names the one that defines it.
+//! The gather of [`crate::gather_pair`], eight pairs side by side and bit for bit: each function names the
+//! one that defines it.
 
 use super::simd::{Floats, LANES, Vec3x8, Vectors, bits, exp, load, max, min};
 use super::sub_beams::{ROOM, SubBeam};
@@ -89,8 +90,8 @@ impl<S: Simd> Ray<S> {
 }
 
 impl<'a, S: Simd> Pairs<'a, S> {
-    /// The pairs of a block against `ray`; None if all pass each other farther away than kernels reach. The arithmetic of
-    /// [`crate::beam::meet`], and its bits.
+    /// The pairs of a block against `ray`; None if all pass each other farther away than kernels reach. The
+    /// arithmetic of [`crate::beam::meet`], and its bits.
     #[inline(always)]
     pub(super) fn new(
         simd: S,
@@ -110,7 +111,8 @@ impl<'a, S: Simd> Pairs<'a, S> {
             }
         };
 
-        // Most pairs lie farther from both ends of their beam than the kernel reaches. A sub-beam's cut is no end.
+        // Most pairs lie farther from both ends of their beam than the kernel reaches. A sub-beam's cut is no
+        // end.
         let (from, to) = (load(simd, &block.lines.from), load(simd, &block.lines.to));
         let length = load(simd, &block.length);
         let within = gap.simd_lt(radius)
@@ -165,7 +167,8 @@ impl<S: Simd> Crossings<S> {
         let along_ray = offset.cross(direction).dot(normal);
         let along_beam = offset.cross(ray.direction).dot(normal);
 
-        // As `BeamBlock::test`: without a division, and wider than what is asked exactly below by more than rounding.
+        // As `BeamBlock::test`: without a division, and wider than what is asked exactly below by more than
+        // rounding.
         let wide = max_radius * ROOM;
         let near = (triple * triple).simd_le(sin2 * (wide * wide));
         let on_ray = along_ray.simd_ge(sin2 * -wide) & along_ray.simd_le(sin2 * (ray.length + wide));

@@ -1,4 +1,5 @@
-//! Which beams the eye rays meet: the walk of packets through the hierarchy, and packets halved until few rays test few sub-beams.
+//! Which beams the eye rays meet: the walk of packets through the hierarchy, and packets halved until few
+//! rays test few sub-beams.
 
 use super::bvh::Bvh;
 use super::cancel::{Poll, Stop};
@@ -51,7 +52,8 @@ pub(super) struct Query<'a> {
 }
 
 impl Search {
-    /// Gives `shade` the pairs of all rays, packet after packet, those of a ray in the order of the hierarchy.
+    /// Gives `shade` the pairs of all rays, packet after packet, those of a ray in the order of the
+    /// hierarchy.
     pub(super) fn all(&mut self, query: &Query, poll: &mut Poll, shade: &mut impl Shade) -> Result<(), Stop> {
         if query.bvh.nodes.is_empty() {
             return Ok(());
@@ -91,7 +93,8 @@ impl Search {
         Ok(())
     }
 
-    /// Goes on with the walk that `stack` is in the middle of, until there is a batch or the walk is at its end.
+    /// Goes on with the walk that `stack` is in the middle of, until there is a batch or the walk is at its
+    /// end.
     fn collect(&mut self, query: &Query, packet: &Packet, poll: &mut Poll) -> Result<(), Stop> {
         let Self { stack, sub_beams, .. } = self;
         sub_beams.clear();
@@ -100,7 +103,8 @@ impl Search {
         poll.spend(visits + sub_beams.len(), 20)
     }
 
-    /// Halves a packet until few rays are left; each half with those of the sub-beams from `first` on that it may touch.
+    /// Halves a packet until few rays are left; each half with those of the sub-beams from `first` on that it
+    /// may touch.
     fn halve(
         &mut self,
         query: &Query,

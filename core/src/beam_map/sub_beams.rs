@@ -1,12 +1,13 @@
-//! Beams cut into sub-beams, in the order of their Morton codes, in which neighbours in the list are neighbours in space.
+//! Beams cut into sub-beams, in the order of their Morton codes, in which neighbours in the list are
+//! neighbours in space.
 
 use super::cancel::{Poll, STRETCH, Stop, with_room};
 use crate::beam::Beam;
 use glam::Vec3;
 use std::vec::Vec;
 
-/// Sub-beams that an average beam is cut into: a long beam's box is mostly empty. Three sub-beams ask for a quarter more memory, and a pass for 2 to 8 % more
-/// processor cycles.
+/// Sub-beams that an average beam is cut into: a long beam's box is mostly empty. Three sub-beams ask for a
+/// quarter more memory, and a pass for 2 to 8 % more processor cycles.
 pub(super) const SUB_BEAMS_PER_BEAM: usize = 2;
 
 /// What radii are multiplied by where the question is what may be met: more than rounding takes away.

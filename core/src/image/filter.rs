@@ -60,7 +60,8 @@ impl From<Sym2> for ImageFilter {
     }
 }
 
-/// A filter's principal axes: along its own axes nothing cancels, and a long thin one does not visit the box around it.
+/// A filter's principal axes: along its own axes nothing cancels, and a long thin one does not visit the box
+/// around it.
 pub(super) struct Ellipse {
     /// Direction of the largest variance, unit.
     pub(super) axis: [f32; 2],
@@ -84,7 +85,8 @@ impl Ellipse {
     }
 }
 
-/// [`ImageFilter::NONE`] for what is none; otherwise a filter that is positive semi-definite and no wider than [`WIDEST`].
+/// [`ImageFilter::NONE`] for what is none; otherwise a filter that is positive semi-definite and no wider
+/// than [`WIDEST`].
 pub(super) fn bounded(filter: &ImageFilter) -> ImageFilter {
     let ImageFilter { xx, xy, yy } = *filter;
     if !(xx >= 0.0 && yy >= 0.0 && xx.is_finite() && xy.is_finite() && yy.is_finite()) {

@@ -307,11 +307,13 @@ impl<'a> Reconstruction<'a> {
         self.regions[y as usize * self.width as usize + x as usize]
     }
 
-    /// The light under a filter, over the pixels of one region or of all: what a plane through it has at the pixel.
+    /// The light under a filter, over the pixels of one region or of all: what a plane through it has at the
+    /// pixel.
     ///
-    /// At a border the filter lacks a side, and its mean is that of the light some way inside: with a slope there, off by up to the square
-    /// root of the filter's accepted error. Weights that are tilted until their centre is the pixel mend that (local linear regression;
-    /// J. Fan, Design-adaptive nonparametric regression, JASA 87, 1992).
+    /// At a border the filter lacks a side, and its mean is that of the light some way inside: with a slope
+    /// there, off by up to the square root of the filter's accepted error. Weights that are tilted until
+    /// their centre is the pixel mend that (local linear regression; J. Fan, Design-adaptive nonparametric
+    /// regression, JASA 87, 1992).
     fn gather(&self, x: u32, y: u32, filter: &ImageFilter, among: Option<u32>) -> FilmSample {
         let ellipse = Ellipse::of(filter);
         let mut even = Weighed::default();
@@ -321,7 +323,8 @@ impl<'a> Reconstruction<'a> {
         tilted.bounded(even.sum)
     }
 
-    /// Calls `found` with weight, place in the filter's standard deviations, and sample of all that lies under a filter.
+    /// Calls `found` with weight, place in the filter's standard deviations, and sample of all that lies
+    /// under a filter.
     fn under(
         &self,
         x: u32,

@@ -96,9 +96,10 @@ fn choose(
     nodes: &[FilmFilterNode],
     index: usize,
 ) -> (usize, f32) {
-    // Means over the nodes around: of the variance of each width, and of the squared difference of each two, free of noise because it is
-    // a product of the two halves'. The largest of these products is left out: a pixel that is bright in both halves by chance would
-    // decide for all nodes around, and what is light is seen by more than one.
+    // Means over the nodes around: of the variance of each width, and of the squared difference of each two,
+    // free of noise because it is a product of the two halves'. The largest of these products is left out: a
+    // pixel that is bright in both halves by chance would decide for all nodes around, and what is light is
+    // seen by more than one.
     let mut variance = [0.0_f32; SCALES];
     let mut bias = [[0.0_f32; SCALES]; SCALES];
     let mut largest = [[0.0_f32; SCALES]; SCALES];

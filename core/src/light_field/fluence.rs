@@ -1,4 +1,5 @@
-//! The covariance of the fluence's spectrum: a light field's slice (Eq 5.14), which a voxel stores and a kernel radius is read from.
+//! The covariance of the fluence's spectrum: a light field's slice (Eq 5.14), which a voxel stores and a
+//! kernel radius is read from.
 
 use super::LightField;
 use core::f64::consts::PI;
@@ -93,11 +94,11 @@ impl FluenceSpectrum {
 }
 
 impl LightField {
-    /// The spectrum of the fluence across the ray: the 2x2 covariance `[xx, xy, yy]` along the frame's x and y
-    /// \[cycles²/m²\].
+    /// The spectrum of the fluence across the ray: the 2x2 covariance `[xx, xy, yy]` along the frame's x and
+    /// y \[cycles²/m²\].
     ///
-    /// Spectrum: the slice of Σ at zero angular frequency, its Schur complement Σ_xx - Σ_xu Σ_uu⁺ Σ_ux. Read from L
-    /// without arithmetic on the angular part; with a singular Σ_uu it is the pseudo-inverse's limit.
+    /// Spectrum: the slice of Σ at zero angular frequency, its Schur complement Σ_xx - Σ_xu Σ_uu⁺ Σ_ux. Read
+    /// from L without arithmetic on the angular part; with a singular Σ_uu it is the pseudo-inverse's limit.
     ///
     /// Guarantee: positive semi-definite up to rounding. Error: that of the root, see [`LightField`].
     ///
@@ -132,13 +133,14 @@ impl LightField {
         self.fluence_within(f32::INFINITY)
     }
 
-    /// The spectrum of the fluence around the ray, bounded by what a voxel can resolve, in world axes \[cycles²/m²\].
+    /// The spectrum of the fluence around the ray, bounded by what a voxel can resolve, in world axes
+    /// \[cycles²/m²\].
     ///
     /// Spectrum: that of [`LightField::fluence`] with each of the root's two spatial columns cut to `limit`.
     ///
-    /// - `limit` \[cycles/m\] > 0: the largest deviation kept. Light beside an edge has a variance of 1/(4π²ρ²), whose mean
-    ///   over all distances ρ does not exist: a few photons next to an edge would speak for all. Voxels of
-    ///   side h cannot tell their Nyquist frequency, 1/(2h), from more.
+    /// - `limit` \[cycles/m\] > 0: the largest deviation kept. Light beside an edge has a variance of
+    ///   1/(4π²ρ²), whose mean over all distances ρ does not exist: a few photons next to an edge would speak
+    ///   for all. Voxels of side h cannot tell their Nyquist frequency, 1/(2h), from more.
     ///
     /// Guarantee: positive semi-definite up to rounding, no deviation above √2 `limit`.
     ///
@@ -170,17 +172,17 @@ impl LightField {
         ]))
     }
 
-    /// Variance of the fluence's spectrum along the ray \[cycles²/m²\], from how the rays spread or converge and from
-    /// extinction.
+    /// Variance of the fluence's spectrum along the ray \[cycles²/m²\], from how the rays spread or converge
+    /// and from extinction.
     ///
-    /// Spectrum: for the Gaussian field of covariance Σ the fluence goes as f ∝ √det(slice) exp(-κ s), so that with
-    /// M = Σ_xu Σ_uu⁻¹ (minus the wavefront's curvature) (ln f)' = tr M - κ and (ln f)'' = tr M² - tr(slice Σ_uu⁻¹). The
-    /// variance is the larger of |f''/f| and (f'/f)², over 4π².
+    /// Spectrum: for the Gaussian field of covariance Σ the fluence goes as f ∝ √det(slice) exp(-κ s), so
+    /// that with M = Σ_xu Σ_uu⁻¹ (minus the wavefront's curvature) (ln f)' = tr M - κ and (ln f)'' = tr M² -
+    /// tr(slice Σ_uu⁻¹). The variance is the larger of |f''/f| and (f'/f)², over 4π².
     ///
     /// - `extinction` κ \[1/m\] >= 0 around the ray.
     ///
-    /// Holds for light that comes from its source without scattering on the way: scattered light starts all along
-    /// its path, and what one vertex spreads the next ones replace.
+    /// Holds for light that comes from its source without scattering on the way: scattered light starts all
+    /// along its path, and what one vertex spreads the next ones replace.
     ///
     /// Guarantee: >= 0 and finite. Test: `along_the_ray_the_fluence_has_the_spectrum_of_its_closed_form`.
     ///
@@ -195,8 +197,8 @@ impl LightField {
     /// ```
     pub fn variance_along_ray(&self, extinction: f32) -> f32 {
         let [uu, vu, vv, xu, xv, xx, yu, yv, yx, yy] = self.root.map(f64::from);
-        // With L = [[A, 0], [B, C]]: M = B A⁻¹, and tr(slice Σ_uu⁻¹) is the sum of the squares in A⁻¹ C. A row of A
-        // without a pivot has no column in B.
+        // With L = [[A, 0], [B, C]]: M = B A⁻¹, and tr(slice Σ_uu⁻¹) is the sum of the squares in A⁻¹ C. A
+        // row of A without a pivot has no column in B.
         let over = |a: f64, b: f64| if b == 0.0 { 0.0 } else { a / b };
         let (m_xv, m_yv) = (over(xv, vv), over(yv, vv));
         let (m_xu, m_yu) = (over(xu - m_xv * vu, uu), over(yu - m_yv * vu, uu));
@@ -210,8 +212,8 @@ impl LightField {
     }
 }
 
-/// The matrix with these entries in `f32`, scaled down as a whole (so that it stays positive semi-definite) if its
-/// largest entry exceeds 2¹²⁵, which leaves room for the sum of a quadratic form.
+/// The matrix with these entries in `f32`, scaled down as a whole (so that it stays positive semi-definite)
+/// if its largest entry exceeds 2¹²⁵, which leaves room for the sum of a quadratic form.
 fn within_range<const N: usize>(entries: [f64; N]) -> [f32; N] {
     const END: f64 = (1u128 << 125) as f64;
     let largest = entries.iter().fold(0.0, |largest: f64, e| largest.max(e.abs()));

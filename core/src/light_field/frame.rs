@@ -6,7 +6,8 @@
 
 use glam::{DVec3, Vec3};
 
-/// Square of 1e-14, some roundings of a vector: what is left of it across another may all be rounding, in any direction.
+/// Square of 1e-14, some roundings of a vector: what is left of it across another may all be rounding, in any
+/// direction.
 const ROUNDING: f64 = 1e-28;
 
 /// Right-handed orthonormal frame: z = direction of propagation, x and y across it.
@@ -18,8 +19,8 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// The frame with the given z whose x axis is the part of `x` across `z`; any axis across `z` when there is
-    /// none.
+    /// The frame with the given z whose x axis is the part of `x` across `z`; any axis across `z` when there
+    /// is none.
     pub(super) fn new(x: DVec3, z: DVec3) -> Self {
         let across = x - x.dot(z) * z;
         let rest = across.dot(across);
@@ -64,8 +65,8 @@ pub(super) fn sagittal(z: DVec3, other: DVec3) -> DVec3 {
     sagittal_or(z, other, DVec3::ZERO)
 }
 
-/// The unit vector across both `z` and `other`; `fallback`, which is across z, when these are parallel: the plane
-/// of incidence is then arbitrary.
+/// The unit vector across both `z` and `other`; `fallback`, which is across z, when these are parallel: the
+/// plane of incidence is then arbitrary.
 pub(super) fn sagittal_or(z: DVec3, other: DVec3, fallback: DVec3) -> DVec3 {
     let s = z.cross(other);
     // Closer than 1e-8 the plane changes no cosine by an ulp, but rounding would tilt s out of it.

@@ -11,17 +11,20 @@ const MOST_STEPS: f32 = 256.0;
 impl LightField {
     /// Attenuation by a stretch of medium whose optical depth τ varies across the ray.
     ///
-    /// Spectrum: the signal is multiplied by exp(-τ), whose relative gradient is -∇τ and whose relative curvature is
-    /// C = ∇τ ∇τᵀ - Hess τ, both across the ray. Over 4π², |C| (with the magnitudes of the eigenvalues: an envelope that knows no
-    /// sign) or ∇τ ∇τᵀ is added as spatial variance, whichever has the larger trace: at an inflection the slope dominates.
+    /// Spectrum: the signal is multiplied by exp(-τ), whose relative gradient is -∇τ and whose relative
+    /// curvature is C = ∇τ ∇τᵀ - Hess τ, both across the ray. Over 4π², |C| (with the magnitudes of the
+    /// eigenvalues: an envelope that knows no sign) or ∇τ ∇τᵀ is added as spatial variance, whichever has the
+    /// larger trace: at an inflection the slope dominates.
     ///
     /// - `gradient` ∇τ \[1/m\] and `hessian` Hess τ \[1/m²\] of the stretch's optical depth, in world axes,
-    ///   \[xx, yy, zz, xy, xz, yz\]: the extinction's derivatives integrated along the ray, with their signs. Structure that
-    ///   cancels along the way attenuates evenly. All 0 (a homogeneous medium) changes nothing.
+    ///   \[xx, yy, zz, xy, xz, yz\]: the extinction's derivatives integrated along the ray, with their signs.
+    ///   Structure that cancels along the way attenuates evenly. All 0 (a homogeneous medium) changes
+    ///   nothing.
     ///
     /// Numbers that are not finite leave the field as it was.
     ///
-    /// Source: thesis 5.3.1 (products in the primal domain); the positive form is derived from Hess f = -4π² f Σ.
+    /// Source: thesis 5.3.1 (products in the primal domain); the positive form is derived from Hess f = -4π²
+    /// f Σ.
     ///
     /// ```
     /// use covbeam::{LightField, Vec3};
@@ -66,14 +69,14 @@ impl LightField {
         }
     }
 
-    /// Moves the light field through a medium: a travel, with the [`LightField::attenuate`] of the whole way at the centroid of
-    /// what varies on it. Just a travel where the density is uniform.
+    /// Moves the light field through a medium: a travel, with the [`LightField::attenuate`] of the whole way
+    /// at the centroid of what varies on it. Just a travel where the density is uniform.
     ///
     /// - `origin` \[m\]: where the field is; it moves along its direction.
     /// - `distance` \[m\] >= 0.
     ///
-    /// The derivatives of the mean channel's optical depth are summed in steps of at most [`Density::step`] (256 of them at most) by
-    /// the midpoint rule: about 1 % in an exponential medium.
+    /// The derivatives of the mean channel's optical depth are summed in steps of at most [`Density::step`]
+    /// (256 of them at most) by the midpoint rule: about 1 % in an exponential medium.
     ///
     /// ```
     /// use covbeam::{Density, ExponentialDensity, LightField, Medium, Vec3};

@@ -1,4 +1,5 @@
-//! What smooth and diffuse surfaces do to a light field: reflection and refraction with curvature, Lambert's law.
+//! What smooth and diffuse surfaces do to a light field: reflection and refraction with curvature, Lambert's
+//! law.
 
 use super::frame::{self, Frame, sagittal_or};
 use super::{LightField, convolved, turn};
@@ -8,7 +9,8 @@ use glam::{DVec3, Vec3};
 const GRAZING: f64 = 1e-12;
 
 /// Curvature tensor of a surface at a hit, in the tangent frame (`tangent`, `normal x tangent`) \[1/m\];
-/// positive = convex towards the side that the normal points to (a sphere of radius R with outward normal: 1/R).
+/// positive = convex towards the side that the normal points to (a sphere of radius R with outward normal:
+/// 1/R).
 ///
 /// ```
 /// use covbeam::{Curvature, Vec3};
@@ -34,17 +36,18 @@ pub struct Curvature {
 impl LightField {
     /// Reflection by a smooth mirror, plane or curved.
     ///
-    /// Spectrum: mirrored in the plane of incidence; curvature adds angular to spatial frequencies (the transpose
-    /// of how it bends rays). The determinant is kept.
+    /// Spectrum: mirrored in the plane of incidence; curvature adds angular to spatial frequencies (the
+    /// transpose of how it bends rays). The determinant is kept.
     ///
     /// - `normal`: at the hit, any length, on either side of the surface. A zero or NaN normal, or a ray that
     ///   grazes to below 1e-12, leaves the field as it was.
-    /// - `curvature`: of the surface as seen from `normal`; numbers that are not finite leave the field as it was.
+    /// - `curvature`: of the surface as seen from `normal`; numbers that are not finite leave the field as it
+    ///   was.
     ///
     /// Exact to first order in the ray's offset and slope. Test: `the_mirror_agrees_with_traced_rays`.
     ///
-    /// Source: derived (Coddington's equations with an off-diagonal term). Differs from the thesis' chapter 3 in
-    /// the sagittal plane, where its published implementation leaves out the cosine.
+    /// Source: derived (Coddington's equations with an off-diagonal term). Differs from the thesis' chapter 3
+    /// in the sagittal plane, where its published implementation leaves out the cosine.
     ///
     /// ```
     /// use covbeam::{Curvature, LightField, Vec3};
@@ -73,7 +76,8 @@ impl LightField {
         self.leave(columns, hit.sagittal, direction);
     }
 
-    /// Refraction into another medium through a smooth surface, plane or curved. Returns true if light passes.
+    /// Refraction into another medium through a smooth surface, plane or curved. Returns true if light
+    /// passes.
     ///
     /// Spectrum: angular frequencies scaled by n₂/n₁ (in the plane of incidence also by c_t/c_i), in-plane
     /// spatial ones by c_i/c_t; curvature adds angular to spatial frequencies. det Σ' = det Σ (n₂/n₁)⁴.
@@ -81,13 +85,14 @@ impl LightField {
     /// - `normal`, `curvature`: as in [`LightField::reflect`].
     /// - `eta` > 0: refractive index on the side of the incoming light over that on the other side.
     ///
-    /// Returns false, and leaves the field as it was, on total internal reflection, exactly grazing incidence, or
-    /// arguments without meaning (`eta` not positive and finite, and those of `reflect`).
+    /// Returns false, and leaves the field as it was, on total internal reflection, exactly grazing
+    /// incidence, or arguments without meaning (`eta` not positive and finite, and those of `reflect`).
     ///
     /// Exact to first order. Within 1e-4 rad of total reflection the cosine of the refracted ray itself loses
     /// digits (relative error 1e-16/c_t²). Test: `refraction_agrees_with_traced_rays`.
     ///
-    /// Source: derived (Coddington's equations with an off-diagonal term); the thesis' implementation has none.
+    /// Source: derived (Coddington's equations with an off-diagonal term); the thesis' implementation has
+    /// none.
     ///
     /// ```
     /// use covbeam::{Curvature, LightField, Vec3};
@@ -130,12 +135,12 @@ impl LightField {
 
     /// Diffuse (Lambert) reflection or transmission at a surface into `direction`.
     ///
-    /// Spectrum: projected on the surface (in-plane spatial frequencies times c_i), integrated over angle, and
-    /// seen from `direction` (in-plane ones divided by c_o).
+    /// Spectrum: projected on the surface (in-plane spatial frequencies times c_i), integrated over angle,
+    /// and seen from `direction` (in-plane ones divided by c_o).
     ///
     /// - `normal`: of the surface, any length and either sign.
-    /// - `direction`: of propagation after the event, any length. The division by c_o is not bounded: a pattern
-    ///   seen at a grazing angle is that dense.
+    /// - `direction`: of propagation after the event, any length. The division by c_o is not bounded: a
+    ///   pattern seen at a grazing angle is that dense.
     ///
     /// A vector without a direction, or a cosine below 1e-12 on either side, leaves the field as it was. The
     /// variation of the two cosines over the footprint is not accounted for.
