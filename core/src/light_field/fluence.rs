@@ -220,37 +220,3 @@ fn within_range<const N: usize>(entries: [f64; N]) -> [f32; N] {
     let factor = if largest > END { END / largest } else { 1.0 };
     entries.map(|entry| (entry * factor) as f32)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_variance_along_an_axis_is_its_outer_product() {
-        let before = [1.0, 2.0, 3.0, 0.1, 0.2, 0.3];
-        let mut spectrum = FluenceSpectrum::from_array(before);
-        // Unit, and unequal on every axis, so that swapped entries show.
-        spectrum.add_along(Vec3::new(2.0, 3.0, 6.0) / 7.0, 49.0);
-        let outer = [4.0, 9.0, 36.0, 6.0, 12.0, 18.0];
-        for ((found, before), outer) in spectrum.to_array().into_iter().zip(before).zip(outer) {
-            // Three roundings of f32 at 40.
-            assert!((found - before - outer).abs() < 1e-5, "{found} {before} {outer}");
-        }
-    }
-
-    #[test]
-    fn rounding_never_makes_a_variance_negative() {
-        // Rank one along (1, 1/3, 1/7): across it the true value is 0 and rounding may be below.
-        let v = Vec3::new(1.0, 1.0 / 3.0, 1.0 / 7.0);
-        let s =
-            FluenceSpectrum::from_array([v.x * v.x, v.y * v.y, v.z * v.z, v.x * v.y, v.x * v.z, v.y * v.z]);
-        for turn in 0..100 {
-            let other = Vec3::new(turn as f32 * 0.37 - 10.0, 3.0, 1.0);
-            let across = v.cross(other).normalize();
-            let variance = s.variance_along(across);
-            // Eight roundings of terms no larger than the trace, 1.13.
-            assert!((0.0..1e-6).contains(&variance), "{variance}");
-        }
-        assert_eq!(s.variance_along(Vec3::NAN), 0.0);
-    }
-}
