@@ -1,7 +1,7 @@
 //! Filters checked by the samples: one is narrowed where what it gives disagrees with what narrower ones
 //! give.
 
-use super::{FilmFilterNode, FilmFilters, FilmLattice, FilmSizeError, ImageFilter, Reconstruction};
+use super::{FilmFilterNode, FilmFilters, FilmLattice, FilmSizeError, Reconstruction};
 
 /// Widths that are compared: the predicted one, a half, a quarter, …
 pub(super) const SCALES: usize = 7;
@@ -41,9 +41,9 @@ impl FilmFilters<'_> {
         }
         let [x, y] = self.lattice.pixel(node);
         let mut evidence = FilmEvidence::default();
-        let mut filter = ImageFilter::from(found.filter());
+        let mut filter = found.inverse.inverse();
         for scale in 0..SCALES {
-            let halves = picture.sum(x, y, &filter).and_then(|sum| sum.halves());
+            let halves = picture.sum(x, y, &filter.into()).and_then(|sum| sum.halves());
             let Some([first, second]) = halves else {
                 // Too few rays: what is known of the wider one.
                 if scale == 0 {
@@ -57,7 +57,7 @@ impl FilmFilters<'_> {
             if scale == 0 {
                 evidence.brightness = 0.5 * (first + second);
             }
-            filter = ImageFilter { xx: 0.25 * filter.xx, xy: 0.25 * filter.xy, yy: 0.25 * filter.yy };
+            filter = filter.map(|value| 0.25 * value);
         }
         evidence
     }

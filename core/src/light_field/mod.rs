@@ -49,8 +49,10 @@ pub const EVEN_LAMP: f32 = (2.0 / (4.0 * PI * PI)) as f32;
 /// Square root of the covariance of a local light field's spectrum, with the frame it is expressed in.
 ///
 /// Guarantee of every operator: the covariance stays positive semi-definite (it is L Lᵀ), nothing becomes NaN
-/// or infinite (a column of the root beyond 2¹⁰⁰ is scaled back to it), and an argument without meaning (NaN,
-/// an infinite vector, a vector of length 0 where a direction is needed) leaves the field as it was.
+/// or infinite (a column of the root beyond 2¹⁰⁰ is scaled back to it), and an argument out of its range or
+/// without meaning (NaN, an infinite vector, one without a direction or without a part across the ray where
+/// that counts) leaves the field as it was. Vectors may have any length. A source takes +z for a direction
+/// that is none, 0 for a variance and infinity for a radius that is negative or NaN.
 ///
 /// Error: one rounding of the ten numbers to `f32` per operator. The slice agrees with a 1600-bit evaluation
 /// to 1e-6, 1e-5 after 1000 events (test `every_hard_case_is_within_its_tolerance`).
@@ -76,9 +78,9 @@ impl LightField {
     ///
     /// Spectrum: infinitely wide in space (root 2⁵⁰ cycles/m), `angular_variance` along u and v.
     ///
-    /// - `direction`: of propagation, any length; +z is taken if it has none.
+    /// - `direction`: of propagation.
     /// - `angular_variance` \[cycles²/rad²\] >= 0: of the lamp's emission: [`EVEN_LAMP`] for one that shines
-    ///   evenly; infinity for a single direction; negative or NaN count as 0.
+    ///   evenly; infinity for a single direction.
     ///
     /// Source: thesis 5.3.1.
     ///
@@ -98,9 +100,9 @@ impl LightField {
     /// Spectrum: a disk of radius R has 1/(π²R²) in space, foreshortened to 1/(π²R²cos²θ) in the plane of
     /// `direction` and `normal`; `angular_variance` along u and v.
     ///
-    /// - `direction`: of propagation, any length; +z is taken if it has none.
-    /// - `normal`: of the disk, any length and either sign; a disk facing `direction` if it has none.
-    /// - `radius` \[m\] >= 0: 0 is a point, infinity a uniform field; negative or NaN count as infinite.
+    /// - `direction`: of propagation.
+    /// - `normal`: of the disk, either sign; a disk facing `direction` if it has none.
+    /// - `radius` \[m\] >= 0: 0 is a point, infinity a uniform field.
     /// - `angular_variance` \[cycles²/rad²\]: as in [`LightField::point`].
     ///
     /// Source: thesis 5.3.1; the constant is derived (1/(4π²w²) of a Gaussian with w = R/2, the disk's own).
@@ -126,9 +128,8 @@ impl LightField {
     ///
     /// Spectrum: infinitely wide in angle (root 2⁵⁰ cycles/rad), 1/(π²R²) in space.
     ///
-    /// - `direction`: of propagation, any length; +z is taken if it has none.
-    /// - `radius` \[m\] >= 0: 0 is a pencil without width, infinity a plane wave's uniform field; negative or
-    ///   NaN count as infinite.
+    /// - `direction`: of propagation.
+    /// - `radius` \[m\] >= 0: 0 is a pencil without width, infinity a plane wave's uniform field.
     ///
     /// Source: derived; the mirror image of [`LightField::point`].
     ///
@@ -149,13 +150,11 @@ impl LightField {
     ///
     /// Spectrum: the given variances along x, y, u, v; a Gaussian of standard deviation w has 1/(4π²w²).
     ///
-    /// - `direction`: of propagation, any length; +z is taken if it has none.
+    /// - `direction`: of propagation.
     /// - `x_axis`: the part of it across `direction` is the frame's x axis; some axis is chosen if it has
     ///   none.
     /// - `spatial_variance` along x and y \[cycles²/m²\] >= 0: 0 is uniform, infinity a point or a line.
     /// - `angular_variance` along x and y \[cycles²/rad²\] >= 0: 0 is isotropic, infinity parallel.
-    ///
-    /// Negative or NaN variances count as 0.
     ///
     /// Source: thesis Eq 5.12.
     ///
@@ -182,8 +181,7 @@ impl LightField {
     ///
     /// Spectrum: sheared, ω_u' = ω_u - d ω_x, ω_v' = ω_v - d ω_y; the determinant is kept.
     ///
-    /// - `distance` \[m\]: 0 changes nothing, a negative one goes back. NaN and infinity leave the field as
-    ///   it was.
+    /// - `distance` \[m\]: finite; 0 changes nothing, a negative one goes back.
     ///
     /// Guarantee: travelling a and then b is travelling a + b.
     ///
@@ -215,8 +213,7 @@ impl LightField {
     ///
     /// Spectrum: unchanged; its covariance's rows are mixed, (u, v) and (x, y) alike.
     ///
-    /// - `x_axis`: its part across the ray becomes the x axis; any length. One that is NaN, infinite or along
-    ///   the ray leaves the field as it was.
+    /// - `x_axis`: its part across the ray becomes the x axis.
     ///
     /// Guarantee: `fluence()` stays what it was, up to rounding. Test:
     /// `turning_the_frame_changes_no_fluence`.
@@ -247,9 +244,8 @@ impl LightField {
     /// light that enters it there are masked.
     ///
     /// - `towards_edge`: world direction from the ray to the nearest point of the edge; the part of it across
-    ///   the ray counts. A direction without such a part leaves the field as it was.
+    ///   the ray counts.
     /// - `distance` ρ \[m\] >= 0 from the ray to the edge: 0 is an edge on the ray (root 2⁵⁰), infinity none.
-    ///   NaN and negative distances leave the field as it was.
     ///
     /// Source: thesis 5.3.1 ("largest unoccluded disk"); the constant is the one of 1, 2, 3 and 4 times this
     /// width that agrees best with the closed form of a penumbra (test
@@ -276,10 +272,8 @@ impl LightField {
     /// Spectrum: `angular_variance` is added along one axis; the signal is multiplied by a function of angle.
     ///
     /// - `across`: world direction in which the signal falls off; the part of it across the ray counts.
-    ///   Without such a part the field is left as it was.
     /// - `angular_variance` \[cycles²/rad²\] >= 0: 0 changes nothing, infinity leaves one direction (root
-    ///   2⁵⁰). A Gaussian rim of standard deviation s has 1/(4π²s²). NaN and negative ones leave the field as
-    ///   it was.
+    ///   2⁵⁰). A Gaussian rim of standard deviation s has 1/(4π²s²).
     ///
     /// Source: thesis 5.3.1 (products in the primal domain).
     ///
@@ -304,11 +298,9 @@ impl LightField {
     /// Spectrum: in-plane spatial frequencies scaled by cos θ, then the angular part is multiplied with the
     /// spectrum of the phase function: (Σ⁻¹ + B⁻¹)⁻¹ with B = `angular_variance` along u and v.
     ///
-    /// - `direction`: of propagation after the event, any length; without a length the field is left as it
-    ///   was.
+    /// - `direction`: of propagation after the event.
     /// - `angular_variance` \[cycles²/rad²\] >= 0 of the lobe, [`crate::PhaseFunction::angular_variance`]: 0
-    ///   is isotropic and leaves exactly the slice, infinity a lobe that does not blur. NaN and negative ones
-    ///   leave the field as it was.
+    ///   is isotropic and leaves exactly the slice, infinity a lobe that does not blur.
     ///
     /// Source: thesis 5.3.1 (scattering operator); projection derived.
     ///
@@ -391,7 +383,10 @@ impl LightField {
     /// wavefront would be off by v/u times as much (146 times the effect of rounding the inputs, measured on
     /// paths of 1000 bounces; 1.4 times in principal axes).
     fn store(&mut self, mut columns: [[f64; 4]; 4], frame: &Frame) {
-        let (c, d) = principal(&columns);
+        // Of the angular part's covariance, summed so that nothing cancels.
+        let a = columns.iter().map(|[u, v, ..]| (u - v) * (u + v)).sum();
+        let b = columns.iter().map(|[u, v, ..]| 2.0 * u * v).sum();
+        let (c, d) = principal_axis(a, b);
         let x = c * frame.x + d * frame.y;
         turn(&mut columns, frame, x);
         self.x_axis = x.as_vec3();
@@ -405,11 +400,12 @@ impl LightField {
     }
 }
 
-/// Cosine and sine of the turn to the axis of the largest angular variance; none if all are alike.
-fn principal(columns: &[[f64; 4]; 4]) -> (f64, f64) {
+/// Cosine and sine of the turn to the axis of a symmetric matrix's largest eigenvalue; none if all axes are
+/// alike.
+///
+/// - `a`, `b`: the difference of its diagonal entries, and twice the other one; or half of both.
+fn principal_axis(a: f64, b: f64) -> (f64, f64) {
     // Twice the angle has the cosine a/r and the sine b/r.
-    let a: f64 = columns.iter().map(|[u, v, ..]| (u - v) * (u + v)).sum();
-    let b: f64 = columns.iter().map(|[u, v, ..]| 2.0 * u * v).sum();
     let r = libm::sqrt(a * a + b * b);
     // Where squares of squares leave the range of normal numbers, r is no longer the length of (a, b): any
     // axis will do.

@@ -14,10 +14,8 @@ const GRAZING: f64 = 1e-12;
 ///
 /// ```
 /// use covbeam::{Curvature, Vec3};
-/// // A cylinder of radius 2 along z, seen from outside.
-/// let cylinder = Curvature { tangent: Vec3::Z, along: 0.0, across: 0.5, twist: 0.0 };
-/// assert_eq!(Curvature::default(), Curvature { tangent: Vec3::ZERO, along: 0.0, across: 0.0, twist: 0.0 });
-/// # let _ = cylinder;
+/// // A cylinder of radius 2 along z, seen from outside; a plane is the default.
+/// let _cylinder = Curvature { tangent: Vec3::Z, along: 0.0, across: 0.5, ..Curvature::default() };
 /// ```
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,10 +37,9 @@ impl LightField {
     /// Spectrum: mirrored in the plane of incidence; curvature adds angular to spatial frequencies (the
     /// transpose of how it bends rays). The determinant is kept.
     ///
-    /// - `normal`: at the hit, any length, on either side of the surface. A zero or NaN normal, or a ray that
-    ///   grazes to below 1e-12, leaves the field as it was.
-    /// - `curvature`: of the surface as seen from `normal`; numbers that are not finite leave the field as it
-    ///   was.
+    /// - `normal`: at the hit, on either side of the surface. A ray that grazes to below 1e-12 leaves the
+    ///   field as it was.
+    /// - `curvature`: of the surface as seen from `normal`, finite.
     ///
     /// Exact to first order in the ray's offset and slope. Test: `the_mirror_agrees_with_traced_rays`.
     ///
@@ -83,10 +80,10 @@ impl LightField {
     /// spatial ones by c_i/c_t; curvature adds angular to spatial frequencies. det Σ' = det Σ (n₂/n₁)⁴.
     ///
     /// - `normal`, `curvature`: as in [`LightField::reflect`].
-    /// - `eta` > 0: refractive index on the side of the incoming light over that on the other side.
+    /// - `eta` > 0, finite: refractive index on the side of the incoming light over that on the other side.
     ///
     /// Returns false, and leaves the field as it was, on total internal reflection, exactly grazing
-    /// incidence, or arguments without meaning (`eta` not positive and finite, and those of `reflect`).
+    /// incidence, or arguments without meaning.
     ///
     /// Exact to first order. Within 1e-4 rad of total reflection the cosine of the refracted ray itself loses
     /// digits (relative error 1e-16/c_t²). Test: `refraction_agrees_with_traced_rays`.
@@ -138,12 +135,12 @@ impl LightField {
     /// Spectrum: projected on the surface (in-plane spatial frequencies times c_i), integrated over angle,
     /// and seen from `direction` (in-plane ones divided by c_o).
     ///
-    /// - `normal`: of the surface, any length and either sign.
-    /// - `direction`: of propagation after the event, any length. The division by c_o is not bounded: a
-    ///   pattern seen at a grazing angle is that dense.
+    /// - `normal`: of the surface, either sign.
+    /// - `direction`: of propagation after the event. The division by c_o is not bounded: a pattern seen at a
+    ///   grazing angle is that dense.
     ///
-    /// A vector without a direction, or a cosine below 1e-12 on either side, leaves the field as it was. The
-    /// variation of the two cosines over the footprint is not accounted for.
+    /// A cosine below 1e-12 on either side leaves the field as it was. The variation of the two cosines over
+    /// the footprint is not accounted for.
     ///
     /// Source: derived (thesis 5.3.1 for the convolution).
     ///

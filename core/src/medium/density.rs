@@ -7,7 +7,7 @@
 use super::column::{Column, Knot, OPAQUE_DEPTH};
 use super::derivatives::Derivatives;
 use super::voxel_density::DensityGrid;
-use crate::math::exp;
+use crate::math::{SIX, exp};
 use glam::Vec3;
 
 /// Largest magnitude of the logarithm of an exponential density: e^±80 is near the ends of what `f32` holds.
@@ -98,11 +98,7 @@ impl Density<'_> {
                 // Where they are beyond what `f32` holds: an infinity times a component of 0 would be NaN.
                 let slope = (exponential.at(position) / exponential.scale_height).min(f32::MAX);
                 let (n, curvature) = (exponential.up, (slope / exponential.scale_height).min(f32::MAX));
-                Derivatives {
-                    gradient: -slope * n,
-                    hessian: [n.x * n.x, n.y * n.y, n.z * n.z, n.x * n.y, n.x * n.z, n.y * n.z]
-                        .map(|nn| nn * curvature),
-                }
+                Derivatives { gradient: -slope * n, hessian: SIX.map(|(i, j)| n[i] * n[j] * curvature) }
             }
             Density::Grid(grid) => grid.derivatives(position),
         }

@@ -3,6 +3,7 @@
 
 use super::column::Knot;
 use super::derivatives::Derivatives;
+use crate::math::SIX;
 use crate::voxels::{Dda, GridError, GridLayout, Lattice, Trilinear};
 use glam::Vec3;
 use libm::{ceil, sqrt};
@@ -104,15 +105,13 @@ impl<'a> DensityGrid<'a> {
             0.25 * sum * self.voxels.scale[a] * self.voxels.scale[b]
         };
         let sides: [[f32; 2]; 3] = core::array::from_fn(neighbours);
-        let first = |axis: usize| 0.5 * (sides[axis][0] - sides[axis][1]) * self.voxels.scale[axis];
-        let second = |axis: usize| {
-            (sides[axis][0] - 2.0 * middle + sides[axis][1])
-                * self.voxels.scale[axis]
-                * self.voxels.scale[axis]
-        };
+        let scale = self.voxels.scale;
+        let first = |axis: usize| 0.5 * (sides[axis][0] - sides[axis][1]) * scale[axis];
+        let second =
+            |axis: usize| (sides[axis][0] - 2.0 * middle + sides[axis][1]) * scale[axis] * scale[axis];
         Derivatives {
-            gradient: Vec3::new(first(0), first(1), first(2)),
-            hessian: [second(0), second(1), second(2), mixed(0, 1), mixed(0, 2), mixed(1, 2)],
+            gradient: Vec3::from_array([0, 1, 2].map(first)),
+            hessian: SIX.map(|(i, j)| if i == j { second(i) } else { mixed(i, j) }),
         }
     }
 
