@@ -154,13 +154,8 @@ pub(crate) fn inside(beam: &Beam, from: f32, to: f32, point: Vec3, s: f32, gap: 
     let slack = sqrt(r * r - gap * gap);
     let on_start = beam.start_normal != Vec3::ZERO;
     let on_end = beam.end_normal != Vec3::ZERO;
-    let first = if from > 0.0 {
-        from
-    } else if on_start {
-        -slack
-    } else {
-        0.0
-    };
+    let start = if on_start { -slack } else { 0.0 };
+    let first = if from > 0.0 { from } else { start };
     let inside = if to < beam.length { s < to } else { s <= beam.length + if on_end { slack } else { 0.0 } };
     if !(s >= first && inside) {
         return false;

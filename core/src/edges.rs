@@ -6,7 +6,7 @@
 //! makes w jump.
 
 use core::f32::consts::TAU;
-use core::ops::{Deref, DerefMut};
+use core::ops::Deref;
 use glam::Vec3;
 use libm::{sincosf, sqrtf};
 
@@ -173,12 +173,6 @@ impl<T, const N: usize> Deref for Few<T, N> {
     }
 }
 
-impl<T, const N: usize> DerefMut for Few<T, N> {
-    fn deref_mut(&mut self) -> &mut [T] {
-        &mut self.values[..self.count]
-    }
-}
-
 impl<T, const N: usize> Few<T, N> {
     fn push(&mut self, value: T) {
         self.values[self.count] = value;
@@ -189,7 +183,7 @@ impl<T, const N: usize> Few<T, N> {
     fn insert_by(&mut self, value: T, key: impl Fn(&T) -> f32) {
         let at = self.iter().take_while(|other| key(other) <= key(&value)).count();
         self.push(value);
-        self[at..].rotate_right(1);
+        self.values[at..self.count].rotate_right(1);
     }
 }
 

@@ -151,7 +151,7 @@ impl<'a> CovarianceGrid<'a> {
         let mut here = *field;
         let mut shape = DepthShape::default();
         let mut reached = 0.0_f64;
-        let mut before = column.at(start + dda.position() as f32);
+        let mut before = column.at(start + dda.position as f32);
         let (_, mut flux) = attenuate(extinction * before);
         flux *= power;
         while let Some((cell, from, to)) = dda.next_cell() {
@@ -244,21 +244,15 @@ fn is_finite(spectrum: &FluenceSpectrum) -> bool {
     spectrum.to_array().iter().all(|value| value.is_finite())
 }
 
+/// (1 - exp(-x))/x, lowest power first.
+const SERIES: [f32; 8] =
+    [1.0, -1.0 / 2.0, 1.0 / 6.0, -1.0 / 24.0, 1.0 / 120.0, -1.0 / 720.0, 1.0 / 5040.0, -1.0 / 40320.0];
+
 /// Mean of exp(-s) over [0, depth], and exp(-depth).
 #[inline]
 fn attenuate(depth: f32) -> (f32, f32) {
     if depth < 0.5 {
         // (1 - exp(-x))/x cancels here: its series instead, whose ninth term is below 1.1e-8.
-        const SERIES: [f32; 8] = [
-            1.0,
-            -1.0 / 2.0,
-            1.0 / 6.0,
-            -1.0 / 24.0,
-            1.0 / 120.0,
-            -1.0 / 720.0,
-            1.0 / 5040.0,
-            -1.0 / 40320.0,
-        ];
         let mean = SERIES.iter().rev().fold(0.0, |sum, term| sum * depth + term);
         (mean, 1.0 - depth * mean)
     } else {
@@ -280,10 +274,6 @@ impl<'a> FluenceGrid<'a> {
     /// - `cells`: `layout.cell_count()` of them.
     pub fn new(layout: GridLayout, cells: &'a [FluenceCell]) -> Result<Self, GridError> {
         Ok(Self { voxels: Trilinear::new(layout, cells.len())?, cells })
-    }
-
-    pub(crate) fn layout(&self) -> &GridLayout {
-        &self.voxels.layout
     }
 
     /// The spectrum of the fluence around a point: the flux-weighted mean of the eight voxels around it, with
@@ -354,12 +344,9 @@ impl<'a> FluenceGrid<'a> {
 /// [`crate::voxels::Trilinear::corners`].
 #[inline(always)]
 fn shares(low: Vec3, high: Vec3) -> [f32; 8] {
-    let plane = |z: f32| {
-        let row = |yz: f32| [low.x * yz, high.x * yz];
-        [row(low.y * z), row(high.y * z)]
-    };
-    let [[[a, b], [c, d]], [[e, f], [g, h]]] = [plane(low.z), plane(high.z)];
-    [a, b, c, d, e, f, g, h]
+    let [ll, hl, lh, hh] = [low.y * low.z, high.y * low.z, low.y * high.z, high.y * high.z];
+    let (lx, hx) = (low.x, high.x);
+    [lx * ll, hx * ll, lx * hl, hx * hl, lx * lh, hx * lh, lx * hh, hx * hh]
 }
 
 /// What a grid says about a point.

@@ -120,8 +120,7 @@ impl GridLayout {
         let (header, body) = out.split_at_mut(HEADER);
         header[..CHECKED].copy_from_slice(&header_of(self));
         for (bytes, cell) in body.as_chunks_mut::<VOXEL>().0.iter_mut().zip(cells) {
-            let [xx, yy, zz, xy, xz, yz] = cell.sum;
-            let numbers = [xx, yy, zz, xy, xz, yz, cell.weight];
+            let numbers = cell.sum.into_iter().chain([cell.weight]);
             for (bytes, number) in bytes.as_chunks_mut::<8>().0.iter_mut().zip(numbers) {
                 *bytes = number.to_le_bytes();
             }

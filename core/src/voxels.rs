@@ -160,8 +160,8 @@ pub(crate) struct Dda {
     next: [f64; 3],
     cell: [u32; 3],
     /// Distance along the segment that the walk has reached, and where it ends.
-    position: f64,
-    end: f64,
+    pub(crate) position: f64,
+    pub(crate) end: f64,
     done: bool,
 }
 
@@ -213,16 +213,6 @@ impl Dda {
             dda.update_next(axis);
         }
         Some(dda)
-    }
-
-    /// Distance along the segment that the walk has reached.
-    pub(crate) fn position(&self) -> f64 {
-        self.position
-    }
-
-    /// Distance along the segment at which the walk ends.
-    pub(crate) fn end(&self) -> f64 {
-        self.end
     }
 
     fn update_next(&mut self, axis: usize) {

@@ -119,7 +119,8 @@ impl Search {
         let end = self.sub_beams.len();
         for half in halves(rays) {
             if let Some(packet) = Packet::new(&query.rays[half.clone()]) {
-                self.append_touched(query, &packet, first..end);
+                let (radius, sub_beams) = (query.kernel.max_radius, &mut self.sub_beams);
+                dispatch!(query.level, simd => append_touched(simd, &packet, radius, sub_beams, first..end));
                 poll.spend(end - first, 3)?;
             } else {
                 // Rays apart, or one that is no ray.
@@ -129,13 +130,6 @@ impl Search {
             self.sub_beams.truncate(end);
         }
         Ok(())
-    }
-
-    /// Appends those of the sub-beams `from` that a packet may touch, in their order.
-    fn append_touched(&mut self, query: &Query, packet: &Packet, from: Range<usize>) {
-        let sub_beams = &mut self.sub_beams;
-        sub_beams.reserve(from.len());
-        dispatch!(query.level, simd => append_touched(simd, packet, query.kernel.max_radius, sub_beams, from));
     }
 
     /// Each of a few rays tests each sub-beam from `first` on.
@@ -204,7 +198,7 @@ fn walk<S: Simd>(
     Ok(visits)
 }
 
-/// See [`Search::append_touched`].
+/// Appends those of the sub-beams `from` that a packet may touch, in their order.
 #[inline(always)]
 fn append_touched<S: Simd>(
     simd: S,
@@ -213,6 +207,7 @@ fn append_touched<S: Simd>(
     sub_beams: &mut Vec<SubBeam>,
     from: Range<usize>,
 ) {
+    sub_beams.reserve(from.len());
     let mut first = from.start;
     while first < from.end {
         let count = (from.end - first).min(LANES);

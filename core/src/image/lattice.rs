@@ -1,7 +1,7 @@
 //! The filters of a picture: known at some pixels, interpolated between them, and none reaching where a
 //! narrower one is asked for.
 
-use super::{FilmSizeError, ImageFilter, ImageSpectrum, pixel_count};
+use super::{FilmSizeError, ImageFilter, ImageSpectrum, corners, pixel_count};
 use crate::math::Sym2;
 use libm::{roundf, sqrtf};
 
@@ -81,6 +81,21 @@ impl FilmLattice {
     pub fn widest(&self) -> f32 {
         WIDEST_SHARE * side(self.width, self.height)
     }
+
+    /// Number of a node's pixel.
+    pub(super) fn index(&self, node: usize) -> usize {
+        let [x, y] = self.pixel(node);
+        y as usize * self.width as usize + x as usize
+    }
+
+    /// The node so many columns and rows away.
+    pub(super) fn neighbour(&self, node: usize, [columns, rows]: [i32; 2]) -> Option<usize> {
+        let (across, down) = (i64::from(self.across), i64::from(self.down));
+        let column = node as i64 % across + i64::from(columns);
+        let row = node as i64 / across + i64::from(rows);
+        let inside = (0..across).contains(&column) && (0..down).contains(&row);
+        inside.then_some((row * across + column) as usize)
+    }
 }
 
 fn side(width: u32, height: u32) -> f32 {
@@ -136,12 +151,10 @@ impl<'a> FilmFilters<'a> {
         nodes: &'a mut [FilmFilterNode],
     ) -> Result<Self, FilmSizeError> {
         let count = lattice.node_count();
-        let fits = regions.len() == pixel_count(lattice.width, lattice.height)?
-            && spectra.len() == count
-            && nodes.len() == count;
-        if !fits {
+        if spectra.len() != count {
             return Err(FilmSizeError);
         }
+        FilmFilters::of(lattice, regions, nodes)?;
         for (index, (node, spectrum)) in nodes.iter_mut().zip(spectra).enumerate() {
             let region = regions[lattice.index(index)];
             let filter = spectrum.filter(error, lattice.widest());
@@ -211,27 +224,21 @@ impl<'a> FilmFilters<'a> {
             let position =
                 ((at as f32 - (spacing / 2) as f32) / spacing as f32).clamp(0.0, (count - 1) as f32);
             let low = (position as u32).min(count.saturating_sub(2));
-            (low, position - low as f32)
+            (low as usize, position - low as f32)
         };
         let ((column, right), (row, below)) = (along(x, lattice.across), along(y, lattice.down));
         let (mut inverse, mut variance, mut sum, mut shares) = (Sym2::default(), 0.0, 0.0, 0.0);
-        for (i, wx) in [(0, 1.0 - right), (1, right)] {
-            for (j, wy) in [(0, 1.0 - below), (1, below)] {
-                let (i, j) = (column + i, row + j);
-                if wx * wy == 0.0 || i >= lattice.across || j >= lattice.down {
-                    continue;
-                }
-                let node = &self.nodes[j as usize * lattice.across as usize + i as usize];
-                if node.region != region || !(node.weight > 0.0) {
-                    continue;
-                }
-                // Weighted by light, as along the ray.
-                let weight = wx * wy * node.weight;
-                inverse.add(weight, &node.inverse);
-                sum += weight;
-                variance += wx * wy * node.variance;
-                shares += wx * wy;
+        for ([i, j], share) in corners([right, below]) {
+            let node = &self.nodes[(row + j) * lattice.across as usize + column + i];
+            if node.region != region || !(node.weight > 0.0) {
+                continue;
             }
+            // Weighted by light, as along the ray.
+            let weight = share * node.weight;
+            inverse.add(weight, &node.inverse);
+            sum += weight;
+            variance += share * node.variance;
+            shares += share;
         }
         if !(sum > 0.0) {
             return None;
@@ -239,23 +246,6 @@ impl<'a> FilmFilters<'a> {
         let filter = ImageFilter::from(inverse.map(|value| value / sum).inverse());
         let sound = (filter.xx + filter.xy + filter.yy).is_finite();
         Some((if sound { filter } else { ImageFilter::NONE }, variance / shares))
-    }
-}
-
-impl FilmLattice {
-    /// Number of a node's pixel.
-    pub(super) fn index(&self, node: usize) -> usize {
-        let [x, y] = self.pixel(node);
-        y as usize * self.width as usize + x as usize
-    }
-
-    /// The node so many columns and rows away.
-    pub(super) fn neighbour(&self, node: usize, [columns, rows]: [i32; 2]) -> Option<usize> {
-        let (across, down) = (i64::from(self.across), i64::from(self.down));
-        let column = node as i64 % across + i64::from(columns);
-        let row = node as i64 / across + i64::from(rows);
-        let inside = (0..across).contains(&column) && (0..down).contains(&row);
-        inside.then_some((row * across + column) as usize)
     }
 }
 

@@ -76,14 +76,10 @@ impl ImageSpectrum {
             && ray.direction != Vec3::ZERO
             && ray.length > 0.0
             && steps.iter().all(|step| step.origin.is_finite() && step.direction.is_finite());
-        let layout = grid.layout();
-        let dda = if sound {
-            Dda::new(layout, Lattice::Voxels, ray.origin, ray.direction, ray.length)
-        } else {
-            None
-        };
-        let Some(dda) = dda else { return Self::default() };
-        let (from, length) = (dda.position() as f32, (dda.end() - dda.position()) as f32);
+        let layout = &grid.voxels.layout;
+        let dda = || Dda::new(layout, Lattice::Voxels, ray.origin, ray.direction, ray.length);
+        let Some(dda) = sound.then(dda).flatten() else { return Self::default() };
+        let (from, length) = (dda.position as f32, (dda.end - dda.position) as f32);
         let voxel = ((layout.max - layout.min) / layout.resolution()).min_element();
         let count = ceilf(length / voxel).clamp(1.0, MOST_STEPS);
         let step = length / count;

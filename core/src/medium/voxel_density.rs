@@ -51,18 +51,8 @@ impl<'a> DensityGrid<'a> {
             let last = layout.cells[axis] - 1;
             [0, 1].map(|up| (cell[axis] + up).saturating_sub(1).min(last) as usize * stride)
         };
-        let ([x0, x1], [y0, y1], [z0, z1]) = (side(0, *dx), side(1, *dy), side(2, *dz));
-        let value = |x: usize, y: usize, z: usize| f64::from(self.values[x + y + z]);
-        [
-            value(x0, y0, z0),
-            value(x1, y0, z0),
-            value(x0, y1, z0),
-            value(x1, y1, z0),
-            value(x0, y0, z1),
-            value(x1, y0, z1),
-            value(x0, y1, z1),
-            value(x1, y1, z1),
-        ]
+        let (x, y, z) = (side(0, *dx), side(1, *dy), side(2, *dz));
+        core::array::from_fn(|i| f64::from(self.values[x[i & 1] + y[i >> 1 & 1] + z[i >> 2]]))
     }
 
     pub(super) fn at(&self, position: Vec3) -> f32 {
@@ -82,30 +72,21 @@ impl<'a> DensityGrid<'a> {
         let q = (position - self.voxels.layout.min) * self.voxels.scale;
         let last = self.voxels.layout.cells.map(|n| i64::from(n) - 1);
         let center: [i64; 3] = core::array::from_fn(|axis| (q[axis] as i64).min(last[axis]));
-        let value = |step: [i64; 3]| {
-            let at: [u32; 3] =
-                core::array::from_fn(|axis| (center[axis] + step[axis]).clamp(0, last[axis]) as u32);
-            self.values[self.voxels.layout.index(at)]
+        let value = |steps: &[(usize, i64)]| {
+            let mut at = center;
+            for &(axis, step) in steps {
+                at[axis] = (at[axis] + step).clamp(0, last[axis]);
+            }
+            self.values[self.voxels.layout.index(at.map(|i| i as u32))]
         };
-        let middle = value([0; 3]);
-        let neighbours = |axis: usize| {
-            [1, -1].map(|side| {
-                let mut step = [0; 3];
-                step[axis] = side;
-                value(step)
-            })
-        };
-        let mixed = |a: usize, b: usize| {
-            let corner = |i: i64, j: i64| {
-                let mut step = [0; 3];
-                (step[a], step[b]) = (i, j);
-                value(step)
-            };
-            let sum = corner(1, 1) - corner(1, -1) - corner(-1, 1) + corner(-1, -1);
-            0.25 * sum * self.voxels.scale[a] * self.voxels.scale[b]
-        };
-        let sides: [[f32; 2]; 3] = core::array::from_fn(neighbours);
         let scale = self.voxels.scale;
+        let middle = value(&[]);
+        let sides = [0, 1, 2].map(|axis| [1, -1].map(|step| value(&[(axis, step)])));
+        let mixed = |a: usize, b: usize| {
+            let corner = |i: i64, j: i64| value(&[(a, i), (b, j)]);
+            let sum = corner(1, 1) - corner(1, -1) - corner(-1, 1) + corner(-1, -1);
+            0.25 * sum * scale[a] * scale[b]
+        };
         let first = |axis: usize| 0.5 * (sides[axis][0] - sides[axis][1]) * scale[axis];
         let second =
             |axis: usize| (sides[axis][0] - 2.0 * middle + sides[axis][1]) * scale[axis] * scale[axis];
@@ -169,7 +150,7 @@ impl<'a> DensityGrid<'a> {
         });
         let slope: [f64; 3] = core::array::from_fn(|axis| f64::from(direction[axis]) * scale[axis]);
         let mut column = 0.0;
-        if !point(dda.position(), column) {
+        if !point(dda.position, column) {
             return;
         }
         while let Some((cell, from, to)) = dda.next_cell() {
