@@ -283,22 +283,18 @@ impl BeamBlock {
     pub fn test(&self, ray: &EyeRay, radius: f32) -> u32 {
         // Rounding of a crossing near a bound must not make the filter refuse what the exact test accepts.
         let wide = radius * 1.001;
-        let (ex, ey, ez) = (ray.direction.x, ray.direction.y, ray.direction.z);
         let mut hit = [0u32; BLOCK];
         // An index over eight arrays side by side: what the compiler turns into vector code.
         #[allow(clippy::needless_range_loop)]
         for k in 0..BLOCK {
-            let (dx, dy, dz) = (self.direction[0][k], self.direction[1][k], self.direction[2][k]);
-            let nx = ey * dz - ez * dy;
-            let ny = ez * dx - ex * dz;
-            let nz = ex * dy - ey * dx;
-            let sin2 = nx * nx + ny * ny + nz * nz;
-            let wx = self.origin[0][k] - ray.origin.x;
-            let wy = self.origin[1][k] - ray.origin.y;
-            let wz = self.origin[2][k] - ray.origin.z;
-            let triple = wx * nx + wy * ny + wz * nz;
-            let t = (wy * dz - wz * dy) * nx + (wz * dx - wx * dz) * ny + (wx * dy - wy * dx) * nz;
-            let s = (wy * ez - wz * ey) * nx + (wz * ex - wx * ez) * ny + (wx * ey - wy * ex) * nz;
+            let [origin, direction] =
+                [&self.origin, &self.direction].map(|v| Vec3::new(v[0][k], v[1][k], v[2][k]));
+            let normal = ray.direction.cross(direction);
+            let sin2 = normal.length_squared();
+            let offset = origin - ray.origin;
+            let triple = offset.dot(normal);
+            let t = offset.cross(direction).dot(normal);
+            let s = offset.cross(ray.direction).dot(normal);
             let near = triple * triple <= wide * wide * sin2;
             let on_ray = (t >= -wide * sin2) & (t <= (ray.length + wide) * sin2);
             let on_beam = (s >= (self.from[k] - wide) * sin2) & (s <= (self.to[k] + wide) * sin2);

@@ -110,14 +110,8 @@ impl<'a> CovarianceGrid<'a> {
     /// # Ok::<(), covbeam::GridError>(())
     /// ```
     pub fn deposit(&mut self, medium: &Medium, segment: &Segment) {
-        let Segment { length, power, ref field, .. } = *segment;
-        let sound = field.direction.is_finite()
-            && field.direction != Vec3::ZERO
-            && length > 0.0
-            && power > 0.0
-            && power.is_finite()
-            && medium.mean_extinction() >= 0.0;
-        if !sound {
+        let Segment { length, power, .. } = *segment;
+        if !(power > 0.0 && power.is_finite() && medium.mean_extinction() >= 0.0) {
             return;
         }
         let (rest, from) = segment
@@ -137,9 +131,6 @@ impl<'a> CovarianceGrid<'a> {
         let Segment { power, unscattered, ref column, .. } = *segment;
         let extinction = medium.mean_extinction();
         let origin = segment.origin + start * field.direction;
-        if !origin.is_finite() {
-            return;
-        }
         let Some(mut dda) = Dda::new(&self.layout, Lattice::Voxels, origin, field.direction, end - start)
         else {
             return;

@@ -166,7 +166,8 @@ pub(crate) struct Dda {
 }
 
 impl Dda {
-    /// None where the segment misses the box. `direction` is not zero; an infinite `length` ends at the box.
+    /// None where the segment misses the box, is none (no direction, no length), or is not finite; an infinite
+    /// `length` ends at the box.
     pub(crate) fn new(
         layout: &GridLayout,
         lattice: Lattice,
@@ -174,6 +175,9 @@ impl Dda {
         direction: Vec3,
         length: f32,
     ) -> Option<Self> {
+        if !(origin.is_finite() && direction.is_finite() && direction != Vec3::ZERO && length > 0.0) {
+            return None;
+        }
         let mut dda = Self {
             start: [0.0; 3],
             inverse_slope: [0.0; 3],

@@ -122,9 +122,14 @@ impl<'a, S: Simd> Pairs<'a, S> {
         let mut accepted = (near & within & away).to_bitmask() as u32;
         let at_an_end = (near & within & !away).to_bitmask() as u32;
         if at_an_end != 0 {
-            let (gaps, radii): (Floats, Floats) = (gap.into(), radius.into());
-            accepted |=
-                inside_ends(block, beams, at_an_end, &position.store(), &beam_distance.into(), &gaps, &radii);
+            let (points, lines) = (position.store(), &block.lines);
+            let [distances, gaps, radii]: [Floats; 3] = [beam_distance.into(), gap.into(), radius.into()];
+            for lane in bits(at_an_end) {
+                let beam = &beams[block.beams[lane] as usize];
+                let (from, to, point) = (lines.from[lane], lines.to[lane], vector(&points, lane));
+                let inside = inside(beam, from, to, point, distances[lane], gaps[lane], radii[lane]);
+                accepted |= u32::from(inside) << lane;
+            }
         }
         Some(Self {
             accepted,
@@ -200,27 +205,6 @@ impl<S: Simd> Crossings<S> {
             gap,
         })
     }
-}
-
-/// [`crate::beam::inside`] in the lanes of `mask`, a bit each.
-#[inline(always)]
-fn inside_ends(
-    block: &Block,
-    beams: &[Beam],
-    mask: u32,
-    points: &Vectors,
-    distances: &Floats,
-    gaps: &Floats,
-    radii: &Floats,
-) -> u32 {
-    let mut accepted = 0;
-    for lane in bits(mask) {
-        let beam = &beams[block.beams[lane] as usize];
-        let (from, to, point) = (block.lines.from[lane], block.lines.to[lane], vector(points, lane));
-        let inside = inside(beam, from, to, point, distances[lane], gaps[lane], radii[lane]);
-        accepted |= u32::from(inside) << lane;
-    }
-    accepted
 }
 
 /// [`KernelShape::evaluate`] where |distance| < radius, bit for bit.

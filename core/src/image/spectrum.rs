@@ -71,11 +71,7 @@ impl ImageSpectrum {
         medium: &Medium,
         column: &Column,
     ) -> Self {
-        let sound = ray.origin.is_finite()
-            && ray.direction.is_finite()
-            && ray.direction != Vec3::ZERO
-            && ray.length > 0.0
-            && steps.iter().all(|step| step.origin.is_finite() && step.direction.is_finite());
+        let sound = steps.iter().all(|step| step.origin.is_finite() && step.direction.is_finite());
         let layout = &grid.voxels.layout;
         let dda = || Dda::new(layout, Lattice::Voxels, ray.origin, ray.direction, ray.length);
         let Some(dda) = sound.then(dda).flatten() else { return Self::default() };

@@ -25,7 +25,7 @@ pub use fluence::FluenceSpectrum;
 pub use surface::Curvature;
 
 use core::f64::consts::PI;
-use frame::{Frame, sagittal, sagittal_or};
+use frame::{Frame, sagittal_or};
 use glam::{DVec3, Vec3};
 use triangular::triangular;
 
@@ -114,14 +114,17 @@ impl LightField {
     /// assert!((light.slice()[0] / variance - 1.0).abs() < 1e-6);
     /// ```
     pub fn disk(direction: Vec3, normal: Vec3, radius: f32, angular_variance: f32) -> Self {
-        let z = frame::unit_from(direction).unwrap_or(DVec3::Z);
-        let n = frame::unit_from(normal).unwrap_or(z);
+        let z = frame::unit(direction).unwrap_or(DVec3::Z);
+        let n = frame::unit(normal).unwrap_or(z);
         let root = sharpness(radius);
         let foreshortened = (root / z.dot(n).abs()).min(SHARP);
         let angular = deviation(angular_variance);
         // 0/0: an infinite disk seen edge on.
         let foreshortened = if foreshortened.is_nan() { 0.0 } else { foreshortened };
-        Self::uncorrelated(Frame::new(sagittal(z, n), z), [angular, angular, root, foreshortened])
+        Self::uncorrelated(
+            Frame::new(sagittal_or(z, n, DVec3::ZERO), z),
+            [angular, angular, root, foreshortened],
+        )
     }
 
     /// An exactly parallel beam.
@@ -141,7 +144,7 @@ impl LightField {
     /// assert_eq!(laser.slice(), before);
     /// ```
     pub fn collimated(direction: Vec3, radius: f32) -> Self {
-        let z = frame::unit_from(direction).unwrap_or(DVec3::Z);
+        let z = frame::unit(direction).unwrap_or(DVec3::Z);
         let root = sharpness(radius);
         Self::uncorrelated(Frame::new(DVec3::ZERO, z), [SHARP, SHARP, root, root])
     }
@@ -169,8 +172,8 @@ impl LightField {
         spatial_variance: [f32; 2],
         angular_variance: [f32; 2],
     ) -> Self {
-        let z = frame::unit_from(direction).unwrap_or(DVec3::Z);
-        let x = frame::unit_from(x_axis).unwrap_or(DVec3::ZERO);
+        let z = frame::unit(direction).unwrap_or(DVec3::Z);
+        let x = frame::unit(x_axis).unwrap_or(DVec3::ZERO);
         let [x_variance, y_variance] = spatial_variance;
         let [u_variance, v_variance] = angular_variance;
         let roots = [u_variance, v_variance, x_variance, y_variance].map(deviation);
@@ -315,7 +318,7 @@ impl LightField {
     /// assert_eq!(light.slice(), [0.0; 3]);
     /// ```
     pub fn scatter(&mut self, direction: Vec3, angular_variance: f32) {
-        let Some(out) = frame::unit_from(direction) else { return };
+        let Some(out) = frame::unit(direction) else { return };
         if angular_variance.is_nan() || angular_variance < 0.0 {
             return;
         }
@@ -350,7 +353,7 @@ impl LightField {
 
     /// The unit vector along the part of `direction` across the ray, in the local (x, y).
     fn across(&self, direction: Vec3) -> Option<[f64; 2]> {
-        let (frame, v) = (self.frame(), frame::unit_from(direction)?);
+        let (frame, v) = (self.frame(), frame::unit(direction)?);
         let (x, y) = (frame.x.dot(v), frame.y.dot(v));
         let length = libm::sqrt(x * x + y * y);
         // Below this, what is left across the ray is the rounding of the stored axes.
@@ -358,8 +361,8 @@ impl LightField {
     }
 
     fn frame(&self) -> Frame {
-        let z = frame::unit_from(self.direction).unwrap_or(DVec3::Z);
-        Frame::new(frame::unit_from(self.x_axis).unwrap_or(DVec3::ZERO), z)
+        let z = frame::unit(self.direction).unwrap_or(DVec3::Z);
+        Frame::new(frame::unit(self.x_axis).unwrap_or(DVec3::ZERO), z)
     }
 
     /// L by columns.
@@ -371,7 +374,7 @@ impl LightField {
     /// Stores any root, after an event that leaves the ray with direction `z` and, before it is turned to the
     /// principal axes, the axis `x`.
     fn leave(&mut self, columns: [[f64; 4]; 4], x: DVec3, z: DVec3) {
-        let frame = Frame::new(x, frame::unit(z).unwrap_or(z));
+        let frame = Frame::new(x, z.normalize_or(z));
         self.direction = frame.z.as_vec3();
         self.store(columns, &frame);
     }

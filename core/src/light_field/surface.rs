@@ -155,7 +155,7 @@ impl LightField {
     #[doc(alias = "Lambert")]
     pub fn diffuse(&mut self, normal: Vec3, direction: Vec3) {
         let frame = self.frame();
-        let (Some(n), Some(out)) = (frame::unit_from(normal), frame::unit_from(direction)) else { return };
+        let (Some(n), Some(out)) = (frame::unit(normal), frame::unit(direction)) else { return };
         let (c_i, c_o) = (frame.z.dot(n).abs(), out.dot(n).abs());
         if c_i < GRAZING || c_o < GRAZING {
             return;
@@ -197,7 +197,7 @@ struct Hit {
 
 impl Hit {
     fn new(frame: &Frame, normal: Vec3, curvature: &Curvature) -> Option<Self> {
-        let given = frame::unit_from(normal)?;
+        let given = frame::unit(normal)?;
         let cosine = -given.dot(frame.z);
         let finite =
             curvature.along.is_finite() && curvature.across.is_finite() && curvature.twist.is_finite();
@@ -209,7 +209,7 @@ impl Hit {
         let s = sagittal_or(frame.z, given, frame.x);
         // In the surface, and towards y: y = z x s, and -z is on the normal's side.
         let t = s.cross(normal);
-        let first = Frame::new(frame::unit_from(curvature.tangent).unwrap_or(DVec3::ZERO), given);
+        let first = Frame::new(frame::unit(curvature.tangent).unwrap_or(DVec3::ZERO), given);
         let [along, across, twist] = [curvature.along, curvature.across, curvature.twist].map(f64::from);
         let bend = |a: DVec3, b: DVec3| {
             let (a1, a2, b1, b2) = (a.dot(first.x), a.dot(first.y), b.dot(first.x), b.dot(first.y));
@@ -228,5 +228,5 @@ impl Hit {
 
 /// The unit vector along the part of `v` in the surface with unit normal `n`.
 fn in_surface(v: DVec3, n: DVec3) -> Option<DVec3> {
-    frame::unit(v - v.dot(n) * n)
+    (v - v.dot(n) * n).try_normalize()
 }

@@ -106,9 +106,6 @@ impl<'a> DensityGrid<'a> {
         most: f32,
         knot: &mut dyn FnMut(Knot),
     ) {
-        if !(origin.is_finite() && direction.is_finite() && direction != Vec3::ZERO && length > 0.0) {
-            return;
-        }
         // Half of the error for the chord between two points of the march, half for leaving points out.
         let half = 0.5 * f64::from(error.max(f32::MIN_POSITIVE));
         let mut table = Thinning { half, last: None, candidate: None, low: 0.0, high: f64::INFINITY };
