@@ -105,8 +105,7 @@ pub struct Gathered {
 
 impl Gathered {
     /// Adds the contribution of one pair, and returns whether it was a number.
-    // Eight-wide twin: beam_map/eight.rs.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn add(&mut self, radiance: Vec3, radius: f32, sigma: f32) -> bool {
         let weight = (radiance.x + radiance.y + radiance.z) * (1.0 / 3.0);
         if !weight.is_finite() {

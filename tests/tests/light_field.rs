@@ -259,6 +259,15 @@ fn sources_without_meaning_are_still_fields() {
     }
 }
 
+#[test]
+fn the_shortest_vector_has_a_direction_and_one_that_is_none_has_not() {
+    // Its square vanishes in `f32`.
+    assert_eq!(LightField::point(Vec3::new(1e-45, 0.0, 0.0), 1.0).direction, Vec3::X);
+    for none in [Vec3::ZERO, Vec3::new(f32::NAN, 0.0, 1.0), Vec3::new(f32::INFINITY, 0.0, 1.0)] {
+        assert_eq!(LightField::point(none, 1.0).direction, Vec3::Z);
+    }
+}
+
 /// A number of any size: 12 decades, or the ends of the format.
 fn any_size() -> impl Strategy<Value = f32> {
     prop_oneof![

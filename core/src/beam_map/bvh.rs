@@ -66,7 +66,7 @@ fn half_area((low, high): (Vec3A, Vec3A)) -> f32 {
 
 /// Up to eight boxes side by side, and what is in each: the sub-beams `first..first + count`, or with `count`
 /// 0 the node `first`.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(super) struct WideNode {
     pub(super) low: Vectors,
     pub(super) high: Vectors,
@@ -77,14 +77,6 @@ pub(super) struct WideNode {
 }
 
 impl WideNode {
-    const EMPTY: Self = Self {
-        low: [[0.0; LANES]; 3],
-        high: [[0.0; LANES]; 3],
-        first: [0; LANES],
-        count: [0; LANES],
-        lanes: 0,
-    };
-
     fn set(&mut self, lane: usize, node: &Node) {
         for axis in 0..3 {
             self.low[axis][lane] = node.low[axis];
@@ -169,7 +161,7 @@ impl BinaryBvh {
         // Nodes still to be made: of which subtree, and where they go.
         let mut stack = Vec::new();
         if let Some(root) = self.nodes.first() {
-            wide.nodes.push(WideNode::EMPTY);
+            wide.nodes.push(WideNode::default());
             stack.push((*root, 0));
         }
         while let Some((root, slot)) = stack.pop() {
@@ -187,7 +179,7 @@ impl BinaryBvh {
                 children[largest..largest + 2].copy_from_slice(&self.nodes[pair..pair + 2]);
                 count += 1;
             }
-            let mut node = WideNode::EMPTY;
+            let mut node = WideNode::default();
             for (lane, child) in children[..count].iter_mut().enumerate() {
                 let first = child.first as usize;
                 if child.count > 0 {
@@ -201,7 +193,7 @@ impl BinaryBvh {
                 node.first[lane] = u32::try_from(wide.nodes.len()).map_err(|_| Stop::TooMany)?;
                 wide.nodes.try_reserve(1).map_err(|_| Stop::OutOfMemory)?;
                 stack.push((children[lane], wide.nodes.len()));
-                wide.nodes.push(WideNode::EMPTY);
+                wide.nodes.push(WideNode::default());
             }
             wide.nodes[slot] = node;
         }

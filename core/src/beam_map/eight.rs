@@ -371,7 +371,7 @@ fn attenuation<S: Simd>(simd: S, extinction: f32, column: f32x8<S>) -> f32x8<S> 
 }
 
 impl Gathered {
-    /// [`Gathered::add`] of those of eight pairs that `mask` has a bit for, in their order, bit for bit.
+    /// [`Gathered::add`] of those of eight pairs that `mask` has a bit for, in their order.
     #[inline(always)]
     pub(super) fn add_lanes<S: Simd>(
         &mut self,
@@ -380,24 +380,10 @@ impl Gathered {
         radius: f32x8<S>,
         sigma: f32x8<S>,
     ) {
-        let weight = (red + green + blue) * (1.0 / 3.0);
-        let arrays: [Floats; 6] = [
-            red.into(),
-            green.into(),
-            blue.into(),
-            weight.into(),
-            (weight * radius).into(),
-            (weight * sigma).into(),
-        ];
-        let [red, green, blue, weight, radius, sigma] = &arrays;
+        let [red, green, blue, radius, sigma]: [Floats; 5] =
+            [red.into(), green.into(), blue.into(), radius.into(), sigma.into()];
         for lane in bits(mask) {
-            if weight[lane].is_finite() {
-                self.radiance += Vec3::new(red[lane], green[lane], blue[lane]);
-                self.pairs += 1;
-                self.weight += weight[lane];
-                self.radius += radius[lane];
-                self.sigma += sigma[lane];
-            }
+            self.add(Vec3::new(red[lane], green[lane], blue[lane]), radius[lane], sigma[lane]);
         }
     }
 }

@@ -167,8 +167,7 @@ impl BeamMap {
     /// - `kernel`: its `max_radius` must not exceed the one given to [`BeamMap::build`]; a larger one is cut
     ///   to it, with a smaller one fewer beams are tested.
     /// - `gathered`: one for each ray.
-    /// - `go_on`: asked at the start and about once in a millisecond; false stops. The work between two
-    ///   questions is bounded whatever the beams.
+    /// - `go_on`: as in [`BeamMap::build_while`].
     ///
     /// Errors: [`Stop::OtherMedium`], with nothing gathered; [`Stop::Cancelled`], with part of the sums in
     /// `gathered`, to be thrown away.

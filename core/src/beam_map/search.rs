@@ -28,7 +28,9 @@ pub(super) trait Shade {
     fn pairs<S: Simd>(&mut self, simd: S, ray: usize, pairs: &Pairs<S>, poll: &mut Poll) -> Result<(), Stop>;
 
     /// The rays of a packet have met all their beams.
-    fn packet(&mut self, poll: &mut Poll) -> Result<(), Stop>;
+    fn packet(&mut self, _: &mut Poll) -> Result<(), Stop> {
+        Ok(())
+    }
 }
 
 /// Buffers of a search.

@@ -75,11 +75,6 @@ impl Shade for OurMedium<'_> {
         self.gathered[ray].add_lanes(pairs.accepted, radiance, pairs.radius, pairs.sigma);
         Ok(())
     }
-
-    #[inline(always)]
-    fn packet(&mut self, _: &mut Poll) -> Result<(), Stop> {
-        Ok(())
-    }
 }
 
 impl OurMedium<'_> {

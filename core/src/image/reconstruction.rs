@@ -28,8 +28,7 @@ const LEVELS: usize = 16;
 /// What the eye rays of one pixel saw.
 ///
 /// Both over Σ density, the number of rays that was expected over all passes: pixels then count for their
-/// area, whatever their density. (Each ray over its own pass' density does so too, but one from an early
-/// pass, when the grid knew little and wanted few, outweighs hundreds of later ones.)
+/// area, whatever their density.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FilmSample {
@@ -232,12 +231,12 @@ impl<'a> Reconstruction<'a> {
         }
         let region = self.region(x, y);
         for level in 1..=self.levels.top {
-            let node = self.block(level, x >> level, y >> level);
-            if node.region != region || region == 0 {
+            let (sample, found) = self.block(level, x >> level, y >> level);
+            if found != region || region == 0 {
                 break;
             }
-            if node.sample.weight > 0.0 {
-                return node.sample.radiance / node.sample.weight;
+            if sample.weight > 0.0 {
+                return sample.radiance / sample.weight;
             }
         }
         self.pixel(x, y, &ImageFilter::NONE)
@@ -298,12 +297,14 @@ impl<'a> Reconstruction<'a> {
         self.regions[self.levels.index(0, x, y)]
     }
 
-    fn block(&self, level: usize, x: u32, y: u32) -> FilmNode {
+    /// The sum over a block, and its region.
+    #[inline]
+    fn block(&self, level: usize, x: u32, y: u32) -> (&FilmSample, u32) {
         let index = self.levels.index(level, x, y);
         if level == 0 {
-            FilmNode::pixel(&self.samples[index], self.regions[index])
+            (&self.samples[index], self.regions[index])
         } else {
-            self.nodes[index]
+            (&self.nodes[index].sample, self.nodes[index].region)
         }
     }
 
@@ -352,7 +353,7 @@ impl<'a> Reconstruction<'a> {
             if along.abs() > REACH * wide + corner * size || aside.abs() > REACH * narrow + corner * size {
                 continue;
             }
-            let FilmNode { sample, region } = self.block(level, nx, ny);
+            let (sample, region) = self.block(level, nx, ny);
             let mixed = among.is_some() && region == MIXED && level > 0;
             if level > 0 && (mixed || size > block) {
                 if !mixed && among.is_some_and(|wanted| wanted != region) {
@@ -364,13 +365,14 @@ impl<'a> Reconstruction<'a> {
                 }
                 continue;
             }
-            if !(sample.weight > 0.0) || among.is_some_and(|wanted| wanted != region) {
+            let seen = if level == 0 { sample.is_sound() } else { sample.weight > 0.0 };
+            if !seen || among.is_some_and(|wanted| wanted != region) {
                 continue;
             }
             let at = [along / wide, aside / narrow];
             let square = at[0] * at[0] + at[1] * at[1];
             if square < REACH * REACH {
-                found(expf(-0.5 * square) - AT_REACH, at, &sample);
+                found(expf(-0.5 * square) - AT_REACH, at, sample);
             }
         }
     }

@@ -30,10 +30,7 @@ impl ExponentialDensity {
         let mut height = (position - self.origin).dot(self.up);
         if height.is_nan() {
             // At the ends of what `f32` holds: inf - inf, or inf x 0.
-            let along = |axis: usize| {
-                (f64::from(position[axis]) - f64::from(self.origin[axis])) * f64::from(self.up[axis])
-            };
-            height = (along(0) + along(1) + along(2)) as f32;
+            height = (position.as_dvec3() - self.origin.as_dvec3()).dot(self.up.as_dvec3()) as f32;
         }
         exp((-height / self.scale_height).clamp(-LARGEST_LOGARITHM, LARGEST_LOGARITHM))
     }
