@@ -36,6 +36,13 @@ pub struct Beam {
     pub end_normal: Vec3,
 }
 
+impl Beam {
+    #[inline(always)]
+    pub(crate) fn end(&self) -> Vec3 {
+        self.origin + self.length * self.direction
+    }
+}
+
 /// One straight segment of an eye path inside one medium.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -159,16 +166,9 @@ pub(crate) fn inside(beam: &Beam, from: f32, to: f32, point: Vec3, s: f32, gap: 
     if !(s >= first && inside) {
         return false;
     }
-    if on_start && s < slack && (point - beam.origin).dot(beam.start_normal) < 0.0 {
-        return false;
-    }
-    if on_end && s > beam.length - slack {
-        let end = beam.origin + beam.length * beam.direction;
-        if (point - end).dot(beam.end_normal) < 0.0 {
-            return false;
-        }
-    }
-    true
+    let before = on_start && s < slack && (point - beam.origin).dot(beam.start_normal) < 0.0;
+    let behind = on_end && s > beam.length - slack && (point - beam.end()).dot(beam.end_normal) < 0.0;
+    !before && !behind
 }
 
 /// The column along a beam up to `distance` \[m\]. Within the slack of a cut end that may be negative: as far

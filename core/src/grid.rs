@@ -66,13 +66,9 @@ impl<'a> CovarianceGrid<'a> {
     ///
     /// Source: thesis 5.3.1, Eq 5.14 and 5.15.
     pub fn deposit_spectrum(&mut self, position: Vec3, spectrum: &FluenceSpectrum, weight: f32) {
-        if !self.layout.contains(position) {
-            return;
+        if let Some(voxel) = self.layout.voxel(position, self.scale) {
+            add(&mut self.cells[self.layout.index(voxel)], spectrum, weight);
         }
-        let cell = (position - self.layout.min) * self.scale;
-        let at = |axis: usize| (cell[axis] as u32).min(self.layout.cells[axis] - 1);
-        let index = self.layout.index([at(0), at(1), at(2)]);
-        add(&mut self.cells[index], spectrum, weight);
     }
 
     /// Adds the spectra along a segment of a light path: to each voxel on the way, the spectrum at the middle

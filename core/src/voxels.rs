@@ -86,6 +86,13 @@ impl GridLayout {
         position.cmpge(self.min).all() && position.cmple(self.max).all()
     }
 
+    /// The voxel around a point, given [`GridLayout::scale`]; None outside the box and for NaN.
+    pub(crate) fn voxel(&self, position: Vec3, scale: Vec3) -> Option<[u32; 3]> {
+        let at = (position - self.min) * scale;
+        let voxel = [0, 1, 2].map(|axis| (at[axis] as u32).min(self.cells[axis] - 1));
+        self.contains(position).then_some(voxel)
+    }
+
     pub(crate) fn index(&self, [x, y, z]: [u32; 3]) -> usize {
         (z as usize * self.cells[1] as usize + y as usize) * self.cells[0] as usize + x as usize
     }

@@ -243,9 +243,8 @@ impl<'a> Reconstruction<'a> {
     }
 
     /// The sum under a filter, over the pixels of the pixel's own region.
-    pub(super) fn sum(&self, x: u32, y: u32, filter: &ImageFilter) -> Option<FilmSample> {
-        let sum = self.gather(x, y, &bounded(filter), Some(self.region(x, y)));
-        (sum.weight > 0.0).then_some(sum)
+    pub(super) fn sum(&self, x: u32, y: u32, filter: &ImageFilter) -> FilmSample {
+        self.gather(x, y, &bounded(filter), Some(self.region(x, y)))
     }
 
     /// The picture in a tile of [`FILM_TILE`] x [`FILM_TILE`] pixels.

@@ -42,23 +42,17 @@ impl FilmFilters<'_> {
         let [x, y] = self.lattice.pixel(node);
         let mut evidence = FilmEvidence::default();
         let mut filter = found.inverse.inverse();
+        let mut known = None;
         for scale in 0..SCALES {
-            let halves = picture.sum(x, y, &filter.into()).and_then(|sum| sum.halves());
-            let Some([first, second]) = halves else {
-                // Too few rays: what is known of the wider one.
-                if scale == 0 {
-                    return FilmEvidence::default();
-                }
-                evidence.first[scale] = evidence.first[scale - 1];
-                evidence.second[scale] = evidence.second[scale - 1];
-                continue;
-            };
-            (evidence.first[scale], evidence.second[scale]) = (first, second);
-            if scale == 0 {
-                evidence.brightness = 0.5 * (first + second);
+            // With too few rays: what is known of the wider one.
+            if let Some(halves) = picture.sum(x, y, &filter.into()).halves() {
+                known = Some(halves);
+                filter = filter.map(|value| 0.25 * value);
             }
-            filter = filter.map(|value| 0.25 * value);
+            let Some([first, second]) = known else { return FilmEvidence::default() };
+            (evidence.first[scale], evidence.second[scale]) = (first, second);
         }
+        evidence.brightness = evidence.both(0);
         evidence
     }
 }

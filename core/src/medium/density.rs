@@ -122,18 +122,8 @@ impl Density<'_> {
     /// Guarantee: the column is exact (the integral of the trilinear density, cell by cell) at each knot;
     /// distances grow, columns never fall. A cell is cut into at most 64 parts, which bounds the table by 64
     /// x (nx + ny + nz) knots; only a cell over whose length the density changes by more than 2¹⁴
-    /// `error`/length needs more, and errs by more. Cost: about 20 ns a cell.
-    ///
-    /// ```
-    /// use covbeam::{Column, Density, DensityGrid, GridLayout, Knot, Vec3};
-    /// let layout = GridLayout { min: Vec3::ZERO, max: Vec3::ONE, cells: [2, 2, 2] };
-    /// let smoke = Density::Grid(DensityGrid::new(layout, &[3.0; 8])?);
-    /// let mut knots = Vec::new();
-    /// smoke.knots(Vec3::new(0.5, 0.5, -1.0), Vec3::Z, f32::INFINITY, 1e-3, f32::INFINITY, &mut |knot| knots.push(knot));
-    /// assert_eq!(knots.len(), 2); // in and out: the density between them is uniform
-    /// assert_eq!(Column::Knots(&knots).at(1.5), 1.5);
-    /// # Ok::<(), covbeam::GridError>(())
-    /// ```
+    /// `error`/length needs more, and errs by more. Cost: about 20 ns a cell. Example:
+    /// [`crate::Medium::tabulate`].
     pub fn knots(
         &self,
         origin: Vec3,

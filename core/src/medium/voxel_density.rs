@@ -66,24 +66,19 @@ impl<'a> DensityGrid<'a> {
 
     /// First and second differences over the voxels around the one that holds `position`.
     pub(super) fn derivatives(&self, position: Vec3) -> Derivatives {
-        if !self.voxels.layout.contains(position) {
-            return Derivatives::default();
-        }
-        let q = (position - self.voxels.layout.min) * self.voxels.scale;
-        let last = self.voxels.layout.cells.map(|n| i64::from(n) - 1);
-        let center: [i64; 3] = core::array::from_fn(|axis| (q[axis] as i64).min(last[axis]));
-        let value = |steps: &[(usize, i64)]| {
+        let Trilinear { layout, scale, .. } = self.voxels;
+        let Some(center) = layout.voxel(position, scale) else { return Derivatives::default() };
+        let value = |steps: &[(usize, i32)]| {
             let mut at = center;
             for &(axis, step) in steps {
-                at[axis] = (at[axis] + step).clamp(0, last[axis]);
+                at[axis] = at[axis].saturating_add_signed(step).min(layout.cells[axis] - 1);
             }
-            self.values[self.voxels.layout.index(at.map(|i| i as u32))]
+            self.values[layout.index(at)]
         };
-        let scale = self.voxels.scale;
         let middle = value(&[]);
         let sides = [0, 1, 2].map(|axis| [1, -1].map(|step| value(&[(axis, step)])));
         let mixed = |a: usize, b: usize| {
-            let corner = |i: i64, j: i64| value(&[(a, i), (b, j)]);
+            let corner = |i: i32, j: i32| value(&[(a, i), (b, j)]);
             let sum = corner(1, 1) - corner(1, -1) - corner(-1, 1) + corner(-1, -1);
             0.25 * sum * scale[a] * scale[b]
         };
