@@ -173,13 +173,7 @@ impl MarchKnot {
             };
             // Rounding neither turns the order nor leaves the stretch; NaN, of an angle that overflowed,
             // stays where it is.
-            before = if index == last {
-                to
-            } else if distance > before {
-                distance.min(to)
-            } else {
-                before
-            };
+            before = if index == last { to } else { distance.max(before).min(to) };
             *knot = Self { distance: before, ..Self::default() };
         }
         Ok(())

@@ -170,9 +170,8 @@ impl BinaryBvh {
             let mut count = 1;
             while count < LANES {
                 let inner = (0..count).filter(|i| children[*i].count == 0);
-                let largest =
-                    inner.max_by(|a, b| children[*a].half_area().total_cmp(&children[*b].half_area()));
-                let Some(largest) = largest else { break };
+                let area = |i: &usize| children[*i].half_area();
+                let Some(largest) = inner.max_by(|a, b| area(a).total_cmp(&area(b))) else { break };
                 // Neighbours in space stay neighbours.
                 children.copy_within(largest + 1..count, largest + 2);
                 let pair = children[largest].first as usize;

@@ -56,13 +56,9 @@ impl FluenceSpectrum {
     /// assert!((spectrum.variance_along(Vec3::Y) - 64.0).abs() < 1e-4);
     /// ```
     pub fn add_along(&mut self, axis: Vec3, variance: f32) {
-        let (n, along) = (axis, axis * variance);
-        self.xx += n.x * along.x;
-        self.yy += n.y * along.y;
-        self.zz += n.z * along.z;
-        self.xy += n.x * along.y;
-        self.xz += n.x * along.z;
-        self.yz += n.y * along.z;
+        let (sum, along) = (self.to_array(), axis * variance);
+        let added = SIX.map(|(i, j)| axis[i] * along[j]);
+        *self = Self::from_array(core::array::from_fn(|k| sum[k] + added[k]));
     }
 
     /// The spectrum's variance σ² = nᵀ Σ n along a unit `axis` \[cycles²/m²\], never negative.
