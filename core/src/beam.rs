@@ -36,6 +36,13 @@ pub struct Beam {
     pub end_normal: Vec3,
 }
 
+impl Beam {
+    #[inline(always)]
+    pub(crate) fn end(&self) -> Vec3 {
+        self.origin + self.length * self.direction
+    }
+}
+
 /// One straight segment of an eye path inside one medium.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -105,8 +112,7 @@ pub struct Gathered {
 
 impl Gathered {
     /// Adds the contribution of one pair, and returns whether it was a number.
-    // Eight-wide twin: beam_map/eight.rs.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn add(&mut self, radiance: Vec3, radius: f32, sigma: f32) -> bool {
         let weight = (radiance.x + radiance.y + radiance.z) * (1.0 / 3.0);
         if !weight.is_finite() {
@@ -154,27 +160,15 @@ pub(crate) fn inside(beam: &Beam, from: f32, to: f32, point: Vec3, s: f32, gap: 
     let slack = sqrt(r * r - gap * gap);
     let on_start = beam.start_normal != Vec3::ZERO;
     let on_end = beam.end_normal != Vec3::ZERO;
-    let first = if from > 0.0 {
-        from
-    } else if on_start {
-        -slack
-    } else {
-        0.0
-    };
+    let start = if on_start { -slack } else { 0.0 };
+    let first = if from > 0.0 { from } else { start };
     let inside = if to < beam.length { s < to } else { s <= beam.length + if on_end { slack } else { 0.0 } };
     if !(s >= first && inside) {
         return false;
     }
-    if on_start && s < slack && (point - beam.origin).dot(beam.start_normal) < 0.0 {
-        return false;
-    }
-    if on_end && s > beam.length - slack {
-        let end = beam.origin + beam.length * beam.direction;
-        if (point - end).dot(beam.end_normal) < 0.0 {
-            return false;
-        }
-    }
-    true
+    let before = on_start && s < slack && (point - beam.origin).dot(beam.start_normal) < 0.0;
+    let behind = on_end && s > beam.length - slack && (point - beam.end()).dot(beam.end_normal) < 0.0;
+    !before && !behind
 }
 
 /// The column along a beam up to `distance` \[m\]. Within the slack of a cut end that may be negative: as far
@@ -288,22 +282,18 @@ impl BeamBlock {
     pub fn test(&self, ray: &EyeRay, radius: f32) -> u32 {
         // Rounding of a crossing near a bound must not make the filter refuse what the exact test accepts.
         let wide = radius * 1.001;
-        let (ex, ey, ez) = (ray.direction.x, ray.direction.y, ray.direction.z);
         let mut hit = [0u32; BLOCK];
         // An index over eight arrays side by side: what the compiler turns into vector code.
         #[allow(clippy::needless_range_loop)]
         for k in 0..BLOCK {
-            let (dx, dy, dz) = (self.direction[0][k], self.direction[1][k], self.direction[2][k]);
-            let nx = ey * dz - ez * dy;
-            let ny = ez * dx - ex * dz;
-            let nz = ex * dy - ey * dx;
-            let sin2 = nx * nx + ny * ny + nz * nz;
-            let wx = self.origin[0][k] - ray.origin.x;
-            let wy = self.origin[1][k] - ray.origin.y;
-            let wz = self.origin[2][k] - ray.origin.z;
-            let triple = wx * nx + wy * ny + wz * nz;
-            let t = (wy * dz - wz * dy) * nx + (wz * dx - wx * dz) * ny + (wx * dy - wy * dx) * nz;
-            let s = (wy * ez - wz * ey) * nx + (wz * ex - wx * ez) * ny + (wx * ey - wy * ex) * nz;
+            let [origin, direction] =
+                [&self.origin, &self.direction].map(|v| Vec3::new(v[0][k], v[1][k], v[2][k]));
+            let normal = ray.direction.cross(direction);
+            let sin2 = normal.length_squared();
+            let offset = origin - ray.origin;
+            let triple = offset.dot(normal);
+            let t = offset.cross(direction).dot(normal);
+            let s = offset.cross(ray.direction).dot(normal);
             let near = triple * triple <= wide * wide * sin2;
             let on_ray = (t >= -wide * sin2) & (t <= (ray.length + wide) * sin2);
             let on_beam = (s >= (self.from[k] - wide) * sin2) & (s <= (self.to[k] + wide) * sin2);

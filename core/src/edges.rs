@@ -1,19 +1,21 @@
 //! Silhouette edges near a ray, found by probe rays without knowing the geometry.
 //!
-//! Probes are tilted by a tangent τ off the ray. Along such a tilt the inverse depth w = 1/z of a plane is linear in τ,
-//! however grazing the plane is, and a miss is w = 0. So a surface, its creases and a floor that runs to the horizon are
-//! continuous in w, with a slope that the normal at the hit gives; only an occluder makes w jump.
+//! Probes are tilted by a tangent τ off the ray. Along such a tilt the inverse depth w = 1/z of a plane is
+//! linear in τ, however grazing the plane is, and a miss is w = 0. So a surface, its creases and a floor that
+//! runs to the horizon are continuous in w, with a slope that the normal at the hit gives; only an occluder
+//! makes w jump.
 
 use core::f32::consts::TAU;
-use core::ops::{Deref, DerefMut};
+use core::ops::Deref;
 use glam::Vec3;
 use libm::{sincosf, sqrtf};
 
 /// Azimuths of the probes around the ray. Every other one is searched, those between are looked at.
 const AZIMUTHS: usize = 16;
 
-/// Tangents of the probes in the searched azimuths, in turn. Neighbours are staggered, so that a bar too thin for the
-/// steps of the one is seen by the other. Beyond 0.25 an edge is blurred over more than a kernel is ever wide.
+/// Tangents of the probes in the searched azimuths, in turn. Neighbours are staggered, so that a bar too thin
+/// for the steps of the one is seen by the other. Beyond 0.25 an edge is blurred over more than a kernel is
+/// ever wide.
 const RINGS: [&[f32]; 2] = [&[0.063, 0.25], &[0.031, 0.125, 0.25]];
 
 /// Tangent of the probes in the azimuths between while no edge is known.
@@ -28,7 +30,8 @@ const SEARCH: u32 = 12;
 /// Most probes of one search. One in a hundred would want more; it keeps the edges found until then.
 pub const MOST_PROBES: u32 = 128;
 
-/// An edge is found when its tangent and its depth are known to this relative width, or its tangent to [`FINEST`].
+/// An edge is found when its tangent and its depth are known to this relative width, or its tangent to
+/// [`FINEST`].
 const PRECISION: f32 = 0.05;
 
 /// Width of the bracket around an edge that the ray all but touches.
@@ -37,12 +40,13 @@ const FINEST: f32 = 1e-4;
 /// Steps in depth below this share cast no shadow worth the name.
 const STEP: f32 = 0.02;
 
-/// Edges that follow another one in the same tilt count if they are nearer to the origin by this factor: they mask the
-/// light before the other does.
+/// Edges that follow another one in the same tilt count if they are nearer to the origin by this factor: they
+/// mask the light before the other does.
 const BEFORE: f32 = 0.7;
 
-/// A surface hit nearer than this many times the offset of rays that leave it is the one the ray left: with the largest
-/// radius R that single precision tells from flat, its horizon lies at sqrt(2 R offset), 3000 offsets away.
+/// A surface hit nearer than this many times the offset of rays that leave it is the one the ray left: with
+/// the largest radius R that single precision tells from flat, its horizon lies at sqrt(2 R offset), 3000
+/// offsets away.
 const LEAVING: f32 = 4096.0;
 
 /// Most edges of a search: two pairs across each other describe a hole.
@@ -59,8 +63,8 @@ pub struct Edge {
     pub depth: f32,
     /// Distance from the ray to the edge there \[m\] >= 0.
     pub distance: f32,
-    /// Direction from the ray to the edge, as in [`LightField::occlude`](crate::LightField::occlude); a search finds unit
-    /// vectors across the ray.
+    /// Direction from the ray to the edge, as in [`LightField::occlude`](crate::LightField::occlude); a
+    /// search finds unit vectors across the ray.
     pub towards: Vec3,
 }
 
@@ -72,8 +76,8 @@ pub struct ProbeHit {
     pub distance: f32,
     /// Geometric normal, any length, either side.
     pub normal: Vec3,
-    /// How far off this surface rays start that leave it \[m\] >= 0, no farther than rounding asks for. Nearer than 4096 times
-    /// that, it is the surface which the ray itself left, and its horizon no edge.
+    /// How far off this surface rays start that leave it \[m\] >= 0, no farther than rounding asks for.
+    /// Nearer than 4096 times that, it is the surface which the ray itself left, and its horizon no edge.
     pub offset: f32,
 }
 
@@ -89,25 +93,28 @@ impl Deref for Edges {
     }
 }
 
-/// Edges beside a ray along `direction` that ends at `hit`, sorted by depth: those up to four that mask the light most.
+/// Edges beside a ray along `direction` that ends at `hit`, sorted by depth: those up to four that mask the
+/// light most.
 ///
-/// Where the depth jumps as the ray is tilted, light passes an occluder, or enters one, at its silhouette; both mask the
-/// light field. It does not matter whose surface is on either side: an object's own folds have edges, walls that meet
-/// have none. What the light just left, and what is hidden behind what it hits, has none either. Edges of what it hits
-/// that lie deeper than the hit are moved there.
+/// Where the depth jumps as the ray is tilted, light passes an occluder, or enters one, at its silhouette;
+/// both mask the light field. It does not matter whose surface is on either side: an object's own folds have
+/// edges, walls that meet have none. What the light just left, and what is hidden behind what it hits, has
+/// none either. Edges of what it hits that lie deeper than the hit are moved there.
 ///
 /// - `direction`: unit; with any other vector nothing is found.
 /// - `hit`: what the ray itself meets; None for nothing.
-/// - `probe`: casts a ray from the same origin along the unit vector that it is given; called [`MOST_PROBES`] times at most.
+/// - `probe`: casts a ray from the same origin along the unit vector that it is given; called [`MOST_PROBES`]
+///   times at most.
 ///
-/// Ranked by tangent: light that spreads from a point at the origin has past the edge a variance 1/(π² τ² z²), whatever
-/// the edge's depth. Edges on all sides of the ray are kept, and a farther one in tangent if it comes first in depth.
+/// Ranked by tangent: light that spreads from a point at the origin has past the edge a variance 1/(π² τ²
+/// z²), whatever the edge's depth. Edges on all sides of the ray are kept, and a farther one in tangent if it
+/// comes first in depth.
 ///
 /// Guarantee: finite edges with depth and distance > 0, whatever `probe` says.
 ///
-/// Cost: 28 probes where there is no edge, about 80 where there are some. Error: the nearest edge is within 20 % in all
-/// cases on spheres and in nine of ten on figurines and tracery; bars and tips that pass between the probes are missed
-/// (test `edges_of_meshes_agree_with_brute_force`).
+/// Cost: 28 probes where there is no edge, about 80 where there are some. Error: the nearest edge is within
+/// 20 % in all cases on spheres and in nine of ten on figurines and tracery; bars and tips that pass between
+/// the probes are missed (test `edges_of_meshes_agree_with_brute_force`).
 ///
 /// ```
 /// use covbeam::{ProbeHit, Vec3, find_edges};
@@ -166,12 +173,6 @@ impl<T, const N: usize> Deref for Few<T, N> {
     }
 }
 
-impl<T, const N: usize> DerefMut for Few<T, N> {
-    fn deref_mut(&mut self) -> &mut [T] {
-        &mut self.values[..self.count]
-    }
-}
-
 impl<T, const N: usize> Few<T, N> {
     fn push(&mut self, value: T) {
         self.values[self.count] = value;
@@ -182,7 +183,7 @@ impl<T, const N: usize> Few<T, N> {
     fn insert_by(&mut self, value: T, key: impl Fn(&T) -> f32) {
         let at = self.iter().take_while(|other| key(other) <= key(&value)).count();
         self.push(value);
-        self[at..].rotate_right(1);
+        self.values[at..self.count].rotate_right(1);
     }
 }
 
@@ -266,7 +267,8 @@ impl<P: FnMut(Vec3) -> Option<ProbeHit>> Prober<P> {
         sample(direction, tangent, hit)
     }
 
-    /// The jumps met when the ray is tilted towards `towards`: the first, and the next that is nearer to the origin.
+    /// The jumps met when the ray is tilted towards `towards`: the first, and the next that is nearer to the
+    /// origin.
     fn tilt(&mut self, towards: Vec3, rings: &[f32], central: Sample) -> Jumps {
         // Inverse depth that the nearer side of a jump must exceed.
         let mut least = 0.0;

@@ -1,14 +1,14 @@
-//! The numbers that a light path's decisions are drawn with: a low-discrepancy sequence for the first ones, which place the
-//! paths evenly over what the lights emit, continued over the passes.
+//! The numbers that a light path's decisions are drawn with: a low-discrepancy sequence for the first ones,
+//! which place the paths evenly over what the lights emit, continued over the passes.
 
 /// Decisions of a path that the sequence stratifies.
 pub const EMISSION_DIMENSIONS: u32 = 8;
 
 /// The number of one decision of one light path: uniform in [0, 1), a multiple of 2⁻²⁴.
 ///
-/// The first [`EMISSION_DIMENSIONS`] decisions are the coordinates of a scrambled Sobol' point: 2ᵏ paths in a row fill each
-/// evenly, the first two together as well. Those after them are independent. A pure function: paths can be traced in any order,
-/// by any thread.
+/// The first [`EMISSION_DIMENSIONS`] decisions are the coordinates of a scrambled Sobol' point: 2ᵏ paths in a
+/// row fill each evenly, the first two together as well. Those after them are independent. A pure function:
+/// paths can be traced in any order, by any thread.
 ///
 /// - `seed`: another seed is another scramble of all sequences.
 /// - `sequence`: keeps sequences of one seed apart, such as the paths with light fields and those without.
@@ -17,9 +17,9 @@ pub const EMISSION_DIMENSIONS: u32 = 8;
 ///
 /// Error: at equal numbers of paths that of the picture is 1.2 to 8 times below that of independent numbers.
 ///
-/// Source: Sobol' (1967) with the direction numbers of S. Joe and F. Y. Kuo (2008, new-joe-kuo-6); nested uniform (Owen)
-/// scramble by hash, B. Burley, *Practical Hash-based Owen Scrambling*, JCGT 2020, the hash constants N. Vegdahl's; mixing
-/// and independent numbers by SplitMix64 (G. Steele et al., 2014).
+/// Source: Sobol' (1967) with the direction numbers of S. Joe and F. Y. Kuo (2008, new-joe-kuo-6); nested
+/// uniform (Owen) scramble by hash, B. Burley, *Practical Hash-based Owen Scrambling*, JCGT 2020, the hash
+/// constants N. Vegdahl's; mixing and independent numbers by SplitMix64 (G. Steele et al., 2014).
 ///
 /// ```
 /// // Four paths, one in each quarter.

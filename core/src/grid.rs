@@ -1,7 +1,8 @@
-//! The covariance grid: voxels that collect the spectra of the light crossing them, and the look-up of their means.
+//! The covariance grid: voxels that collect the spectra of the light crossing them, and the look-up of their
+//! means.
 //!
-//! The cells belong to the caller. Accumulation (`CovarianceGrid`) and look-up (`FluenceGrid`) are two types over two
-//! slices: sums in f64 that 10⁹ deposits do not stall, and compact f32 means for the gather.
+//! The cells belong to the caller. Accumulation (`CovarianceGrid`) and look-up (`FluenceGrid`) are two types
+//! over two slices: sums in f64 that 10⁹ deposits do not stall, and compact f32 means for the gather.
 
 use crate::light_field::medium::DepthShape;
 use crate::light_field::{FluenceSpectrum, LightField};
@@ -34,8 +35,8 @@ pub struct FluenceCell {
     pub weight: f32,
 }
 
-/// The accumulating side of a grid, over the caller's cells. One per thread; merge them in a fixed order and the
-/// result does not depend on the number of threads.
+/// The accumulating side of a grid, over the caller's cells. One per thread; merge them in a fixed order and
+/// the result does not depend on the number of threads.
 #[derive(Debug)]
 pub struct CovarianceGrid<'a> {
     pub(crate) layout: GridLayout,
@@ -65,32 +66,29 @@ impl<'a> CovarianceGrid<'a> {
     ///
     /// Source: thesis 5.3.1, Eq 5.14 and 5.15.
     pub fn deposit_spectrum(&mut self, position: Vec3, spectrum: &FluenceSpectrum, weight: f32) {
-        if !self.layout.contains(position) {
-            return;
+        if let Some(voxel) = self.layout.voxel(position, self.scale) {
+            add(&mut self.cells[self.layout.index(voxel)], spectrum, weight);
         }
-        let cell = (position - self.layout.min) * self.scale;
-        let at = |axis: usize| (cell[axis] as u32).min(self.layout.cells[axis] - 1);
-        let index = self.layout.index([at(0), at(1), at(2)]);
-        add(&mut self.cells[index], spectrum, weight);
     }
 
-    /// Adds the spectra along a segment of a light path: to each voxel on the way, the spectrum at the middle of the stretch
-    /// inside it.
+    /// Adds the spectra along a segment of a light path: to each voxel on the way, the spectrum at the middle
+    /// of the stretch inside it.
     ///
-    /// The spectrum is that of [`LightField::fluence_within`] up to the voxels' Nyquist frequency, half a cycle over their
-    /// smallest side, and past each edge that of the field that the edge has occluded. The weight in a voxel is `power` x
-    /// ∫ transmittance ds over that stretch, from `origin`, of the mean channel. In a medium whose density varies, the field is
-    /// attenuated on its way as well ([`LightField::attenuate`]); in a homogeneous one that costs nothing.
+    /// The spectrum is that of [`LightField::fluence_within`] up to the voxels' Nyquist frequency, half a
+    /// cycle over their smallest side, and past each edge that of the field that the edge has occluded. The
+    /// weight in a voxel is `power` x ∫ transmittance ds over that stretch, from `origin`, of the mean
+    /// channel. In a medium whose density varies, the field is attenuated on its way as well
+    /// ([`LightField::attenuate`]); in a homogeneous one that costs nothing.
     ///
     /// - `medium`: what the segment is in.
     ///
     /// Anything not finite, or out of range, deposits nothing.
     ///
-    /// Guarantee: the stretches partition the part of the segment inside the box, so the weights add up to the closed
-    /// form over it. Error: 1e-5 over hundreds of voxels (test
-    /// `the_weights_of_a_segment_add_up_to_the_closed_form_over_it`); where the density varies, the transmittance inside a
-    /// voxel is taken as an exponential between its two ends. Cost: 0.2 µs a voxel, nearly all of it travel and slice; about
-    /// 0.7 µs where the density varies.
+    /// Guarantee: the stretches partition the part of the segment inside the box, so the weights add up to
+    /// the closed form over it. Error: 1e-5 over hundreds of voxels (test
+    /// `the_weights_of_a_segment_add_up_to_the_closed_form_over_it`); where the density varies, the
+    /// transmittance inside a voxel is taken as an exponential between its two ends. Cost: 0.2 µs a voxel,
+    /// nearly all of it travel and slice; about 0.7 µs where the density varies.
     ///
     /// Source: thesis 5.3.1, Eq 5.14 and 5.15.
     ///
@@ -108,14 +106,8 @@ impl<'a> CovarianceGrid<'a> {
     /// # Ok::<(), covbeam::GridError>(())
     /// ```
     pub fn deposit(&mut self, medium: &Medium, segment: &Segment) {
-        let Segment { length, power, ref field, .. } = *segment;
-        let sound = field.direction.is_finite()
-            && field.direction != Vec3::ZERO
-            && length > 0.0
-            && power > 0.0
-            && power.is_finite()
-            && medium.mean_extinction() >= 0.0;
-        if !sound {
+        let Segment { length, power, .. } = *segment;
+        if !(power > 0.0 && power.is_finite() && medium.mean_extinction() >= 0.0) {
             return;
         }
         let (rest, from) = segment
@@ -123,7 +115,8 @@ impl<'a> CovarianceGrid<'a> {
         self.deposit_stretch(medium, segment, &rest, [from, length]);
     }
 
-    /// Adds the spectra along the part of a segment between two distances, without edges; `field` is that at its start.
+    /// Adds the spectra along the part of a segment between two distances, without edges; `field` is that at
+    /// its start.
     fn deposit_stretch(
         &mut self,
         medium: &Medium,
@@ -134,9 +127,6 @@ impl<'a> CovarianceGrid<'a> {
         let Segment { power, unscattered, ref column, .. } = *segment;
         let extinction = medium.mean_extinction();
         let origin = segment.origin + start * field.direction;
-        if !origin.is_finite() {
-            return;
-        }
         let Some(mut dda) = Dda::new(&self.layout, Lattice::Voxels, origin, field.direction, end - start)
         else {
             return;
@@ -148,7 +138,7 @@ impl<'a> CovarianceGrid<'a> {
         let mut here = *field;
         let mut shape = DepthShape::default();
         let mut reached = 0.0_f64;
-        let mut before = column.at(start + dda.position() as f32);
+        let mut before = column.at(start + dda.position as f32);
         let (_, mut flux) = attenuate(extinction * before);
         flux *= power;
         while let Some((cell, from, to)) = dda.next_cell() {
@@ -241,21 +231,15 @@ fn is_finite(spectrum: &FluenceSpectrum) -> bool {
     spectrum.to_array().iter().all(|value| value.is_finite())
 }
 
+/// (1 - exp(-x))/x, lowest power first.
+const SERIES: [f32; 8] =
+    [1.0, -1.0 / 2.0, 1.0 / 6.0, -1.0 / 24.0, 1.0 / 120.0, -1.0 / 720.0, 1.0 / 5040.0, -1.0 / 40320.0];
+
 /// Mean of exp(-s) over [0, depth], and exp(-depth).
 #[inline]
 fn attenuate(depth: f32) -> (f32, f32) {
     if depth < 0.5 {
         // (1 - exp(-x))/x cancels here: its series instead, whose ninth term is below 1.1e-8.
-        const SERIES: [f32; 8] = [
-            1.0,
-            -1.0 / 2.0,
-            1.0 / 6.0,
-            -1.0 / 24.0,
-            1.0 / 120.0,
-            -1.0 / 720.0,
-            1.0 / 5040.0,
-            -1.0 / 40320.0,
-        ];
         let mean = SERIES.iter().rev().fold(0.0, |sum, term| sum * depth + term);
         (mean, 1.0 - depth * mean)
     } else {
@@ -279,23 +263,19 @@ impl<'a> FluenceGrid<'a> {
         Ok(Self { voxels: Trilinear::new(layout, cells.len())?, cells })
     }
 
-    pub(crate) fn layout(&self) -> &GridLayout {
-        &self.voxels.layout
-    }
-
-    /// The spectrum of the fluence around a point: the flux-weighted mean of the eight voxels around it, with trilinear
-    /// weights.
+    /// The spectrum of the fluence around a point: the flux-weighted mean of the eight voxels around it, with
+    /// trilinear weights.
     ///
-    /// The weight of a voxel is its fluence as well as its nearness, as in the sum over light paths that defines the spectrum: in
-    /// the dark beside a shaft, the shaft's border dominates.
+    /// The weight of a voxel is its fluence as well as its nearness, as in the sum over light paths that
+    /// defines the spectrum: in the dark beside a shaft, the shaft's border dominates.
     ///
     /// - `position` \[m\]. Within half a voxel of the border the border's value holds.
     ///
     /// None outside the box, for NaN, and where none of the voxels that would count has data.
     ///
     /// Guarantee: exact on a field that is linear in position, where all voxels are equally bright (test
-    /// `look_ups_reproduce_a_linear_field_and_hold_it_at_the_border`); always a convex combination, so positive
-    /// semi-definite where the cells are. Cost: 20 ns.
+    /// `look_ups_reproduce_a_linear_field_and_hold_it_at_the_border`); always a convex combination, so
+    /// positive semi-definite where the cells are. Cost: 20 ns.
     ///
     /// Source: thesis 5.3.1, Eq 5.15; trilinear instead of by voxel, whose steps would print into the radii.
     ///
@@ -347,15 +327,13 @@ impl<'a> FluenceGrid<'a> {
     }
 }
 
-/// The trilinear shares of the eight voxels around a point, in the order of [`crate::voxels::Trilinear::corners`].
+/// The trilinear shares of the eight voxels around a point, in the order of
+/// [`crate::voxels::Trilinear::corners`].
 #[inline(always)]
 fn shares(low: Vec3, high: Vec3) -> [f32; 8] {
-    let plane = |z: f32| {
-        let row = |yz: f32| [low.x * yz, high.x * yz];
-        [row(low.y * z), row(high.y * z)]
-    };
-    let [[[a, b], [c, d]], [[e, f], [g, h]]] = [plane(low.z), plane(high.z)];
-    [a, b, c, d, e, f, g, h]
+    let [ll, hl, lh, hh] = [low.y * low.z, high.y * low.z, low.y * high.z, high.y * high.z];
+    let (lx, hx) = (low.x, high.x);
+    [lx * ll, hx * ll, lx * hl, hx * hl, lx * lh, hx * lh, lx * hh, hx * hh]
 }
 
 /// What a grid says about a point.
@@ -364,7 +342,8 @@ pub(crate) struct Surroundings {
     pub(crate) spectrum: FluenceSpectrum,
     /// The trilinear mean of the voxels' weights, > 0.
     pub(crate) flux: f32,
-    /// The harmonic mean of those above 0, near that of the dimmest voxel, > 0 and at most `flux`. Voxels do not tell on which side of
-    /// a shadow's border inside them a point lies: this is the fluence if it is the dark side.
+    /// The harmonic mean of those above 0, near that of the dimmest voxel, > 0 and at most `flux`. Voxels do
+    /// not tell on which side of a shadow's border inside them a point lies: this is the fluence if it is the
+    /// dark side.
     pub(crate) dimmest: f32,
 }

@@ -1,6 +1,7 @@
 //! Functions of single precision that compile to vector code inside loops, with the same bits on every
 //! processor, and symmetric matrices.
 
+use glam::Mat3;
 use libm::sqrtf;
 
 /// √x, correctly rounded.
@@ -52,7 +53,16 @@ pub(crate) const EXP_SERIES: [f32; 6] =
 /// Beyond it [`exp`] is 0 or infinite.
 pub(crate) const EXP_LIMIT: f32 = 87.0;
 
+/// Where the six numbers of a symmetric 3x3 matrix stand in it: xx, yy, zz, xy, xz, yz.
+pub(crate) const SIX: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+
+/// The symmetric matrix of \[xx, yy, zz, xy, xz, yz\].
+pub(crate) fn symmetric([xx, yy, zz, xy, xz, yz]: [f32; 6]) -> Mat3 {
+    Mat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz])
+}
+
 /// A symmetric 2x2 matrix \[xx xy; xy yy\].
+#[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Sym2 {
     pub(crate) xx: f32,
@@ -63,26 +73,60 @@ pub(crate) struct Sym2 {
 impl Sym2 {
     /// The larger and the smaller eigenvalue.
     pub(crate) fn eigenvalues(&self) -> [f32; 2] {
-        let Self { xx, xy, yy } = *self;
-        let (middle, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-        let spread = sqrtf(half * half + xy * xy);
+        let (middle, (spread, _)) = (0.5 * (self.xx + self.yy), self.turn());
         let (high, low) = (middle + spread, middle - spread);
         // Of a nearly singular matrix the difference has no digits left; determinant over the other
         // eigenvalue has.
-        let low = if middle > 0.0 && high > 0.0 { low.max((xx * yy - xy * xy) / high) } else { low };
+        let low = if middle > 0.0 && high > 0.0 { low.max(self.determinant() / high) } else { low };
         [high, low]
+    }
+
+    /// Half the difference of the eigenvalues, and cosine and sine of twice the angle of the larger one's
+    /// axis.
+    fn turn(&self) -> (f32, [f32; 2]) {
+        let half = 0.5 * (self.xx - self.yy);
+        let spread = sqrtf(half * half + self.xy * self.xy);
+        (spread, if spread > 0.0 { [half / spread, self.xy / spread] } else { [1.0, 0.0] })
+    }
+
+    pub(crate) fn determinant(&self) -> f32 {
+        self.xx * self.yy - self.xy * self.xy
+    }
+
+    /// The axis of the larger eigenvalue, unit.
+    pub(crate) fn axis(&self) -> [f32; 2] {
+        let (_, [c, s]) = self.turn();
+        let near = sqrtf(0.5 * (1.0 + c.abs()));
+        let far = 0.5 * s / near;
+        if c >= 0.0 { [near, far] } else { [far, near] }
+    }
+
+    /// The matrix with each entry changed.
+    pub(crate) fn map(&self, change: impl Fn(f32) -> f32) -> Self {
+        Self { xx: change(self.xx), xy: change(self.xy), yy: change(self.yy) }
+    }
+
+    /// Adds `share` times another matrix.
+    pub(crate) fn add(&mut self, share: f32, other: &Self) {
+        self.xx += share * other.xx;
+        self.xy += share * other.xy;
+        self.yy += share * other.yy;
+    }
+
+    /// The inverse of a positive definite matrix.
+    pub(crate) fn inverse(&self) -> Self {
+        let Self { xx, xy, yy } = *self;
+        // What rounding made singular is thin: it keeps its width and gets the least depth.
+        let determinant = self.determinant().max(1e-7 * xx * yy);
+        Self { xx: yy / determinant, xy: -xy / determinant, yy: xx / determinant }
     }
 
     /// The matrix with `change`d eigenvalues; None unless all of it is finite.
     pub(crate) fn through_eigenvalues(&self, change: impl Fn(f32) -> f32) -> Option<Self> {
-        let Self { xx, xy, yy } = *self;
-        let half = 0.5 * (xx - yy);
-        let spread = sqrtf(half * half + xy * xy);
-        let [high, low] = self.eigenvalues();
-        let (a, b) = (change(high), change(low));
-        // Cosine and sine of twice the angle of the first axis, and squares of those of the angle: nothing
-        // here cancels, so that the smaller of two very unequal values keeps its digits.
-        let (c, s) = if spread > 0.0 { (half / spread, xy / spread) } else { (1.0, 0.0) };
+        let (_, [c, s]) = self.turn();
+        let [a, b] = self.eigenvalues().map(change);
+        // Squares of the angle's cosine and sine: nothing here cancels, so that the smaller of two very
+        // unequal values keeps its digits.
         let large = 0.5 * (1.0 + c.abs());
         let small = 0.25 * s * s / large;
         let (cc, ss) = if c > 0.0 { (large, small) } else { (small, large) };
@@ -109,38 +153,5 @@ impl Sym2 {
             yy: l_yx * l_yx * k.xx + 2.0 * l_yx * l_yy * k.xy + l_yy * l_yy * k.yy,
         };
         (within.xx + within.yy + within.xy).is_finite().then_some(within)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::exp;
-
-    #[test]
-    fn the_exponential_is_right_to_a_digit_over_all_its_range() {
-        let mut worst: f64 = 0.0;
-        // Every 89th number from -87 to 87, and so numbers of each exponent.
-        for bits in (0..=87f32.to_bits()).step_by(89) {
-            for x in [f32::from_bits(bits), -f32::from_bits(bits)] {
-                let exact = libm::exp(f64::from(x));
-                worst = worst.max((f64::from(exp(x)) / exact - 1.0).abs());
-            }
-        }
-        assert!(worst < 1.2e-7, "{worst:e}");
-    }
-
-    #[test]
-    fn the_exponential_of_what_is_far_out_or_no_number() {
-        assert_eq!(exp(0.0), 1.0);
-        assert_eq!(exp(-0.0), 1.0);
-        for x in [-87.01, -1e30, f32::NEG_INFINITY] {
-            assert_eq!(exp(x), 0.0, "{x}");
-        }
-        for x in [87.01, 1e30, f32::INFINITY] {
-            assert_eq!(exp(x), f32::INFINITY, "{x}");
-        }
-        for bits in [0x7fc0_0000, 0x7fc0_0001, 0xffff_ffff, 0x7fc0_00ff] {
-            assert!(exp(f32::from_bits(bits)).is_nan(), "{bits:x}");
-        }
     }
 }

@@ -46,14 +46,8 @@ const ROUNDING: f64 = 1e-5;
 const UNDERFLOW: f64 = 4.0 * f32::from_bits(1) as f64;
 
 impl GridLayout {
-    /// Number of bytes that [`GridLayout::save`] writes for a grid of this layout (saturating at the largest
-    /// `usize`).
-    ///
-    /// ```
-    /// use covbeam::{GridLayout, Vec3};
-    /// let layout = GridLayout { min: Vec3::ZERO, max: Vec3::ONE, cells: [10, 10, 10] };
-    /// assert_eq!(layout.saved_size(), 56 + 56 * 1000);
-    /// ```
+    /// Number of bytes that [`GridLayout::save`] writes for a grid of this layout: 56 + 56 a voxel
+    /// (saturating at the largest `usize`).
     pub fn saved_size(&self) -> usize {
         self.cell_count().saturating_mul(VOXEL).saturating_add(HEADER)
     }
@@ -100,7 +94,8 @@ impl GridLayout {
     /// let mut cells = [GridCell::default(); 2];
     /// let mut grid = CovarianceGrid::new(layout, &mut cells)?;
     /// grid.deposit_spectrum(Vec3::splat(0.2), &FluenceSpectrum { xx: 4.0, ..FluenceSpectrum::default() }, 0.5);
-    /// let mut bytes = [0; 168];
+    /// let mut bytes = [0; 56 + 56 * 2];
+    /// assert_eq!(bytes.len(), layout.saved_size());
     /// layout.save(&cells, &mut bytes)?;
     ///
     /// let mut others = [GridCell::default(); 2];
@@ -120,8 +115,7 @@ impl GridLayout {
         let (header, body) = out.split_at_mut(HEADER);
         header[..CHECKED].copy_from_slice(&header_of(self));
         for (bytes, cell) in body.as_chunks_mut::<VOXEL>().0.iter_mut().zip(cells) {
-            let [xx, yy, zz, xy, xz, yz] = cell.sum;
-            let numbers = [xx, yy, zz, xy, xz, yz, cell.weight];
+            let numbers = cell.sum.into_iter().chain([cell.weight]);
             for (bytes, number) in bytes.as_chunks_mut::<8>().0.iter_mut().zip(numbers) {
                 *bytes = number.to_le_bytes();
             }

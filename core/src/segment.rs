@@ -5,10 +5,11 @@ use crate::light_field::LightField;
 use crate::medium::{Column, Medium};
 use glam::Vec3;
 
-/// A straight stretch of a light path through a medium, with the light field at its start and the edges beside it.
+/// A straight stretch of a light path through a medium, with the light field at its start and the edges
+/// beside it.
 ///
-/// What a light path does with one: [`CovarianceGrid::deposit`](crate::CovarianceGrid::deposit), which is over all of it, and
-/// [`Segment::field_at`], which is as far as the light flies.
+/// What a light path does with one: [`CovarianceGrid::deposit`](crate::CovarianceGrid::deposit), which is
+/// over all of it, and [`Segment::field_at`], which is as far as the light flies.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment<'a> {
     /// Where it starts \[m\], in or out of the grid's box. It runs along `field.direction`.
@@ -17,20 +18,21 @@ pub struct Segment<'a> {
     pub length: f32,
     /// Power \[W\] > 0 at `origin`.
     pub power: f32,
-    /// Whether the light comes from its source without scattering in the medium or on a diffuse surface: then its
-    /// [`LightField::variance_along_ray`] counts too.
+    /// Whether the light comes from its source without scattering in the medium or on a diffuse surface: then
+    /// its [`LightField::variance_along_ray`] counts too.
     pub unscattered: bool,
     /// The light field at `origin`.
     pub field: LightField,
-    /// The edges of occluders that the light passes, sorted by depth; those at depths <= 0 are behind it and do not count.
+    /// The edges of occluders that the light passes, sorted by depth; those at depths <= 0 are behind it and
+    /// do not count.
     pub edges: &'a [Edge],
     /// The column from `origin`: [`Density::column`](crate::Density::column) of the medium.
     pub column: Column<'a>,
 }
 
 impl Segment<'_> {
-    /// The light field at a distance from `origin`: moved on as by [`LightField::travel_through`], and occluded by each edge up
-    /// to there where it passes the edge.
+    /// The light field at a distance from `origin`: moved on as by [`LightField::travel_through`], and
+    /// occluded by each edge up to there where it passes the edge.
     ///
     /// - `medium`: what the segment is in; [`Medium::default`] is vacuum.
     /// - `distance` \[m\] >= 0, which may be beyond `length`.
@@ -55,8 +57,8 @@ impl Segment<'_> {
         field
     }
 
-    /// The field behind the last edge up to `distance`, and how far away that is. `stretch` is told of the ways up to each of
-    /// the edges: the field at the start, and where it starts and ends.
+    /// The field behind the last edge up to `distance`, and how far away that is. `stretch` is told of the
+    /// ways up to each of the edges: the field at the start, and where it starts and ends.
     pub(crate) fn pass_edges(
         &self,
         medium: &Medium,

@@ -86,6 +86,13 @@ impl GridLayout {
         position.cmpge(self.min).all() && position.cmple(self.max).all()
     }
 
+    /// The voxel around a point, given [`GridLayout::scale`]; None outside the box and for NaN.
+    pub(crate) fn voxel(&self, position: Vec3, scale: Vec3) -> Option<[u32; 3]> {
+        let at = (position - self.min) * scale;
+        let voxel = [0, 1, 2].map(|axis| (at[axis] as u32).min(self.cells[axis] - 1));
+        self.contains(position).then_some(voxel)
+    }
+
     pub(crate) fn index(&self, [x, y, z]: [u32; 3]) -> usize {
         (z as usize * self.cells[1] as usize + y as usize) * self.cells[0] as usize + x as usize
     }
@@ -160,13 +167,14 @@ pub(crate) struct Dda {
     next: [f64; 3],
     cell: [u32; 3],
     /// Distance along the segment that the walk has reached, and where it ends.
-    position: f64,
-    end: f64,
+    pub(crate) position: f64,
+    pub(crate) end: f64,
     done: bool,
 }
 
 impl Dda {
-    /// None where the segment misses the box. `direction` is not zero; an infinite `length` ends at the box.
+    /// None where the segment misses the box, is none (no direction, no length), or is not finite; an infinite
+    /// `length` ends at the box.
     pub(crate) fn new(
         layout: &GridLayout,
         lattice: Lattice,
@@ -174,6 +182,9 @@ impl Dda {
         direction: Vec3,
         length: f32,
     ) -> Option<Self> {
+        if !(origin.is_finite() && direction.is_finite() && direction != Vec3::ZERO && length > 0.0) {
+            return None;
+        }
         let mut dda = Self {
             start: [0.0; 3],
             inverse_slope: [0.0; 3],
@@ -213,16 +224,6 @@ impl Dda {
             dda.update_next(axis);
         }
         Some(dda)
-    }
-
-    /// Distance along the segment that the walk has reached.
-    pub(crate) fn position(&self) -> f64 {
-        self.position
-    }
-
-    /// Distance along the segment at which the walk ends.
-    pub(crate) fn end(&self) -> f64 {
-        self.end
     }
 
     fn update_next(&mut self, axis: usize) {

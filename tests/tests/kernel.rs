@@ -129,6 +129,83 @@ fn the_progressive_radius_starts_at_the_initial_one_and_alpha_one_keeps_it() {
     assert_eq!(progressive_radius(0.5, 0.5, 2), 0.375);
 }
 
+/// Γ(n+α)/(Γ(1+α) Γ(n+1)) by Stirling's formula for both, with what cancels between them taken out: the
+/// next term is below n⁻³/360.
+fn gamma_quotient(n: f64, alpha: f64) -> f64 {
+    let stirling = (alpha - 1.0) * libm::log(n) + (n + alpha - 0.5) * libm::log1p(alpha / n)
+        - (n + 0.5) * libm::log1p(1.0 / n)
+        + (1.0 - alpha)
+        + (1.0 / (n + alpha) - 1.0 / (n + 1.0)) / 12.0;
+    libm::exp(stirling) / libm::tgamma(1.0 + alpha)
+}
+
+/// The last pass whose radius is the product itself.
+const SWITCH: u32 = 4096;
+
+const ALPHAS: [f32; 6] = [1e-3, 0.1, 0.5, 2.0 / 3.0, 0.9, 0.999];
+
+#[test]
+fn beyond_the_product_the_radius_is_the_quotient_of_gamma_functions() {
+    for alpha in ALPHAS {
+        for pass in [1000, 4095, 4096, 4097, 5000, 100_000, 10_000_000, 1 << 31, u32::MAX] {
+            let exact = gamma_quotient(f64::from(pass), f64::from(alpha));
+            let radius = f64::from(progressive_radius(0.05, alpha, pass)) / f64::from(0.05_f32);
+            // One rounding to f32, 5.97e-8, and 1e-9 of the power.
+            assert!((radius / exact - 1.0).abs() < 6.1e-8, "α {alpha} pass {pass}: {radius} for {exact}");
+        }
+    }
+}
+
+#[test]
+fn beyond_the_switch_the_radius_is_the_product_still() {
+    for alpha in ALPHAS {
+        let mut product = f64::from(0.05_f32);
+        for i in 1..1_000_000 {
+            product *= (f64::from(i) + f64::from(alpha)) / f64::from(i + 1);
+            let pass = i + 1;
+            if pass <= SWITCH {
+                assert_eq!(progressive_radius(0.05, alpha, pass), product as f32, "α {alpha} pass {pass}");
+            } else if pass < SWITCH + 1000 || pass % 100_000 == 0 {
+                let radius = progressive_radius(0.05, alpha, pass);
+                // One rounding to f32, 5.97e-8, and 1e-9 of the power; a million f64 steps lose 3e-10 at
+                // most.
+                let error = f64::from(radius) / product - 1.0;
+                assert!(error.abs() < 6.12e-8, "α {alpha} pass {pass}: {error}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_radius_never_rises_and_falls_across_the_switch() {
+    for alpha in ALPHAS {
+        let mut previous = f32::INFINITY;
+        for pass in SWITCH - 200..SWITCH + 200 {
+            let radius = progressive_radius(0.05, alpha, pass);
+            assert!(radius <= previous, "α {alpha} pass {pass}: {radius} after {previous}");
+            // A step is (1-α)/4096 of the radius: 2.4e-7 at α = 0.999, four f32 steps.
+            assert!(alpha > 0.99 || radius < previous, "α {alpha} pass {pass}: {radius} twice");
+            previous = radius;
+        }
+        for exponent in 13..32 {
+            let radius = progressive_radius(0.05, alpha, 1 << exponent);
+            assert!(radius < previous, "α {alpha} pass 2^{exponent}: {radius} after {previous}");
+            previous = radius;
+        }
+    }
+}
+
+#[test]
+fn the_last_pass_of_all_keeps_what_the_limits_of_alpha_say() {
+    assert_eq!(progressive_radius(0.05, 1.0, u32::MAX), 0.05);
+    // r_i = r_1/i.
+    assert_eq!(progressive_radius(1.0, 0.0, u32::MAX), 1.0 / u32::MAX as f32);
+    for pass in [2, SWITCH, SWITCH + 1, u32::MAX] {
+        assert!(progressive_radius(0.05, f32::NAN, pass).is_nan());
+        assert!(progressive_radius(f32::NAN, 0.5, pass).is_nan());
+    }
+}
+
 #[test]
 fn the_error_bound_falls_as_the_two_fifths_power() {
     // 32^(2/5) = 4, 243^(2/5) = 9, 1024^(2/5) = 16, exact in f32 but for the last rounding.

@@ -1,6 +1,6 @@
 //! The light field against closed forms, group laws, and the 1600-bit twin.
 
-use covbeam::{Curvature, LightField, PhaseFunction, PhaseKind, Vec3};
+use covbeam::{Curvature, FluenceSpectrum, LightField, PhaseFunction, PhaseKind, Vec3};
 use covbeam_tests::random::Stream;
 use covbeam_tests::stability::{
     assert_sound, cases, errors, extinguished_beam, families, many_deposits, spread,
@@ -256,6 +256,15 @@ fn sources_without_meaning_are_still_fields() {
                 assert_sound(&field);
             }
         }
+    }
+}
+
+#[test]
+fn the_shortest_vector_has_a_direction_and_one_that_is_none_has_not() {
+    // Its square vanishes in `f32`.
+    assert_eq!(LightField::point(Vec3::new(1e-45, 0.0, 0.0), 1.0).direction, Vec3::X);
+    for none in [Vec3::ZERO, Vec3::new(f32::NAN, 0.0, 1.0), Vec3::new(f32::INFINITY, 0.0, 1.0)] {
+        assert_eq!(LightField::point(none, 1.0).direction, Vec3::Z);
     }
 }
 
@@ -629,4 +638,32 @@ fn a_voxel_keeps_no_more_than_its_limit() {
         let trace = spectrum.xx + spectrum.yy + spectrum.zz;
         assert!(trace.is_finite() && trace <= 2.0 * limit * limit * 1.000_01, "{spectrum:?}");
     }
+}
+
+#[test]
+fn a_variance_along_an_axis_is_its_outer_product() {
+    let before = [1.0, 2.0, 3.0, 0.1, 0.2, 0.3];
+    let mut spectrum = FluenceSpectrum::from_array(before);
+    // Unit, and unequal on every axis, so that swapped entries show.
+    spectrum.add_along(Vec3::new(2.0, 3.0, 6.0) / 7.0, 49.0);
+    let outer = [4.0, 9.0, 36.0, 6.0, 12.0, 18.0];
+    for ((found, before), outer) in spectrum.to_array().into_iter().zip(before).zip(outer) {
+        // Three roundings of f32 at 40.
+        assert!((found - before - outer).abs() < 1e-5, "{found} {before} {outer}");
+    }
+}
+
+#[test]
+fn rounding_never_makes_a_variance_negative() {
+    // Rank one along (1, 1/3, 1/7): across it the true value is 0 and rounding may be below.
+    let v = Vec3::new(1.0, 1.0 / 3.0, 1.0 / 7.0);
+    let s = FluenceSpectrum::from_array([v.x * v.x, v.y * v.y, v.z * v.z, v.x * v.y, v.x * v.z, v.y * v.z]);
+    for turn in 0..100 {
+        let other = Vec3::new(turn as f32 * 0.37 - 10.0, 3.0, 1.0);
+        let across = v.cross(other).normalize();
+        let variance = s.variance_along(across);
+        // Eight roundings of terms no larger than the trace, 1.13.
+        assert!((0.0..1e-6).contains(&variance), "{variance}");
+    }
+    assert_eq!(s.variance_along(Vec3::NAN), 0.0);
 }

@@ -294,3 +294,36 @@ fn transmittance_is_whole_without_extinction_and_nothing_at_infinity() {
     // Optical depth 200 is below the smallest f32.
     assert_eq!(medium.transmittance(200.0 / 3.0).z, 0.0);
 }
+
+/// e^x as core computes it: what an extinction of 1 lets through on the way -x.
+fn exp(x: f32) -> f32 {
+    Medium::homogeneous(1.0, 0.0).transmittance(-x).x
+}
+
+#[test]
+fn the_exponential_is_right_to_a_digit_over_all_its_range() {
+    let mut worst: f64 = 0.0;
+    // Every 89th number from -87 to 87, and so numbers of each exponent.
+    for bits in (0..=87f32.to_bits()).step_by(89) {
+        for x in [f32::from_bits(bits), -f32::from_bits(bits)] {
+            let exact = libm::exp(f64::from(x));
+            worst = worst.max((f64::from(exp(x)) / exact - 1.0).abs());
+        }
+    }
+    assert!(worst < 1.2e-7, "{worst:e}");
+}
+
+#[test]
+fn the_exponential_of_what_is_far_out_or_no_number() {
+    assert_eq!(exp(0.0), 1.0);
+    assert_eq!(exp(-0.0), 1.0);
+    for x in [-87.01, -1e30, f32::NEG_INFINITY] {
+        assert_eq!(exp(x), 0.0, "{x}");
+    }
+    for x in [87.01, 1e30, f32::INFINITY] {
+        assert_eq!(exp(x), f32::INFINITY, "{x}");
+    }
+    for bits in [0x7fc0_0000, 0x7fc0_0001, 0xffff_ffff, 0x7fc0_00ff] {
+        assert!(exp(f32::from_bits(bits)).is_nan(), "{bits:x}");
+    }
+}

@@ -14,7 +14,8 @@ use std::vec::Vec;
 /// Sub-beams of the largest subtree that is built at a time: its working memory fits a processor's own cache.
 const CHUNK: usize = 1 << 14;
 
-/// A box, and what is in it: the sub-beams `first..first + count`, or with `count` 0 the nodes `first` and `first + 1`.
+/// A box, and what is in it: the sub-beams `first..first + count`, or with `count` 0 the nodes `first` and
+/// `first + 1`.
 #[derive(Clone, Copy, Default)]
 struct Node {
     low: Vec3,
@@ -63,8 +64,9 @@ fn half_area((low, high): (Vec3A, Vec3A)) -> f32 {
     (extent * Vec3A::new(extent.y, extent.z, extent.x)).element_sum()
 }
 
-/// Up to eight boxes side by side, and what is in each: the sub-beams `first..first + count`, or with `count` 0 the node `first`.
-#[derive(Clone, Copy)]
+/// Up to eight boxes side by side, and what is in each: the sub-beams `first..first + count`, or with `count`
+/// 0 the node `first`.
+#[derive(Clone, Copy, Default)]
 pub(super) struct WideNode {
     pub(super) low: Vectors,
     pub(super) high: Vectors,
@@ -75,14 +77,6 @@ pub(super) struct WideNode {
 }
 
 impl WideNode {
-    const EMPTY: Self = Self {
-        low: [[0.0; LANES]; 3],
-        high: [[0.0; LANES]; 3],
-        first: [0; LANES],
-        count: [0; LANES],
-        lanes: 0,
-    };
-
     fn set(&mut self, lane: usize, node: &Node) {
         for axis in 0..3 {
             self.low[axis][lane] = node.low[axis];
@@ -93,8 +87,8 @@ impl WideNode {
     }
 }
 
-/// The nodes, root first (none over no sub-beams), and the sub-beams in the order in which a walk meets them: a leaf's are neighbours in
-/// memory, and so are those of a subtree.
+/// The nodes, root first (none over no sub-beams), and the sub-beams in the order in which a walk meets them:
+/// a leaf's are neighbours in memory, and so are those of a subtree.
 #[derive(Clone)]
 pub(super) struct Bvh {
     pub(super) nodes: Vec<WideNode>,
@@ -124,7 +118,8 @@ struct BinaryBvh {
 }
 
 impl BinaryBvh {
-    /// Chunks of neighbouring sub-beams become subtrees, and these the leaves of one more tree, that at the top.
+    /// Chunks of neighbouring sub-beams become subtrees, and these the leaves of one more tree, that at the
+    /// top.
     fn new(
         beams: &[Beam],
         cut: &Cut,
@@ -166,7 +161,7 @@ impl BinaryBvh {
         // Nodes still to be made: of which subtree, and where they go.
         let mut stack = Vec::new();
         if let Some(root) = self.nodes.first() {
-            wide.nodes.push(WideNode::EMPTY);
+            wide.nodes.push(WideNode::default());
             stack.push((*root, 0));
         }
         while let Some((root, slot)) = stack.pop() {
@@ -175,16 +170,15 @@ impl BinaryBvh {
             let mut count = 1;
             while count < LANES {
                 let inner = (0..count).filter(|i| children[*i].count == 0);
-                let largest =
-                    inner.max_by(|a, b| children[*a].half_area().total_cmp(&children[*b].half_area()));
-                let Some(largest) = largest else { break };
+                let area = |i: &usize| children[*i].half_area();
+                let Some(largest) = inner.max_by(|a, b| area(a).total_cmp(&area(b))) else { break };
                 // Neighbours in space stay neighbours.
                 children.copy_within(largest + 1..count, largest + 2);
                 let pair = children[largest].first as usize;
                 children[largest..largest + 2].copy_from_slice(&self.nodes[pair..pair + 2]);
                 count += 1;
             }
-            let mut node = WideNode::EMPTY;
+            let mut node = WideNode::default();
             for (lane, child) in children[..count].iter_mut().enumerate() {
                 let first = child.first as usize;
                 if child.count > 0 {
@@ -198,7 +192,7 @@ impl BinaryBvh {
                 node.first[lane] = u32::try_from(wide.nodes.len()).map_err(|_| Stop::TooMany)?;
                 wide.nodes.try_reserve(1).map_err(|_| Stop::OutOfMemory)?;
                 stack.push((children[lane], wide.nodes.len()));
-                wide.nodes.push(WideNode::EMPTY);
+                wide.nodes.push(WideNode::default());
             }
             wide.nodes[slot] = node;
         }
@@ -241,8 +235,8 @@ impl BinaryBvh {
     }
 }
 
-/// Builds trees by joining neighbours in a list: two become one node where each is the one with which the other has the
-/// smaller box, and so on until one is left.
+/// Builds trees by joining neighbours in a list: two become one node where each is the one with which the
+/// other has the smaller box, and so on until one is left.
 ///
 /// Source: Meister and Bittner, Parallel Locally-Ordered Clustering (2018), with a search distance of 1.
 struct Clusters {
@@ -304,7 +298,8 @@ impl Clusters {
         Ok(())
     }
 
-    /// Makes a leaf of every node over at most [`BLOCK`] leaves: these are tested together. Its `count` becomes that of the leaves below it.
+    /// Makes a leaf of every node over at most [`BLOCK`] leaves: these are tested together. Its `count`
+    /// becomes that of the leaves below it.
     fn collapse(&mut self) {
         for i in (0..self.tree.len()).rev() {
             let Node { first, count: 0, .. } = self.tree[i] else { continue };

@@ -97,7 +97,8 @@ impl BeamColumns {
         }
     }
 
-    /// The column up to `distance` on one of the beams. (A column that is returned is put together in memory, which costs a pair 15 ns.)
+    /// The column up to `distance` on one of the beams. (A column that is returned is put together in memory,
+    /// which costs a pair 15 ns.)
     #[inline(always)]
     pub(super) fn up_to(&self, distance: f32, index: usize, beam: &Beam, density: &Density) -> f32 {
         match (self, density) {

@@ -1,4 +1,5 @@
-//! The gather of [`crate::gather_pair`], eight pairs side by side and bit for bit: each function names the one that defines it.
+//! The gather of [`crate::gather_pair`], eight pairs side by side and bit for bit: each function names the
+//! one that defines it.
 
 use super::simd::{Floats, LANES, Vec3x8, Vectors, bits, exp, load, max, min};
 use super::sub_beams::{ROOM, SubBeam};
@@ -89,8 +90,8 @@ impl<S: Simd> Ray<S> {
 }
 
 impl<'a, S: Simd> Pairs<'a, S> {
-    /// The pairs of a block against `ray`; None if all pass each other farther away than kernels reach. The arithmetic of
-    /// [`crate::beam::meet`], and its bits.
+    /// The pairs of a block against `ray`; None if all pass each other farther away than kernels reach. The
+    /// arithmetic of [`crate::beam::meet`], and its bits.
     #[inline(always)]
     pub(super) fn new(
         simd: S,
@@ -110,7 +111,8 @@ impl<'a, S: Simd> Pairs<'a, S> {
             }
         };
 
-        // Most pairs lie farther from both ends of their beam than the kernel reaches. A sub-beam's cut is no end.
+        // Most pairs lie farther from both ends of their beam than the kernel reaches. A sub-beam's cut is no
+        // end.
         let (from, to) = (load(simd, &block.lines.from), load(simd, &block.lines.to));
         let length = load(simd, &block.length);
         let within = gap.simd_lt(radius)
@@ -120,9 +122,14 @@ impl<'a, S: Simd> Pairs<'a, S> {
         let mut accepted = (near & within & away).to_bitmask() as u32;
         let at_an_end = (near & within & !away).to_bitmask() as u32;
         if at_an_end != 0 {
-            let (gaps, radii): (Floats, Floats) = (gap.into(), radius.into());
-            accepted |=
-                inside_ends(block, beams, at_an_end, &position.store(), &beam_distance.into(), &gaps, &radii);
+            let (points, lines) = (position.store(), &block.lines);
+            let [distances, gaps, radii]: [Floats; 3] = [beam_distance.into(), gap.into(), radius.into()];
+            for lane in bits(at_an_end) {
+                let beam = &beams[block.beams[lane] as usize];
+                let (from, to, point) = (lines.from[lane], lines.to[lane], vector(&points, lane));
+                let inside = inside(beam, from, to, point, distances[lane], gaps[lane], radii[lane]);
+                accepted |= u32::from(inside) << lane;
+            }
         }
         Some(Self {
             accepted,
@@ -165,7 +172,8 @@ impl<S: Simd> Crossings<S> {
         let along_ray = offset.cross(direction).dot(normal);
         let along_beam = offset.cross(ray.direction).dot(normal);
 
-        // As `BeamBlock::test`: without a division, and wider than what is asked exactly below by more than rounding.
+        // As `BeamBlock::test`: without a division, and wider than what is asked exactly below by more than
+        // rounding.
         let wide = max_radius * ROOM;
         let near = (triple * triple).simd_le(sin2 * (wide * wide));
         let on_ray = along_ray.simd_ge(sin2 * -wide) & along_ray.simd_le(sin2 * (ray.length + wide));
@@ -197,27 +205,6 @@ impl<S: Simd> Crossings<S> {
             gap,
         })
     }
-}
-
-/// [`crate::beam::inside`] in the lanes of `mask`, a bit each.
-#[inline(always)]
-fn inside_ends(
-    block: &Block,
-    beams: &[Beam],
-    mask: u32,
-    points: &Vectors,
-    distances: &Floats,
-    gaps: &Floats,
-    radii: &Floats,
-) -> u32 {
-    let mut accepted = 0;
-    for lane in bits(mask) {
-        let beam = &beams[block.beams[lane] as usize];
-        let (from, to, point) = (block.lines.from[lane], block.lines.to[lane], vector(points, lane));
-        let inside = inside(beam, from, to, point, distances[lane], gaps[lane], radii[lane]);
-        accepted |= u32::from(inside) << lane;
-    }
-    accepted
 }
 
 /// [`KernelShape::evaluate`] where |distance| < radius, bit for bit.
@@ -384,7 +371,7 @@ fn attenuation<S: Simd>(simd: S, extinction: f32, column: f32x8<S>) -> f32x8<S> 
 }
 
 impl Gathered {
-    /// [`Gathered::add`] of those of eight pairs that `mask` has a bit for, in their order, bit for bit.
+    /// [`Gathered::add`] of those of eight pairs that `mask` has a bit for, in their order.
     #[inline(always)]
     pub(super) fn add_lanes<S: Simd>(
         &mut self,
@@ -393,24 +380,10 @@ impl Gathered {
         radius: f32x8<S>,
         sigma: f32x8<S>,
     ) {
-        let weight = (red + green + blue) * (1.0 / 3.0);
-        let arrays: [Floats; 6] = [
-            red.into(),
-            green.into(),
-            blue.into(),
-            weight.into(),
-            (weight * radius).into(),
-            (weight * sigma).into(),
-        ];
-        let [red, green, blue, weight, radius, sigma] = &arrays;
+        let [red, green, blue, radius, sigma]: [Floats; 5] =
+            [red.into(), green.into(), blue.into(), radius.into(), sigma.into()];
         for lane in bits(mask) {
-            if weight[lane].is_finite() {
-                self.radiance += Vec3::new(red[lane], green[lane], blue[lane]);
-                self.pairs += 1;
-                self.weight += weight[lane];
-                self.radius += radius[lane];
-                self.sigma += sigma[lane];
-            }
+            self.add(Vec3::new(red[lane], green[lane], blue[lane]), radius[lane], sigma[lane]);
         }
     }
 }

@@ -28,7 +28,8 @@ use shade::{HostMedium, OurMedium};
 use std::vec::Vec;
 use sub_beams::{SUB_BEAMS_PER_BEAM, SubBeam, morton_codes};
 
-/// The most beams that a [`BeamMap`] takes, 2²⁸: their sub-beams, and the nodes over these, are counted in 32 bits.
+/// The most beams that a [`BeamMap`] takes, 2²⁸: their sub-beams, and the nodes over these, are counted in 32
+/// bits.
 pub const MAX_BEAMS: usize = 1 << 28;
 
 // At most a sub-beam more a beam than on average, a node less than two a sub-beam, and room for rounding.
@@ -36,8 +37,9 @@ const _: () = assert!(2 * (SUB_BEAMS_PER_BEAM + 1) * MAX_BEAMS <= 1 << 31);
 
 /// The beams of one medium and one pass.
 ///
-/// About 36 bytes a sub-beam, up to three sub-beams a beam, and 260 bytes a node of up to eight leaves of up to eight sub-beams: with the beams themselves
-/// 76 bytes a sub-beam, 190 a beam (`measure speed`). An exponential density adds 4 bytes a beam, a density grid 8 bytes a knot of the beams' columns
+/// About 36 bytes a sub-beam, up to three sub-beams a beam, and 260 bytes a node of up to eight leaves of up
+/// to eight sub-beams: with the beams themselves 76 bytes a sub-beam, 190 a beam (`measure speed`). An
+/// exponential density adds 4 bytes a beam, a density grid 8 bytes a knot of the beams' columns
 /// ([`crate::Density::knots`]).
 #[derive(Clone)]
 #[doc(alias = "BVH")]
@@ -82,17 +84,19 @@ impl BeamMap {
         }
     }
 
-    /// Builds the hierarchy over `beams`, to be gathered with kernels no wider than `max_radius` \[m\], and the columns along
-    /// them, as long as `go_on` says so.
+    /// Builds the hierarchy over `beams`, to be gathered with kernels no wider than `max_radius` \[m\], and
+    /// the columns along them, as long as `go_on` says so.
     ///
     /// - `medium`: what the beams are in, and will be gathered in.
-    /// - `go_on`: asked at the start and about once in a millisecond; false stops. The work between two questions is bounded
-    ///   whatever the beams; in a density grid it also grows with the voxels along one beam.
+    /// - `go_on`: asked at the start and about once in a millisecond; false stops. The work between two
+    ///   questions is bounded whatever the beams; in a density grid it also grows with the voxels along one
+    ///   beam.
     ///
-    /// Beams that cannot contribute are kept, but never found: length not > 0 and finite; origin, direction, power or end
-    /// not finite. The result depends on nothing but the arguments.
+    /// Beams that cannot contribute are kept, but never found: length not > 0 and finite; origin, direction,
+    /// power or end not finite. The result depends on nothing but the arguments.
     ///
-    /// Errors: stopped, out of memory, or more than [`MAX_BEAMS`] beams; the beams come back as they were given.
+    /// Errors: stopped, out of memory, or more than [`MAX_BEAMS`] beams; the beams come back as they were
+    /// given.
     pub fn build_while(
         beams: Vec<Beam>,
         max_radius: f32,
@@ -153,19 +157,20 @@ impl BeamMap {
         self.gather_while(medium, rays, kernel, gathered, scratch, &mut || true)
     }
 
-    /// Adds to `gathered[i]` what ray `rays[i]` gathers from all beams (see [`crate::gather_pair`]), as long as `go_on` says so.
+    /// Adds to `gathered[i]` what ray `rays[i]` gathers from all beams (see [`crate::gather_pair`]), as long
+    /// as `go_on` says so.
     ///
-    /// - `medium`: the one given to [`BeamMap::build`], a density grid over the same memory. In a density grid each ray's column is
-    ///   tabulated, to 5e-4 of the transmittance.
-    /// - `rays`: any number. 256 after the other share one walk through the hierarchy: give those that run side by side
-    ///   together (the rays of a tile of pixels). Any rays are gathered correctly.
-    /// - `kernel`: its `max_radius` must not exceed the one given to [`BeamMap::build`]; a larger one is cut to it, with a smaller one
-    ///   fewer beams are tested.
+    /// - `medium`: the one given to [`BeamMap::build`], a density grid over the same memory. In a density
+    ///   grid each ray's column is tabulated, to 5e-4 of the transmittance.
+    /// - `rays`: any number. 256 after the other share one walk through the hierarchy: give those that run
+    ///   side by side together (the rays of a tile of pixels). Any rays are gathered correctly.
+    /// - `kernel`: its `max_radius` must not exceed the one given to [`BeamMap::build`]; a larger one is cut
+    ///   to it, with a smaller one fewer beams are tested.
     /// - `gathered`: one for each ray.
-    /// - `go_on`: asked at the start and about once in a millisecond; false stops. The work between two questions is
-    ///   bounded whatever the beams.
+    /// - `go_on`: as in [`BeamMap::build_while`].
     ///
-    /// Errors: [`Stop::OtherMedium`], with nothing gathered; [`Stop::Cancelled`], with part of the sums in `gathered`, to be thrown away.
+    /// Errors: [`Stop::OtherMedium`], with nothing gathered; [`Stop::Cancelled`], with part of the sums in
+    /// `gathered`, to be thrown away.
     ///
     /// # Panics
     /// If `rays` and `gathered` differ in length.
@@ -191,14 +196,14 @@ impl BeamMap {
 
     /// Adds to `gathered[i]` what ray `rays[i]` gathers from all beams in a medium that only the host knows.
     ///
-    /// The pairs, their order and their radii are those of [`BeamMap::gather_while`], as are `rays`, `kernel`, `gathered` and
-    /// `go_on`; the medium given to [`BeamMap::build`] plays no part. Each pair adds
+    /// The pairs, their order and their radii are those of [`BeamMap::gather_while`], as are `rays`,
+    /// `kernel`, `gathered` and `go_on`; the medium given to [`BeamMap::build`] plays no part. Each pair adds
     /// `product * beam.power * contact.kernel`; one whose contribution is not finite is skipped.
     ///
-    /// - `shade`: is given up to 256 contacts, of rays of one packet, and as many products, which are zero. It fills in
-    ///   σ_s(x) p(θ) T_eye T_beam per channel \[1/(m sr)\]: scattering coefficient and phase function at the contact's
-    ///   position, transmittance from there to the start of the eye ray and from the start of the beam to its point. False
-    ///   stops.
+    /// - `shade`: is given up to 256 contacts, of rays of one packet, and as many products, which are zero.
+    ///   It fills in σ_s(x) p(θ) T_eye T_beam per channel \[1/(m sr)\]: scattering coefficient and phase
+    ///   function at the contact's position, transmittance from there to the start of the eye ray and from
+    ///   the start of the beam to its point. False stops.
     ///
     /// Cost: with a `shade` that computes a homogeneous medium, 30 % more than the built-in one (bench
     /// `gather/medium/the host's`).

@@ -15,8 +15,8 @@ pub(super) const PACKET: usize = 256;
 /// A packet whose rays spread more than this (chord between unit directions) is halved before it walks.
 const WIDEST_PACKET: f32 = 0.5;
 
-/// A cone-like hull of some eye rays: the point at distance t of each lies within `spread + slope t` of the point
-/// `origin + t axis`.
+/// A cone-like hull of some eye rays: the point at distance t of each lies within `spread + slope t` of the
+/// point `origin + t axis`.
 pub(super) struct Packet {
     origin: Vec3,
     axis: Vec3,
@@ -67,7 +67,8 @@ impl Packet {
         min(farthest, f32x8::splat(simd, self.length)) * self.slope + self.spread
     }
 
-    /// A bit for each of eight boxes that some ray may touch, once they have lost `excess` \[m\] on all sides.
+    /// A bit for each of eight boxes that some ray may touch, once they have lost `excess` \[m\] on all
+    /// sides.
     #[inline(always)]
     pub(super) fn touches_boxes<S: Simd>(&self, simd: S, node: &WideNode, excess: f32) -> u32 {
         let (low, high) = (Vec3x8::load(simd, &node.low), Vec3x8::load(simd, &node.high));

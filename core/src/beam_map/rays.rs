@@ -28,8 +28,8 @@ impl RayTables {
         self.tables.resize(PACKET, None);
     }
 
-    /// Makes the table of the call's ray `index`, if there is none yet, and returns how many knots that took. Packets are asked for in order; the
-    /// rays of the latest one in any order, again and again.
+    /// Makes the table of the call's ray `index`, if there is none yet, and returns how many knots that took.
+    /// Packets are asked for in order; the rays of the latest one in any order, again and again.
     pub(super) fn make(&mut self, index: usize, ray: &EyeRay, medium: &Medium) -> usize {
         let (packet, slot) = (index / PACKET, index % PACKET);
         if packet != self.packet {

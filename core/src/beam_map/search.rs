@@ -1,4 +1,5 @@
-//! Which beams the eye rays meet: the walk of packets through the hierarchy, and packets halved until few rays test few sub-beams.
+//! Which beams the eye rays meet: the walk of packets through the hierarchy, and packets halved until few
+//! rays test few sub-beams.
 
 use super::bvh::Bvh;
 use super::cancel::{Poll, Stop};
@@ -27,7 +28,9 @@ pub(super) trait Shade {
     fn pairs<S: Simd>(&mut self, simd: S, ray: usize, pairs: &Pairs<S>, poll: &mut Poll) -> Result<(), Stop>;
 
     /// The rays of a packet have met all their beams.
-    fn packet(&mut self, poll: &mut Poll) -> Result<(), Stop>;
+    fn packet(&mut self, _: &mut Poll) -> Result<(), Stop> {
+        Ok(())
+    }
 }
 
 /// Buffers of a search.
@@ -51,7 +54,8 @@ pub(super) struct Query<'a> {
 }
 
 impl Search {
-    /// Gives `shade` the pairs of all rays, packet after packet, those of a ray in the order of the hierarchy.
+    /// Gives `shade` the pairs of all rays, packet after packet, those of a ray in the order of the
+    /// hierarchy.
     pub(super) fn all(&mut self, query: &Query, poll: &mut Poll, shade: &mut impl Shade) -> Result<(), Stop> {
         if query.bvh.nodes.is_empty() {
             return Ok(());
@@ -91,7 +95,8 @@ impl Search {
         Ok(())
     }
 
-    /// Goes on with the walk that `stack` is in the middle of, until there is a batch or the walk is at its end.
+    /// Goes on with the walk that `stack` is in the middle of, until there is a batch or the walk is at its
+    /// end.
     fn collect(&mut self, query: &Query, packet: &Packet, poll: &mut Poll) -> Result<(), Stop> {
         let Self { stack, sub_beams, .. } = self;
         sub_beams.clear();
@@ -100,7 +105,8 @@ impl Search {
         poll.spend(visits + sub_beams.len(), 20)
     }
 
-    /// Halves a packet until few rays are left; each half with those of the sub-beams from `first` on that it may touch.
+    /// Halves a packet until few rays are left; each half with those of the sub-beams from `first` on that it
+    /// may touch.
     fn halve(
         &mut self,
         query: &Query,
@@ -115,7 +121,8 @@ impl Search {
         let end = self.sub_beams.len();
         for half in halves(rays) {
             if let Some(packet) = Packet::new(&query.rays[half.clone()]) {
-                self.append_touched(query, &packet, first..end);
+                let (radius, sub_beams) = (query.kernel.max_radius, &mut self.sub_beams);
+                dispatch!(query.level, simd => append_touched(simd, &packet, radius, sub_beams, first..end));
                 poll.spend(end - first, 3)?;
             } else {
                 // Rays apart, or one that is no ray.
@@ -125,13 +132,6 @@ impl Search {
             self.sub_beams.truncate(end);
         }
         Ok(())
-    }
-
-    /// Appends those of the sub-beams `from` that a packet may touch, in their order.
-    fn append_touched(&mut self, query: &Query, packet: &Packet, from: Range<usize>) {
-        let sub_beams = &mut self.sub_beams;
-        sub_beams.reserve(from.len());
-        dispatch!(query.level, simd => append_touched(simd, packet, query.kernel.max_radius, sub_beams, from));
     }
 
     /// Each of a few rays tests each sub-beam from `first` on.
@@ -200,7 +200,7 @@ fn walk<S: Simd>(
     Ok(visits)
 }
 
-/// See [`Search::append_touched`].
+/// Appends those of the sub-beams `from` that a packet may touch, in their order.
 #[inline(always)]
 fn append_touched<S: Simd>(
     simd: S,
@@ -209,6 +209,7 @@ fn append_touched<S: Simd>(
     sub_beams: &mut Vec<SubBeam>,
     from: Range<usize>,
 ) {
+    sub_beams.reserve(from.len());
     let mut first = from.start;
     while first < from.end {
         let count = (from.end - first).min(LANES);

@@ -24,8 +24,8 @@ pub struct Contact {
     pub beam: u32,
     /// Distance of the position from the start of the eye ray \[m\], in \[0, length\].
     pub ray_distance: f32,
-    /// Distance along the beam of its point closest to the eye ray \[m\]: within the beam, or out of it by less than
-    /// the kernel radius at an end that a surface cuts at a slant.
+    /// Distance along the beam of its point closest to the eye ray \[m\]: within the beam, or out of it by
+    /// less than the kernel radius at an end that a surface cuts at a slant.
     pub beam_distance: f32,
     /// dot(propagation of the beam's light, propagation of light to the eye): forward is +1. What
     /// [`crate::PhaseFunction::evaluate`] takes; rounding may carry it past ±1.
@@ -73,11 +73,6 @@ impl Shade for OurMedium<'_> {
             radiance[channel] = product * load(simd, &pairs.block.power[channel]) * pairs.kernel;
         }
         self.gathered[ray].add_lanes(pairs.accepted, radiance, pairs.radius, pairs.sigma);
-        Ok(())
-    }
-
-    #[inline(always)]
-    fn packet(&mut self, _: &mut Poll) -> Result<(), Stop> {
         Ok(())
     }
 }

@@ -1,12 +1,13 @@
-//! Beams cut into sub-beams, in the order of their Morton codes, in which neighbours in the list are neighbours in space.
+//! Beams cut into sub-beams, in the order of their Morton codes, in which neighbours in the list are
+//! neighbours in space.
 
 use super::cancel::{Poll, STRETCH, Stop, with_room};
 use crate::beam::Beam;
 use glam::Vec3;
 use std::vec::Vec;
 
-/// Sub-beams that an average beam is cut into: a long beam's box is mostly empty. Three sub-beams ask for a quarter more memory, and a pass for 2 to 8 % more
-/// processor cycles.
+/// Sub-beams that an average beam is cut into: a long beam's box is mostly empty. Three sub-beams ask for a
+/// quarter more memory, and a pass for 2 to 8 % more processor cycles.
 pub(super) const SUB_BEAMS_PER_BEAM: usize = 2;
 
 /// What radii are multiplied by where the question is what may be met: more than rounding takes away.
@@ -41,10 +42,6 @@ pub(super) struct MortonCode {
     part: u32,
 }
 
-fn end(beam: &Beam) -> Vec3 {
-    beam.origin + beam.length * beam.direction
-}
-
 /// Whether a beam can contribute.
 fn counts(beam: &Beam) -> bool {
     beam.length > 0.0
@@ -52,7 +49,7 @@ fn counts(beam: &Beam) -> bool {
         && beam.origin.is_finite()
         && beam.direction.is_finite()
         && beam.power.is_finite()
-        && end(beam).is_finite()
+        && beam.end().is_finite()
 }
 
 /// How the beams of a map are cut: into the fewest equal parts that are no longer than `longest` \[m\].
@@ -94,8 +91,8 @@ pub(super) fn morton_codes(beams: &[Beam], poll: &mut Poll) -> Result<(Cut, Vec<
         for beam in stretch.iter().filter(|beam| counts(beam)) {
             count += 1;
             total += f64::from(beam.length);
-            low = low.min(beam.origin).min(end(beam));
-            high = high.max(beam.origin).max(end(beam));
+            low = low.min(beam.origin).min(beam.end());
+            high = high.max(beam.origin).max(beam.end());
         }
     }
     let average = total / (SUB_BEAMS_PER_BEAM * count.max(1)) as f64;

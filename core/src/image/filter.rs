@@ -44,9 +44,13 @@ impl ImageFilter {
     /// assert!((wide.density() - 2.0 / (4.0 * 3.14159 * (16.0 + 1.0 / 12.0))).abs() < 1e-6);
     /// ```
     pub fn density(&self) -> f32 {
-        let (xx, yy) = (self.xx + PIXEL_VARIANCE, self.yy + PIXEL_VARIANCE);
-        let area = 4.0 * PI * sqrtf((xx * yy - self.xy * self.xy).max(0.0));
+        let area = 4.0 * PI * sqrtf(self.with_pixel().determinant().max(0.0));
         if area > RAYS_A_FILTER && area < f32::INFINITY { RAYS_A_FILTER / area } else { 1.0 }
+    }
+
+    /// With a pixel's own extent, which keeps filters thinner than a pixel from falling between pixels.
+    fn with_pixel(&self) -> Sym2 {
+        Sym2 { xx: self.xx + PIXEL_VARIANCE, xy: self.xy, yy: self.yy + PIXEL_VARIANCE }
     }
 
     pub(super) fn matrix(&self) -> Sym2 {
@@ -60,7 +64,8 @@ impl From<Sym2> for ImageFilter {
     }
 }
 
-/// A filter's principal axes: along its own axes nothing cancels, and a long thin one does not visit the box around it.
+/// A filter's principal axes: along its own axes nothing cancels, and a long thin one does not visit the box
+/// around it.
 pub(super) struct Ellipse {
     /// Direction of the largest variance, unit.
     pub(super) axis: [f32; 2],
@@ -70,21 +75,16 @@ pub(super) struct Ellipse {
 }
 
 impl Ellipse {
-    /// With a pixel's own extent, which keeps filters thinner than a pixel from falling between pixels.
     pub(super) fn of(filter: &ImageFilter) -> Self {
-        let (xx, xy, yy) = (filter.xx + PIXEL_VARIANCE, filter.xy, filter.yy + PIXEL_VARIANCE);
-        let (middle, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-        let spread = sqrtf(half * half + xy * xy);
-        let largest = middle + spread;
-        let smallest = ((xx * yy - xy * xy) / largest).max(PIXEL_VARIANCE);
-        let (c, s) = if spread > 0.0 { (half / spread, xy / spread) } else { (1.0, 0.0) };
-        let near = sqrtf(0.5 * (1.0 + c.abs()));
-        let far = 0.5 * s / near;
-        Self { axis: if c >= 0.0 { [near, far] } else { [far, near] }, largest, smallest }
+        let matrix = filter.with_pixel();
+        let largest = matrix.eigenvalues()[0];
+        let smallest = (matrix.determinant() / largest).max(PIXEL_VARIANCE);
+        Self { axis: matrix.axis(), largest, smallest }
     }
 }
 
-/// [`ImageFilter::NONE`] for what is none; otherwise a filter that is positive semi-definite and no wider than [`WIDEST`].
+/// [`ImageFilter::NONE`] for what is none; otherwise a filter that is positive semi-definite and no wider
+/// than [`WIDEST`].
 pub(super) fn bounded(filter: &ImageFilter) -> ImageFilter {
     let ImageFilter { xx, xy, yy } = *filter;
     if !(xx >= 0.0 && yy >= 0.0 && xx.is_finite() && xy.is_finite() && yy.is_finite()) {

@@ -1,7 +1,7 @@
 //! The filters of a picture: known at some pixels, interpolated between them, and none reaching where a
 //! narrower one is asked for.
 
-use super::{FilmSizeError, ImageFilter, ImageSpectrum, pixel_count};
+use super::{FilmSizeError, ImageFilter, ImageSpectrum, corners, pixel_count};
 use crate::math::Sym2;
 use libm::{roundf, sqrtf};
 
@@ -81,6 +81,21 @@ impl FilmLattice {
     pub fn widest(&self) -> f32 {
         WIDEST_SHARE * side(self.width, self.height)
     }
+
+    /// Number of a node's pixel.
+    pub(super) fn index(&self, node: usize) -> usize {
+        let [x, y] = self.pixel(node);
+        y as usize * self.width as usize + x as usize
+    }
+
+    /// The node so many columns and rows away.
+    pub(super) fn neighbour(&self, node: usize, [columns, rows]: [i32; 2]) -> Option<usize> {
+        let (across, down) = (i64::from(self.across), i64::from(self.down));
+        let column = node as i64 % across + i64::from(columns);
+        let row = node as i64 / across + i64::from(rows);
+        let inside = (0..across).contains(&column) && (0..down).contains(&row);
+        inside.then_some((row * across + column) as usize)
+    }
 }
 
 fn side(width: u32, height: u32) -> f32 {
@@ -91,21 +106,14 @@ fn side(width: u32, height: u32) -> f32 {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FilmFilterNode {
-    /// Inverse of the filter's covariance \[1/pixels²\]: across, both, down.
-    pub(super) inverse: [f32; 3],
+    /// Inverse of the filter's covariance \[1/pixels²\].
+    pub(super) inverse: Sym2,
     /// In-scattered light, the node's weight between nodes; 0 = no filter.
     pub(super) weight: f32,
     /// Region of its pixel.
     pub(super) region: u32,
     /// Squared standard error of the filtered luminance; 0 = not known.
     pub(super) variance: f32,
-}
-
-impl FilmFilterNode {
-    /// Covariance of its filter \[pixels²\].
-    pub(super) fn filter(&self) -> Sym2 {
-        invert(self.inverse)
-    }
 }
 
 /// The filter of each pixel of a picture.
@@ -143,19 +151,17 @@ impl<'a> FilmFilters<'a> {
         nodes: &'a mut [FilmFilterNode],
     ) -> Result<Self, FilmSizeError> {
         let count = lattice.node_count();
-        let fits = regions.len() == pixel_count(lattice.width, lattice.height)?
-            && spectra.len() == count
-            && nodes.len() == count;
-        if !fits {
+        if spectra.len() != count {
             return Err(FilmSizeError);
         }
+        FilmFilters::of(lattice, regions, nodes)?;
         for (index, (node, spectrum)) in nodes.iter_mut().zip(spectra).enumerate() {
             let region = regions[lattice.index(index)];
             let filter = spectrum.filter(error, lattice.widest());
             let known = region != 0 && filter != ImageFilter::NONE;
             // Until the inverse is taken below, the field holds the covariance.
             *node = FilmFilterNode {
-                inverse: [filter.xx + NARROWEST, filter.xy, filter.yy + NARROWEST],
+                inverse: Sym2 { xx: filter.xx + NARROWEST, xy: filter.xy, yy: filter.yy + NARROWEST },
                 weight: if known { spectrum.weight } else { 0.0 },
                 region,
                 variance: 0.0,
@@ -170,8 +176,7 @@ impl<'a> FilmFilters<'a> {
             }
         }
         for node in nodes.iter_mut() {
-            let Sym2 { xx, xy, yy } = invert(node.inverse);
-            node.inverse = [xx, xy, yy];
+            node.inverse = node.inverse.inverse();
         }
         Ok(Self { lattice, regions, nodes })
     }
@@ -219,53 +224,28 @@ impl<'a> FilmFilters<'a> {
             let position =
                 ((at as f32 - (spacing / 2) as f32) / spacing as f32).clamp(0.0, (count - 1) as f32);
             let low = (position as u32).min(count.saturating_sub(2));
-            (low, position - low as f32)
+            (low as usize, position - low as f32)
         };
         let ((column, right), (row, below)) = (along(x, lattice.across), along(y, lattice.down));
-        let (mut inverse, mut variance, mut sum, mut shares) = ([0.0; 3], 0.0, 0.0, 0.0);
-        for (i, wx) in [(0, 1.0 - right), (1, right)] {
-            for (j, wy) in [(0, 1.0 - below), (1, below)] {
-                let (i, j) = (column + i, row + j);
-                if wx * wy == 0.0 || i >= lattice.across || j >= lattice.down {
-                    continue;
-                }
-                let node = &self.nodes[j as usize * lattice.across as usize + i as usize];
-                if node.region != region || !(node.weight > 0.0) {
-                    continue;
-                }
-                // Weighted by light, as along the ray.
-                let weight = wx * wy * node.weight;
-                for (sum, value) in inverse.iter_mut().zip(node.inverse) {
-                    *sum += weight * value;
-                }
-                sum += weight;
-                variance += wx * wy * node.variance;
-                shares += wx * wy;
+        let (mut inverse, mut variance, mut sum, mut shares) = (Sym2::default(), 0.0, 0.0, 0.0);
+        for ([i, j], share) in corners([right, below]) {
+            let node = &self.nodes[(row + j) * lattice.across as usize + column + i];
+            if node.region != region || !(node.weight > 0.0) {
+                continue;
             }
+            // Weighted by light, as along the ray.
+            let weight = share * node.weight;
+            inverse.add(weight, &node.inverse);
+            sum += weight;
+            variance += share * node.variance;
+            shares += share;
         }
         if !(sum > 0.0) {
             return None;
         }
-        let filter = ImageFilter::from(invert(inverse.map(|value| value / sum)));
+        let filter = ImageFilter::from(inverse.map(|value| value / sum).inverse());
         let sound = (filter.xx + filter.xy + filter.yy).is_finite();
         Some((if sound { filter } else { ImageFilter::NONE }, variance / shares))
-    }
-}
-
-impl FilmLattice {
-    /// Number of a node's pixel.
-    pub(super) fn index(&self, node: usize) -> usize {
-        let [x, y] = self.pixel(node);
-        y as usize * self.width as usize + x as usize
-    }
-
-    /// The node so many columns and rows away.
-    pub(super) fn neighbour(&self, node: usize, [columns, rows]: [i32; 2]) -> Option<usize> {
-        let (across, down) = (i64::from(self.across), i64::from(self.down));
-        let column = node as i64 % across + i64::from(columns);
-        let row = node as i64 / across + i64::from(rows);
-        let inside = (0..across).contains(&column) && (0..down).contains(&row);
-        inside.then_some((row * across + column) as usize)
     }
 }
 
@@ -275,33 +255,22 @@ fn limit(lattice: &FilmLattice, nodes: &mut [FilmFilterNode], index: usize, neig
     if !(here.weight > 0.0) {
         return;
     }
-    let [xx, xy, yy] = here.inverse;
-    let mut own = Sym2 { xx, xy, yy };
+    let mut own = here.inverse;
     for steps in neighbours {
         let Some(there) = lattice.neighbour(index, steps).map(|there| &nodes[there]) else { continue };
         if there.region != here.region || !(there.weight > 0.0) {
             continue;
         }
-        let [xx, xy, yy] = there.inverse;
-        let other = Sym2 { xx, xy, yy };
         let distance = lattice.spacing as f32 * sqrtf((steps[0] * steps[0] + steps[1] * steps[1]) as f32);
         let grown = |variance: f32| {
             let deviation = sqrtf(variance.max(0.0)) + SLOPE * distance;
             deviation * deviation
         };
-        if own.eigenvalues()[0] <= grown(other.eigenvalues()[1]) {
+        if own.eigenvalues()[0] <= grown(there.inverse.eigenvalues()[1]) {
             continue;
         }
-        let bound = other.through_eigenvalues(grown);
+        let bound = there.inverse.through_eigenvalues(grown);
         own = bound.and_then(|bound| own.within(&bound)).unwrap_or(own);
     }
-    nodes[index].inverse = [own.xx, own.xy, own.yy];
-}
-
-/// The inverse of a positive definite matrix.
-fn invert([xx, xy, yy]: [f32; 3]) -> Sym2 {
-    let determinant = xx * yy - xy * xy;
-    // What rounding made singular is thin: it keeps its width and gets the least depth.
-    let determinant = determinant.max(1e-7 * xx * yy);
-    Sym2 { xx: yy / determinant, xy: -xy / determinant, yy: xx / determinant }
+    nodes[index].inverse = own;
 }

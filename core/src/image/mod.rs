@@ -66,6 +66,15 @@ impl fmt::Display for FilmSizeError {
 
 impl core::error::Error for FilmSizeError {}
 
+/// The four corners of a cell, as columns and rows, with their bilinear weights at a place in it; those
+/// without weight are left out.
+pub(crate) fn corners([right, below]: [f32; 2]) -> impl Iterator<Item = ([usize; 2], f32)> {
+    let (left, above) = (1.0 - right, 1.0 - below);
+    let corners =
+        [([0, 0], left * above), ([0, 1], left * below), ([1, 0], right * above), ([1, 1], right * below)];
+    corners.into_iter().filter(|(_, weight)| *weight != 0.0)
+}
+
 /// Number of pixels of a picture that is not too large.
 pub(crate) fn pixel_count(width: u32, height: u32) -> Result<usize, FilmSizeError> {
     let count = u64::from(width) * u64::from(height);

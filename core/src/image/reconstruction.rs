@@ -2,7 +2,7 @@
 
 use super::filter::{Ellipse, WIDEST, bounded};
 use super::tilt::Weighed;
-use super::{FilmFilters, FilmSizeError, ImageFilter, luminance, pixel_count};
+use super::{FilmFilters, FilmSizeError, ImageFilter, corners, luminance, pixel_count};
 use glam::Vec3;
 use libm::{expf, sqrtf};
 
@@ -28,8 +28,7 @@ const LEVELS: usize = 16;
 /// What the eye rays of one pixel saw.
 ///
 /// Both over Σ density, the number of rays that was expected over all passes: pixels then count for their
-/// area, whatever their density. (Each ray over its own pass' density does so too, but one from an early
-/// pass, when the grid knew little and wanted few, outweighs hundreds of later ones.)
+/// area, whatever their density.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FilmSample {
@@ -96,6 +95,21 @@ pub struct FilmNode {
     region: u32,
 }
 
+impl FilmNode {
+    /// A pixel; one whose sample is not sound has no rays.
+    fn pixel(sample: &FilmSample, region: u32) -> Self {
+        Self { sample: if sample.is_sound() { *sample } else { FilmSample::default() }, region }
+    }
+
+    fn with(mut self, other: Self) -> Self {
+        self.sample.add(1.0, &other.sample);
+        if self.region != other.region {
+            self.region = MIXED;
+        }
+        self
+    }
+}
+
 /// Filters a picture's samples.
 ///
 /// A pixel is the ratio Σ w radiance / Σ w weight over the pixels of its region under its filter: exact where
@@ -109,16 +123,17 @@ pub struct Reconstruction<'a> {
     samples: &'a [FilmSample],
     regions: &'a [u32],
     nodes: &'a [FilmNode],
+    levels: Levels,
 }
 
 impl<'a> Reconstruction<'a> {
-    /// Number of nodes for a picture of this size: about a third of its pixels.
+    /// Number of nodes for a picture of this size: about a third of its pixels; 0 for one that is too large.
     ///
     /// ```
     /// assert_eq!(covbeam::Reconstruction::node_count(5, 3), 3 * 2 + 2 * 1 + 1);
     /// ```
     pub fn node_count(width: u32, height: u32) -> usize {
-        levels(width, height).map(|(across, down)| across as usize * down as usize).sum()
+        pixel_count(width, height).map_or(0, |_| Levels::new(width, height).nodes)
     }
 
     /// Sums up blocks of pixels. Cost: 2.5 ns a pixel (bench `film/nodes`).
@@ -137,44 +152,23 @@ impl<'a> Reconstruction<'a> {
         nodes: &'a mut [FilmNode],
     ) -> Result<Self, FilmSizeError> {
         let count = pixel_count(width, height)?;
-        let fits = samples.len() == count
-            && regions.len() == count
-            && nodes.len() == Self::node_count(width, height);
-        if !fits {
+        let levels = Levels::new(width, height);
+        if samples.len() != count || regions.len() != count || nodes.len() != levels.nodes {
             return Err(FilmSizeError);
         }
-        let (mut below, mut first) = ((width, height), 0_usize);
-        let mut before = 0_usize;
-        for (level, (across, down)) in levels(width, height).enumerate() {
-            for y in 0..down {
-                for x in 0..across {
-                    let mut node: Option<FilmNode> = None;
-                    for (cx, cy) in children(x, y, below) {
-                        let index = cy as usize * below.0 as usize + cx as usize;
-                        let child = if level == 0 {
-                            let sample = samples[index];
-                            let sample = if sample.is_sound() { sample } else { FilmSample::default() };
-                            FilmNode { sample, region: regions[index] }
-                        } else {
-                            nodes[before + index]
-                        };
-                        match &mut node {
-                            None => node = Some(child),
-                            Some(node) => {
-                                node.sample.add(1.0, &child.sample);
-                                if node.region != child.region {
-                                    node.region = MIXED;
-                                }
-                            }
-                        }
-                    }
-                    nodes[first + y as usize * across as usize + x as usize] = node.unwrap_or_default();
-                }
+        for level in 1..=levels.top {
+            let (across, down) = levels.size[level];
+            for (x, y) in (0..down).flat_map(|y| (0..across).map(move |x| (x, y))) {
+                let mut below = levels.children(level, x, y).map(|(x, y)| {
+                    let index = levels.index(level - 1, x, y);
+                    if level == 1 { FilmNode::pixel(&samples[index], regions[index]) } else { nodes[index] }
+                });
+                let first = below.next().unwrap_or_default();
+                let node = below.fold(first, FilmNode::with);
+                nodes[levels.index(level, x, y)] = node;
             }
-            (below, before) = ((across, down), first);
-            first += across as usize * down as usize;
         }
-        Ok(Self { width, height, samples, regions, nodes })
+        Ok(Self { width, height, samples, regions, nodes, levels })
     }
 
     /// The radiance of pixel (x, y) through its filter.
@@ -203,7 +197,7 @@ impl<'a> Reconstruction<'a> {
         if x >= self.width || y >= self.height {
             return Vec3::ZERO;
         }
-        let index = y as usize * self.width as usize + x as usize;
+        let index = self.levels.index(0, x, y);
         let (own, region) = (&self.samples[index], self.regions[index]);
         let mut wide = if region == 0 { ImageFilter::NONE } else { bounded(filter) };
         if wide == ImageFilter::NONE && own.is_sound() {
@@ -235,27 +229,22 @@ impl<'a> Reconstruction<'a> {
         if x >= self.width || y >= self.height {
             return Vec3::ZERO;
         }
-        let region = self.regions[y as usize * self.width as usize + x as usize];
-        let offsets = self.offsets();
-        for level in 1..=offsets.top as usize {
-            let across = offsets.size[level].0 as usize;
-            let node =
-                &self.nodes[offsets.first[level] + (y >> level) as usize * across + (x >> level) as usize];
-            if node.region != region || region == 0 {
+        let region = self.region(x, y);
+        for level in 1..=self.levels.top {
+            let (sample, found) = self.block(level, x >> level, y >> level);
+            if found != region || region == 0 {
                 break;
             }
-            if node.sample.weight > 0.0 {
-                return node.sample.radiance / node.sample.weight;
+            if sample.weight > 0.0 {
+                return sample.radiance / sample.weight;
             }
         }
         self.pixel(x, y, &ImageFilter::NONE)
     }
 
     /// The sum under a filter, over the pixels of the pixel's own region.
-    pub(super) fn sum(&self, x: u32, y: u32, filter: &ImageFilter) -> Option<FilmSample> {
-        let region = self.regions[y as usize * self.width as usize + x as usize];
-        let sum = self.gather(x, y, &bounded(filter), Some(region));
-        (sum.weight > 0.0).then_some(sum)
+    pub(super) fn sum(&self, x: u32, y: u32, filter: &ImageFilter) -> FilmSample {
+        self.gather(x, y, &bounded(filter), Some(self.region(x, y)))
     }
 
     /// The picture in a tile of [`FILM_TILE`] x [`FILM_TILE`] pixels.
@@ -296,7 +285,7 @@ impl<'a> Reconstruction<'a> {
             let between = nodes.as_mut().and_then(|nodes| nodes.between(self, filters, px, py));
             let radiance = between.unwrap_or_else(|| self.pixel(px, py, &filter));
             // What has no filter tells its error itself.
-            let own = &self.samples[py as usize * self.width as usize + px as usize];
+            let own = &self.samples[self.levels.index(0, px, py)];
             let halves = if found.is_none() && own.is_sound() { own.halves() } else { None };
             let difference = halves.map_or(0.0, |[first, second]| first - second);
             *out = FilmPixel { radiance, variance, difference };
@@ -304,14 +293,27 @@ impl<'a> Reconstruction<'a> {
     }
 
     fn region(&self, x: u32, y: u32) -> u32 {
-        self.regions[y as usize * self.width as usize + x as usize]
+        self.regions[self.levels.index(0, x, y)]
     }
 
-    /// The light under a filter, over the pixels of one region or of all: what a plane through it has at the pixel.
+    /// The sum over a block, and its region.
+    #[inline]
+    fn block(&self, level: usize, x: u32, y: u32) -> (&FilmSample, u32) {
+        let index = self.levels.index(level, x, y);
+        if level == 0 {
+            (&self.samples[index], self.regions[index])
+        } else {
+            (&self.nodes[index].sample, self.nodes[index].region)
+        }
+    }
+
+    /// The light under a filter, over the pixels of one region or of all: what a plane through it has at the
+    /// pixel.
     ///
-    /// At a border the filter lacks a side, and its mean is that of the light some way inside: with a slope there, off by up to the square
-    /// root of the filter's accepted error. Weights that are tilted until their centre is the pixel mend that (local linear regression;
-    /// J. Fan, Design-adaptive nonparametric regression, JASA 87, 1992).
+    /// At a border the filter lacks a side, and its mean is that of the light some way inside: with a slope
+    /// there, off by up to the square root of the filter's accepted error. Weights that are tilted until
+    /// their centre is the pixel mend that (local linear regression; J. Fan, Design-adaptive nonparametric
+    /// regression, JASA 87, 1992).
     fn gather(&self, x: u32, y: u32, filter: &ImageFilter, among: Option<u32>) -> FilmSample {
         let ellipse = Ellipse::of(filter);
         let mut even = Weighed::default();
@@ -321,7 +323,8 @@ impl<'a> Reconstruction<'a> {
         tilted.bounded(even.sum)
     }
 
-    /// Calls `found` with weight, place in the filter's standard deviations, and sample of all that lies under a filter.
+    /// Calls `found` with weight, place in the filter's standard deviations, and sample of all that lies
+    /// under a filter.
     fn under(
         &self,
         x: u32,
@@ -336,11 +339,10 @@ impl<'a> Reconstruction<'a> {
         let block = BLOCK_SHARE * narrow;
         let (cx, cy) = (x as f32 + 0.5, y as f32 + 0.5);
 
-        let offsets = self.offsets();
         // Four children a level wait, of which one is opened.
-        let mut stack = [(0_u8, 0_u32, 0_u32); 3 * LEVELS + 4];
+        let mut stack = [(0, 0_u32, 0_u32); 3 * LEVELS + 4];
         let mut waiting = 1;
-        stack[0] = (offsets.top, 0, 0);
+        stack[0] = (self.levels.top, 0, 0);
         while waiting > 0 {
             waiting -= 1;
             let (level, nx, ny) = stack[waiting];
@@ -350,21 +352,13 @@ impl<'a> Reconstruction<'a> {
             if along.abs() > REACH * wide + corner * size || aside.abs() > REACH * narrow + corner * size {
                 continue;
             }
-            let (across, down) = offsets.size[level as usize];
-            let index = ny as usize * across as usize + nx as usize;
-            debug_assert!(nx < across && ny < down);
-            let (sample, region) = if level == 0 {
-                (self.samples[index], self.regions[index])
-            } else {
-                let node = &self.nodes[offsets.first[level as usize] + index];
-                (node.sample, node.region)
-            };
+            let (sample, region) = self.block(level, nx, ny);
             let mixed = among.is_some() && region == MIXED && level > 0;
             if level > 0 && (mixed || size > block) {
                 if !mixed && among.is_some_and(|wanted| wanted != region) {
                     continue;
                 }
-                for (x, y) in children(nx, ny, offsets.size[level as usize - 1]) {
+                for (x, y) in self.levels.children(level, nx, ny) {
                     stack[waiting] = (level - 1, x, y);
                     waiting += 1;
                 }
@@ -377,48 +371,51 @@ impl<'a> Reconstruction<'a> {
             let at = [along / wide, aside / narrow];
             let square = at[0] * at[0] + at[1] * at[1];
             if square < REACH * REACH {
-                found(expf(-0.5 * square) - AT_REACH, at, &sample);
+                found(expf(-0.5 * square) - AT_REACH, at, sample);
             }
         }
     }
-
-    fn offsets(&self) -> Offsets {
-        let mut offsets =
-            Offsets { top: 0, first: [0; LEVELS + 1], size: [(self.width, self.height); LEVELS + 1] };
-        let mut next = 0;
-        for (level, (across, down)) in levels(self.width, self.height).enumerate() {
-            offsets.top = level as u8 + 1;
-            offsets.first[level + 1] = next;
-            offsets.size[level + 1] = (across, down);
-            next += across as usize * down as usize;
-        }
-        offsets
-    }
 }
 
-/// Where the blocks of each level are, and how many across and down; level 0 is the pixels.
-struct Offsets {
-    top: u8,
-    first: [usize; LEVELS + 1],
+/// The levels of blocks over a picture, up to one block: a block is made of up to four of the level below,
+/// and the pixels are level 0.
+#[derive(Clone, Copy, Debug)]
+struct Levels {
+    top: usize,
+    /// How many blocks across and down.
     size: [(u32, u32); LEVELS + 1],
+    /// The number of each level's first block, among the pixels or among the blocks.
+    first: [usize; LEVELS + 1],
+    /// How many blocks there are, on all levels above the pixels.
+    nodes: usize,
 }
 
-/// Sizes of the levels of blocks above the pixels, up to one block.
-fn levels(width: u32, height: u32) -> impl Iterator<Item = (u32, u32)> {
-    let mut size = (width, height);
-    core::iter::from_fn(move || {
-        if size.0.max(size.1) <= 1 || size.0.min(size.1) == 0 {
-            return None;
+impl Levels {
+    /// Of a picture that is not too large.
+    fn new(width: u32, height: u32) -> Self {
+        let mut levels =
+            Self { top: 0, size: [(width, height); LEVELS + 1], first: [0; LEVELS + 1], nodes: 0 };
+        let (mut across, mut down) = (width, height);
+        while across.max(down) > 1 && across.min(down) > 0 {
+            (across, down) = (across.div_ceil(2), down.div_ceil(2));
+            levels.top += 1;
+            levels.size[levels.top] = (across, down);
+            levels.first[levels.top] = levels.nodes;
+            levels.nodes += across as usize * down as usize;
         }
-        size = (size.0.div_ceil(2), size.1.div_ceil(2));
-        Some(size)
-    })
-}
+        levels
+    }
 
-/// The up to four blocks of the level below that block (x, y) is made of.
-fn children(x: u32, y: u32, (across, down): (u32, u32)) -> impl Iterator<Item = (u32, u32)> {
-    let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| (2 * x + dx, 2 * y + dy));
-    corners.into_iter().filter(move |(x, y)| *x < across && *y < down)
+    fn index(&self, level: usize, x: u32, y: u32) -> usize {
+        self.first[level] + y as usize * self.size[level].0 as usize + x as usize
+    }
+
+    /// What a block is made of.
+    fn children(&self, level: usize, x: u32, y: u32) -> impl Iterator<Item = (u32, u32)> + use<> {
+        let (across, down) = self.size[level - 1];
+        let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| (2 * x + dx, 2 * y + dy));
+        corners.into_iter().filter(move |(x, y)| *x < across && *y < down)
+    }
 }
 
 /// Light at some pixels of a tile, and of the first row and column beyond it.
@@ -439,8 +436,7 @@ impl Nodes {
 
     /// Bilinear between the four nodes around a pixel; None unless all of it is one region.
     fn between(&mut self, picture: &Reconstruction, filters: &FilmFilters, x: u32, y: u32) -> Option<Vec3> {
-        let region = |x: u32, y: u32| picture.regions[y as usize * picture.width as usize + x as usize];
-        let own = region(x, y);
+        let own = picture.region(x, y);
         let cell = |at: u32, corner: u32, count: u32| {
             let index = (at - corner) / self.step;
             let low = corner + index * self.step;
@@ -450,25 +446,14 @@ impl Nodes {
         };
         let (column, xs, right) = cell(x, self.corner[0], picture.width);
         let (row, ys, below) = cell(y, self.corner[1], picture.height);
-        let mut sum = Vec3::ZERO;
-        if own == 0 || xs.iter().any(|x| ys.iter().any(|y| region(*x, *y) != own)) {
+        if own == 0 || xs.iter().any(|x| ys.iter().any(|y| picture.region(*x, *y) != own)) {
             return None;
         }
-        for (i, wx) in [(0, 1.0 - right), (1, right)] {
-            for (j, wy) in [(0, 1.0 - below), (1, below)] {
-                if wx * wy == 0.0 {
-                    continue;
-                }
-                let slot = &mut self.values[(row + j) * NODES_ACROSS + column + i];
-                let value = match slot {
-                    Some(value) => *value,
-                    None => {
-                        let filter = filters.filter(xs[i], ys[j]);
-                        *slot.insert(picture.pixel(xs[i], ys[j], &filter))
-                    }
-                };
-                sum += wx * wy * value;
-            }
+        let mut sum = Vec3::ZERO;
+        for ([i, j], share) in corners([right, below]) {
+            let slot = &mut self.values[(row + j) * NODES_ACROSS + column + i];
+            let look_up = || picture.pixel(xs[i], ys[j], &filters.filter(xs[i], ys[j]));
+            sum += share * *slot.get_or_insert_with(look_up);
         }
         Some(sum)
     }

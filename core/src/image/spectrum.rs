@@ -3,11 +3,11 @@
 use super::ImageFilter;
 use crate::beam::EyeRay;
 use crate::grid::{FluenceGrid, Surroundings};
-use crate::math::{Sym2, exp};
+use crate::math::{Sym2, exp, symmetric};
 use crate::medium::{Column, Density, Medium};
 use crate::voxels::{Dda, Lattice};
 use core::f32::consts::PI;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use libm::ceilf;
 
 /// Most steps along one eye ray.
@@ -71,25 +71,17 @@ impl ImageSpectrum {
         medium: &Medium,
         column: &Column,
     ) -> Self {
-        let sound = ray.origin.is_finite()
-            && ray.direction.is_finite()
-            && ray.direction != Vec3::ZERO
-            && ray.length > 0.0
-            && steps.iter().all(|step| step.origin.is_finite() && step.direction.is_finite());
-        let layout = grid.layout();
-        let dda = if sound {
-            Dda::new(layout, Lattice::Voxels, ray.origin, ray.direction, ray.length)
-        } else {
-            None
-        };
-        let Some(dda) = dda else { return Self::default() };
-        let (from, length) = (dda.position() as f32, (dda.end() - dda.position()) as f32);
+        let sound = steps.iter().all(|step| step.origin.is_finite() && step.direction.is_finite());
+        let layout = &grid.voxels.layout;
+        let dda = || Dda::new(layout, Lattice::Voxels, ray.origin, ray.direction, ray.length);
+        let Some(dda) = sound.then(dda).flatten() else { return Self::default() };
+        let (from, length) = (dda.position as f32, (dda.end - dda.position) as f32);
         let voxel = ((layout.max - layout.min) / layout.resolution()).min_element();
         let count = ceilf(length / voxel).clamp(1.0, MOST_STEPS);
         let step = length / count;
         let (extinction, density) = (medium.mean_extinction(), &medium.density);
-        let mut sum = Self::default();
-        let mut depth_shape = DepthShape::default();
+        let (mut sum, mut weight_sum) = (Sym2::default(), 0.0);
+        let mut depth = DepthInPixels::default();
         for i in 0..count as u32 {
             let distance = from + (i as f32 + 0.5) * step;
             let position = ray.origin + distance * ray.direction;
@@ -98,10 +90,10 @@ impl ImageSpectrum {
                 moved - moved.dot(ray.direction) * ray.direction
             });
             let mut here = 1.0;
-            let mut structure = [0.0; 3];
+            let mut structure = Sym2::default();
             if !matches!(density, Density::Uniform) {
                 here = density.at(position);
-                structure = depth_shape.step(density, position, across, here, extinction * step);
+                structure = depth.step(density, position, across, here, extinction * step);
             }
             let Some(Surroundings { spectrum, flux, dimmest }) = grid.around(position) else { continue };
             let seen = here * exp(-extinction * column.at(distance)) * step;
@@ -109,14 +101,14 @@ impl ImageSpectrum {
             if !(weight > 0.0 && weight.is_finite()) {
                 continue;
             }
-            let [xx, xy, yy] = slice(spectrum.to_array(), across);
-            sum.xx += weight * (xx + structure[0]);
-            sum.xy += weight * (xy + structure[1]);
-            sum.yy += weight * (yy + structure[2]);
+            structure.add(1.0, &slice(spectrum.to_array(), across));
+            sum.add(weight, &structure);
             // Beside voxels without data, what they dilute is dimmer still.
-            sum.weight += seen * dimmest;
+            weight_sum += seen * dimmest;
         }
-        sum.mean()
+        let Sym2 { xx, xy, yy } = sum.map(|sum| sum / weight_sum);
+        let sound = weight_sum > 0.0 && (xx + xy + yy + weight_sum).is_finite();
+        if sound { Self { xx, xy, yy, weight: weight_sum } } else { Self::default() }
     }
 
     /// The reconstruction filter that blurs the picture by a relative bias of `error`, to second order: a
@@ -150,34 +142,23 @@ impl ImageSpectrum {
         });
         filter.map_or(ImageFilter::NONE, ImageFilter::from)
     }
-
-    fn mean(self) -> Self {
-        let Self { xx, xy, yy, weight } = self;
-        let mean = Self { xx: xx / weight, xy: xy / weight, yy: yy / weight, weight };
-        let sound = weight > 0.0 && (mean.xx + mean.xy + mean.yy + weight).is_finite();
-        if sound { mean } else { Self::default() }
-    }
 }
 
-/// Jᵀ S J, as [xx, xy, yy], of a symmetric matrix S = \[xx, yy, zz, xy, xz, yz\] for the two columns of J.
-fn slice([xx, yy, zz, xy, xz, yz]: [f32; 6], [right, down]: [Vec3; 2]) -> [f32; 3] {
-    let times = |v: Vec3| {
-        let x = xx * v.x + xy * v.y + xz * v.z;
-        let y = xy * v.x + yy * v.y + yz * v.z;
-        let z = xz * v.x + yz * v.y + zz * v.z;
-        Vec3::new(x, y, z)
-    };
-    [right.dot(times(right)), right.dot(times(down)), down.dot(times(down))]
+/// Jᵀ S J of a symmetric matrix S = \[xx, yy, zz, xy, xz, yz\] for the two columns of J.
+fn slice(matrix: [f32; 6], [right, down]: [Vec3; 2]) -> Sym2 {
+    let matrix = symmetric(matrix);
+    let below = matrix * down;
+    Sym2 { xx: right.dot(matrix * right), xy: right.dot(below), yy: down.dot(below) }
 }
 
 /// Gradient and Hessian, in pixels, of the optical depth to the eye.
 #[derive(Default)]
-struct DepthShape {
-    gradient: [f32; 2],
-    hessian: [f32; 3],
+struct DepthInPixels {
+    gradient: Vec2,
+    hessian: Sym2,
 }
 
-impl DepthShape {
+impl DepthInPixels {
     /// What density x transmittance adds to the spectrum at a point \[cycles²/pixel²\]; then goes on by one
     /// step.
     fn step(
@@ -187,37 +168,30 @@ impl DepthShape {
         across: [Vec3; 2],
         here: f32,
         extinction_step: f32,
-    ) -> [f32; 3] {
+    ) -> Sym2 {
         let found = density.derivatives(position);
-        let slope = across.map(|v| found.gradient.dot(v));
+        let slope = Vec2::from(across.map(|v| found.gradient.dot(v)));
         let hessian = slice(found.hessian, across);
         // Half of the step lies before its middle.
-        self.add(0.5 * extinction_step, slope, hessian);
-        let shape = if here > 0.0 {
-            let [gx, gy] = [slope[0] / here - self.gradient[0], slope[1] / here - self.gradient[1]];
-            let [rx, ry] = slope.map(|slope| slope / here);
+        self.add(0.5 * extinction_step, slope, &hessian);
+        let mut shape = None;
+        if here > 0.0 {
+            let r = slope / here;
+            let g = r - self.gradient;
             // Hess(ρ e^-τ)/(ρ e^-τ) = Hess ρ/ρ - Hess τ + (∇ρ/ρ - ∇τ)(∇ρ/ρ - ∇τ)ᵀ - (∇ρ/ρ)(∇ρ/ρ)ᵀ.
-            let entry = |index: usize, outer: f32| hessian[index] / here - self.hessian[index] + outer;
-            let relative = Sym2 {
-                xx: entry(0, gx * gx - rx * rx),
-                xy: entry(1, gx * gy - rx * ry),
-                yy: entry(2, gy * gy - ry * ry),
-            };
-            let magnitude = relative.through_eigenvalues(|curvature| curvature.abs() / (4.0 * PI * PI));
-            magnitude.map_or([0.0; 3], |m| [m.xx, m.xy, m.yy])
-        } else {
-            [0.0; 3]
-        };
-        self.add(0.5 * extinction_step, slope, hessian);
-        shape
+            let mut relative = hessian.map(|second| second / here);
+            relative.add(-1.0, &self.hessian);
+            let outer =
+                Sym2 { xx: g.x * g.x - r.x * r.x, xy: g.x * g.y - r.x * r.y, yy: g.y * g.y - r.y * r.y };
+            relative.add(1.0, &outer);
+            shape = relative.through_eigenvalues(|curvature| curvature.abs() / (4.0 * PI * PI));
+        }
+        self.add(0.5 * extinction_step, slope, &hessian);
+        shape.unwrap_or_default()
     }
 
-    fn add(&mut self, depth: f32, slope: [f32; 2], hessian: [f32; 3]) {
-        for (sum, slope) in self.gradient.iter_mut().zip(slope) {
-            *sum += depth * slope;
-        }
-        for (sum, second) in self.hessian.iter_mut().zip(hessian) {
-            *sum += depth * second;
-        }
+    fn add(&mut self, depth: f32, slope: Vec2, hessian: &Sym2) {
+        self.gradient += depth * slope;
+        self.hessian.add(depth, hessian);
     }
 }

@@ -71,9 +71,9 @@ impl FilmSums {
 
     /// The sums over an expected number of eye rays: what a [`super::Reconstruction`] takes.
     ///
-    /// - `expected` > 0: Σ density of all passes; a mean over the passes' densities, not each ray over its
-    ///   own: a ray from an early pass, when the grid knew little and wanted few, must not outweigh all later
-    ///   ones (the balance heuristic).
+    /// - `expected` > 0: Σ density of all passes; not each ray over its own pass' density: one from an
+    ///   early pass, when the grid knew little and wanted few, would outweigh hundreds of later ones (the
+    ///   balance heuristic).
     pub fn sample(&self, unit: &FilmUnit, expected: f64) -> FilmSample {
         if !(expected > 0.0) {
             return FilmSample::default();

@@ -3,14 +3,17 @@
 use super::FilmSample;
 use glam::Vec3;
 
-/// Squared distance between the centre of a filter's samples and its pixel, in the filter's variances, from which the weights are tilted:
-/// below, the slope of the light moves the mean by less than a tenth of what it does at a border.
+/// Squared distance between the centre of a filter's samples and its pixel, in the filter's variances, from
+/// which the weights are tilted: below, the slope of the light moves the mean by less than a tenth of what it
+/// does at a border.
 const OFF_CENTRE: f32 = 0.01;
 
-/// What is added to the samples' second moments, in the filter's: where all of them lie to one side, a plane would be extrapolated from noise.
+/// What is added to the samples' second moments, in the filter's: where all of them lie to one side, a plane
+/// would be extrapolated from noise.
 const RIDGE: f32 = 0.03;
 
-/// Share of the samples' weight that tilted weights keep at least: with less, they are nothing but differences.
+/// Share of the samples' weight that tilted weights keep at least: with less, they are nothing but
+/// differences.
 const LEAST_LEFT: f32 = 0.1;
 
 /// Samples under a filter, with the moments of their places in the filter's standard deviations.
@@ -59,8 +62,8 @@ impl Tilted {
         (self.least, self.most) = (self.least.min(seen), self.most.max(seen));
     }
 
-    /// Its sums, as if a plane through noise never left the range of what was seen; `even` where too little weight is left, or more than what
-    /// `f32` holds.
+    /// Its sums, as if a plane through noise never left the range of what was seen; `even` where too little
+    /// weight is left, or more than what `f32` holds.
     pub(super) fn bounded(&self, even: FilmSample) -> FilmSample {
         let FilmSample { radiance, weight, first, first_weight } = self.sum;
         let sound =

@@ -1,7 +1,7 @@
 //! Filters checked by the samples: one is narrowed where what it gives disagrees with what narrower ones
 //! give.
 
-use super::{FilmFilterNode, FilmFilters, FilmLattice, FilmSizeError, ImageFilter, Reconstruction};
+use super::{FilmFilterNode, FilmFilters, FilmLattice, FilmSizeError, Reconstruction};
 
 /// Widths that are compared: the predicted one, a half, a quarter, …
 pub(super) const SCALES: usize = 7;
@@ -41,24 +41,18 @@ impl FilmFilters<'_> {
         }
         let [x, y] = self.lattice.pixel(node);
         let mut evidence = FilmEvidence::default();
-        let mut filter = ImageFilter::from(found.filter());
+        let mut filter = found.inverse.inverse();
+        let mut known = None;
         for scale in 0..SCALES {
-            let halves = picture.sum(x, y, &filter).and_then(|sum| sum.halves());
-            let Some([first, second]) = halves else {
-                // Too few rays: what is known of the wider one.
-                if scale == 0 {
-                    return FilmEvidence::default();
-                }
-                evidence.first[scale] = evidence.first[scale - 1];
-                evidence.second[scale] = evidence.second[scale - 1];
-                continue;
-            };
-            (evidence.first[scale], evidence.second[scale]) = (first, second);
-            if scale == 0 {
-                evidence.brightness = 0.5 * (first + second);
+            // With too few rays: what is known of the wider one.
+            if let Some(halves) = picture.sum(x, y, &filter.into()).halves() {
+                known = Some(halves);
+                filter = filter.map(|value| 0.25 * value);
             }
-            filter = ImageFilter { xx: 0.25 * filter.xx, xy: 0.25 * filter.xy, yy: 0.25 * filter.yy };
+            let Some([first, second]) = known else { return FilmEvidence::default() };
+            (evidence.first[scale], evidence.second[scale]) = (first, second);
         }
+        evidence.brightness = evidence.both(0);
         evidence
     }
 }
@@ -96,9 +90,10 @@ fn choose(
     nodes: &[FilmFilterNode],
     index: usize,
 ) -> (usize, f32) {
-    // Means over the nodes around: of the variance of each width, and of the squared difference of each two, free of noise because it is
-    // a product of the two halves'. The largest of these products is left out: a pixel that is bright in both halves by chance would
-    // decide for all nodes around, and what is light is seen by more than one.
+    // Means over the nodes around: of the variance of each width, and of the squared difference of each two,
+    // free of noise because it is a product of the two halves'. The largest of these products is left out: a
+    // pixel that is bright in both halves by chance would decide for all nodes around, and what is light is
+    // seen by more than one.
     let mut variance = [0.0_f32; SCALES];
     let mut bias = [[0.0_f32; SCALES]; SCALES];
     let mut largest = [[0.0_f32; SCALES]; SCALES];

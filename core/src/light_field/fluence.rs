@@ -1,6 +1,8 @@
-//! The covariance of the fluence's spectrum: a light field's slice (Eq 5.14), which a voxel stores and a kernel radius is read from.
+//! The covariance of the fluence's spectrum: a light field's slice (Eq 5.14), which a voxel stores and a
+//! kernel radius is read from.
 
 use super::LightField;
+use crate::math::SIX;
 use core::f64::consts::PI;
 use glam::Vec3;
 
@@ -31,18 +33,13 @@ impl FluenceSpectrum {
     /// use covbeam::FluenceSpectrum;
     /// let spectrum = FluenceSpectrum { xx: 1.0, yy: 2.0, zz: 3.0, xy: 0.1, xz: 0.2, yz: 0.3 };
     /// assert_eq!(spectrum.to_array(), [1.0, 2.0, 3.0, 0.1, 0.2, 0.3]);
+    /// assert_eq!(FluenceSpectrum::from_array(spectrum.to_array()), spectrum);
     /// ```
     pub fn to_array(self) -> [f32; 6] {
         [self.xx, self.yy, self.zz, self.xy, self.xz, self.yz]
     }
 
     /// The inverse of [`FluenceSpectrum::to_array`].
-    ///
-    /// ```
-    /// use covbeam::FluenceSpectrum;
-    /// let spectrum = FluenceSpectrum::from_array([1.0, 2.0, 3.0, 0.1, 0.2, 0.3]);
-    /// assert_eq!((spectrum.zz, spectrum.xy), (3.0, 0.1));
-    /// ```
     pub fn from_array([xx, yy, zz, xy, xz, yz]: [f32; 6]) -> Self {
         Self { xx, yy, zz, xy, xz, yz }
     }
@@ -59,13 +56,9 @@ impl FluenceSpectrum {
     /// assert!((spectrum.variance_along(Vec3::Y) - 64.0).abs() < 1e-4);
     /// ```
     pub fn add_along(&mut self, axis: Vec3, variance: f32) {
-        let (n, along) = (axis, axis * variance);
-        self.xx += n.x * along.x;
-        self.yy += n.y * along.y;
-        self.zz += n.z * along.z;
-        self.xy += n.x * along.y;
-        self.xz += n.x * along.z;
-        self.yz += n.y * along.z;
+        let (sum, along) = (self.to_array(), axis * variance);
+        let added = SIX.map(|(i, j)| axis[i] * along[j]);
+        *self = Self::from_array(core::array::from_fn(|k| sum[k] + added[k]));
     }
 
     /// The spectrum's variance σ² = nᵀ Σ n along a unit `axis` \[cycles²/m²\], never negative.
@@ -93,13 +86,11 @@ impl FluenceSpectrum {
 }
 
 impl LightField {
-    /// The spectrum of the fluence across the ray: the 2x2 covariance `[xx, xy, yy]` along the frame's x and y
-    /// \[cycles²/m²\].
+    /// The spectrum of the fluence across the ray: the 2x2 covariance `[xx, xy, yy]` along the frame's x and
+    /// y \[cycles²/m²\].
     ///
-    /// Spectrum: the slice of Σ at zero angular frequency, its Schur complement Σ_xx - Σ_xu Σ_uu⁺ Σ_ux. Read from L
-    /// without arithmetic on the angular part; with a singular Σ_uu it is the pseudo-inverse's limit.
-    ///
-    /// Guarantee: positive semi-definite up to rounding. Error: that of the root, see [`LightField`].
+    /// Spectrum: the slice of Σ at zero angular frequency, its Schur complement Σ_xx - Σ_xu Σ_uu⁺ Σ_ux. Read
+    /// from L without arithmetic on the angular part; with a singular Σ_uu it is the pseudo-inverse's limit.
     ///
     /// Source: thesis Eq 5.14.
     ///
@@ -119,8 +110,6 @@ impl LightField {
     ///
     /// Spectrum: R \[slice 0; 0 0\] Rᵀ, with R the frame's axes: zero along the ray.
     ///
-    /// Guarantee: positive semi-definite up to rounding.
-    ///
     /// Source: thesis Eq 5.14.
     ///
     /// ```
@@ -132,13 +121,14 @@ impl LightField {
         self.fluence_within(f32::INFINITY)
     }
 
-    /// The spectrum of the fluence around the ray, bounded by what a voxel can resolve, in world axes \[cycles²/m²\].
+    /// The spectrum of the fluence around the ray, bounded by what a voxel can resolve, in world axes
+    /// \[cycles²/m²\].
     ///
     /// Spectrum: that of [`LightField::fluence`] with each of the root's two spatial columns cut to `limit`.
     ///
-    /// - `limit` \[cycles/m\] > 0: the largest deviation kept. Light beside an edge has a variance of 1/(4π²ρ²), whose mean
-    ///   over all distances ρ does not exist: a few photons next to an edge would speak for all. Voxels of
-    ///   side h cannot tell their Nyquist frequency, 1/(2h), from more.
+    /// - `limit` \[cycles/m\] > 0: the largest deviation kept. Light beside an edge has a variance of
+    ///   1/(4π²ρ²), whose mean over all distances ρ does not exist: a few photons next to an edge would speak
+    ///   for all. Voxels of side h cannot tell their Nyquist frequency, 1/(2h), from more.
     ///
     /// Guarantee: positive semi-definite up to rounding, no deviation above √2 `limit`.
     ///
@@ -159,28 +149,20 @@ impl LightField {
             scale * x * frame.x + scale * y * frame.y
         };
         let (a, b) = (bounded(xx, yx), bounded(0.0, yy));
-        let entry = |i: usize, j: usize| a[i] * a[j] + b[i] * b[j];
-        FluenceSpectrum::from_array(within_range([
-            entry(0, 0),
-            entry(1, 1),
-            entry(2, 2),
-            entry(0, 1),
-            entry(0, 2),
-            entry(1, 2),
-        ]))
+        FluenceSpectrum::from_array(within_range(SIX.map(|(i, j)| a[i] * a[j] + b[i] * b[j])))
     }
 
-    /// Variance of the fluence's spectrum along the ray \[cycles²/m²\], from how the rays spread or converge and from
-    /// extinction.
+    /// Variance of the fluence's spectrum along the ray \[cycles²/m²\], from how the rays spread or converge
+    /// and from extinction.
     ///
-    /// Spectrum: for the Gaussian field of covariance Σ the fluence goes as f ∝ √det(slice) exp(-κ s), so that with
-    /// M = Σ_xu Σ_uu⁻¹ (minus the wavefront's curvature) (ln f)' = tr M - κ and (ln f)'' = tr M² - tr(slice Σ_uu⁻¹). The
-    /// variance is the larger of |f''/f| and (f'/f)², over 4π².
+    /// Spectrum: for the Gaussian field of covariance Σ the fluence goes as f ∝ √det(slice) exp(-κ s), so
+    /// that with M = Σ_xu Σ_uu⁻¹ (minus the wavefront's curvature) (ln f)' = tr M - κ and (ln f)'' = tr M² -
+    /// tr(slice Σ_uu⁻¹). The variance is the larger of |f''/f| and (f'/f)², over 4π².
     ///
     /// - `extinction` κ \[1/m\] >= 0 around the ray.
     ///
-    /// Holds for light that comes from its source without scattering on the way: scattered light starts all along
-    /// its path, and what one vertex spreads the next ones replace.
+    /// Holds for light that comes from its source without scattering on the way: scattered light starts all
+    /// along its path, and what one vertex spreads the next ones replace.
     ///
     /// Guarantee: >= 0 and finite. Test: `along_the_ray_the_fluence_has_the_spectrum_of_its_closed_form`.
     ///
@@ -195,8 +177,8 @@ impl LightField {
     /// ```
     pub fn variance_along_ray(&self, extinction: f32) -> f32 {
         let [uu, vu, vv, xu, xv, xx, yu, yv, yx, yy] = self.root.map(f64::from);
-        // With L = [[A, 0], [B, C]]: M = B A⁻¹, and tr(slice Σ_uu⁻¹) is the sum of the squares in A⁻¹ C. A row of A
-        // without a pivot has no column in B.
+        // With L = [[A, 0], [B, C]]: M = B A⁻¹, and tr(slice Σ_uu⁻¹) is the sum of the squares in A⁻¹ C. A
+        // row of A without a pivot has no column in B.
         let over = |a: f64, b: f64| if b == 0.0 { 0.0 } else { a / b };
         let (m_xv, m_yv) = (over(xv, vv), over(yv, vv));
         let (m_xu, m_yu) = (over(xu - m_xv * vu, uu), over(yu - m_yv * vu, uu));
@@ -210,45 +192,11 @@ impl LightField {
     }
 }
 
-/// The matrix with these entries in `f32`, scaled down as a whole (so that it stays positive semi-definite) if its
-/// largest entry exceeds 2¹²⁵, which leaves room for the sum of a quadratic form.
+/// The matrix with these entries in `f32`, scaled down as a whole (so that it stays positive semi-definite)
+/// if its largest entry exceeds 2¹²⁵, which leaves room for the sum of a quadratic form.
 fn within_range<const N: usize>(entries: [f64; N]) -> [f32; N] {
     const END: f64 = (1u128 << 125) as f64;
     let largest = entries.iter().fold(0.0, |largest: f64, e| largest.max(e.abs()));
     let factor = if largest > END { END / largest } else { 1.0 };
     entries.map(|entry| (entry * factor) as f32)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_variance_along_an_axis_is_its_outer_product() {
-        let before = [1.0, 2.0, 3.0, 0.1, 0.2, 0.3];
-        let mut spectrum = FluenceSpectrum::from_array(before);
-        // Unit, and unequal on every axis, so that swapped entries show.
-        spectrum.add_along(Vec3::new(2.0, 3.0, 6.0) / 7.0, 49.0);
-        let outer = [4.0, 9.0, 36.0, 6.0, 12.0, 18.0];
-        for ((found, before), outer) in spectrum.to_array().into_iter().zip(before).zip(outer) {
-            // Three roundings of f32 at 40.
-            assert!((found - before - outer).abs() < 1e-5, "{found} {before} {outer}");
-        }
-    }
-
-    #[test]
-    fn rounding_never_makes_a_variance_negative() {
-        // Rank one along (1, 1/3, 1/7): across it the true value is 0 and rounding may be below.
-        let v = Vec3::new(1.0, 1.0 / 3.0, 1.0 / 7.0);
-        let s =
-            FluenceSpectrum::from_array([v.x * v.x, v.y * v.y, v.z * v.z, v.x * v.y, v.x * v.z, v.y * v.z]);
-        for turn in 0..100 {
-            let other = Vec3::new(turn as f32 * 0.37 - 10.0, 3.0, 1.0);
-            let across = v.cross(other).normalize();
-            let variance = s.variance_along(across);
-            // Eight roundings of terms no larger than the trace, 1.13.
-            assert!((0.0..1e-6).contains(&variance), "{variance}");
-        }
-        assert_eq!(s.variance_along(Vec3::NAN), 0.0);
-    }
 }

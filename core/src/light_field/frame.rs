@@ -6,7 +6,8 @@
 
 use glam::{DVec3, Vec3};
 
-/// Square of 1e-14, some roundings of a vector: what is left of it across another may all be rounding, in any direction.
+/// Square of 1e-14, some roundings of a vector: what is left of it across another may all be rounding, in any
+/// direction.
 const ROUNDING: f64 = 1e-28;
 
 /// Right-handed orthonormal frame: z = direction of propagation, x and y across it.
@@ -18,8 +19,8 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// The frame with the given z whose x axis is the part of `x` across `z`; any axis across `z` when there is
-    /// none.
+    /// The frame with the given z whose x axis is the part of `x` across `z`; any axis across `z` when there
+    /// is none.
     pub(super) fn new(x: DVec3, z: DVec3) -> Self {
         let across = x - x.dot(z) * z;
         let rest = across.dot(across);
@@ -38,38 +39,27 @@ impl Frame {
 
 /// `across` as a unit vector, or any axis across `z` if it has no direction.
 fn frame_axis(across: DVec3, z: DVec3) -> DVec3 {
-    unit(across).unwrap_or_else(|| any_across(z))
-}
-
-/// `v` as a unit vector; `None` for a zero vector or one that is not finite.
-pub(super) fn unit_from(v: Vec3) -> Option<DVec3> {
-    unit(v.as_dvec3())
+    across.try_normalize().unwrap_or_else(|| any_across(z))
 }
 
 /// `v` scaled to length 1; `None` for a zero vector or one that is not finite.
-pub(super) fn unit(v: DVec3) -> Option<DVec3> {
-    let length = libm::sqrt(v.dot(v));
-    (length > 0.0 && length < f64::INFINITY).then(|| (1.0 / length) * v)
+pub(super) fn unit(v: Vec3) -> Option<DVec3> {
+    v.as_dvec3().try_normalize()
 }
 
 /// A unit vector across the unit vector `z`.
 pub(super) fn any_across(z: DVec3) -> DVec3 {
     // The coordinate axis furthest from z.
     let axis = if z.x.abs() < 0.6 { DVec3::X } else { DVec3::Y };
-    unit(z.cross(axis).cross(z)).unwrap_or(axis)
+    z.cross(axis).cross(z).normalize_or(axis)
 }
 
-/// The unit vector across both `z` and `other`; zero when they are parallel.
-pub(super) fn sagittal(z: DVec3, other: DVec3) -> DVec3 {
-    sagittal_or(z, other, DVec3::ZERO)
-}
-
-/// The unit vector across both `z` and `other`; `fallback`, which is across z, when these are parallel: the plane
-/// of incidence is then arbitrary.
+/// The unit vector across both `z` and `other`; `fallback`, which is across z, when these are parallel: the
+/// plane of incidence is then arbitrary.
 pub(super) fn sagittal_or(z: DVec3, other: DVec3, fallback: DVec3) -> DVec3 {
     let s = z.cross(other);
     // Closer than 1e-8 the plane changes no cosine by an ulp, but rounding would tilt s out of it.
-    if s.dot(s) < 1e-16 { fallback } else { unit(s).unwrap_or(fallback) }
+    if s.dot(s) < 1e-16 { fallback } else { s.normalize_or(fallback) }
 }
 
 #[cfg(test)]
@@ -78,7 +68,7 @@ mod tests {
 
     #[test]
     fn a_frame_is_orthonormal_and_right_handed_even_when_its_x_axis_is_almost_along_z() {
-        let z = unit(DVec3::new(0.3, -0.5, 0.8)).unwrap();
+        let z = DVec3::new(0.3, -0.5, 0.8).normalize();
         for x in [DVec3::X, z, z + 1e-12 * DVec3::Y, DVec3::ZERO, DVec3::NAN] {
             let frame = Frame::new(x, z);
             // A few roundings of f64.
@@ -90,18 +80,9 @@ mod tests {
         for x in
             [[-0.225355, 3.22771e28, -0.721998], [0.25, -3e29, -1e-30], [1e-30, 1.0, 1e-17]].map(DVec3::from)
         {
-            let z = unit(DVec3::new(-0.805019, 6.62924e29, -9.41048e-31)).unwrap();
+            let z = DVec3::new(-0.805019, 6.62924e29, -9.41048e-31).normalize();
             let frame = Frame::new(x, z);
             assert!(frame.x.dot(z).abs() < 1e-15 && (frame.x.dot(frame.x) - 1.0).abs() < 1e-15);
         }
-    }
-
-    #[test]
-    fn a_vector_without_a_direction_has_no_unit_vector() {
-        assert!(unit_from(Vec3::ZERO).is_none());
-        assert!(unit_from(Vec3::new(f32::NAN, 0.0, 1.0)).is_none());
-        assert!(unit_from(Vec3::new(f32::INFINITY, 0.0, 1.0)).is_none());
-        // The shortest f32 still has one: its square does not vanish in f64.
-        assert_eq!(unit_from(Vec3::new(1e-45, 0.0, 0.0)), Some(DVec3::X));
     }
 }

@@ -1,9 +1,10 @@
 //! What a medium whose density varies does to a light field on its way.
 
-use super::{LightField, UNBOUNDED};
+use super::{LightField, UNBOUNDED, principal_axis};
+use crate::math::symmetric;
 use crate::medium::{Density, Derivatives, Medium};
 use core::f64::consts::PI;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 /// Most steps in which a light field is carried.
 const MOST_STEPS: f32 = 256.0;
@@ -11,17 +12,18 @@ const MOST_STEPS: f32 = 256.0;
 impl LightField {
     /// Attenuation by a stretch of medium whose optical depth τ varies across the ray.
     ///
-    /// Spectrum: the signal is multiplied by exp(-τ), whose relative gradient is -∇τ and whose relative curvature is
-    /// C = ∇τ ∇τᵀ - Hess τ, both across the ray. Over 4π², |C| (with the magnitudes of the eigenvalues: an envelope that knows no
-    /// sign) or ∇τ ∇τᵀ is added as spatial variance, whichever has the larger trace: at an inflection the slope dominates.
+    /// Spectrum: the signal is multiplied by exp(-τ), whose relative gradient is -∇τ and whose relative
+    /// curvature is C = ∇τ ∇τᵀ - Hess τ, both across the ray. Over 4π², |C| (with the magnitudes of the
+    /// eigenvalues: an envelope that knows no sign) or ∇τ ∇τᵀ is added as spatial variance, whichever has the
+    /// larger trace: at an inflection the slope dominates.
     ///
     /// - `gradient` ∇τ \[1/m\] and `hessian` Hess τ \[1/m²\] of the stretch's optical depth, in world axes,
-    ///   \[xx, yy, zz, xy, xz, yz\]: the extinction's derivatives integrated along the ray, with their signs. Structure that
-    ///   cancels along the way attenuates evenly. All 0 (a homogeneous medium) changes nothing.
+    ///   \[xx, yy, zz, xy, xz, yz\]: the extinction's derivatives integrated along the ray, with their signs.
+    ///   Structure that cancels along the way attenuates evenly. All 0 (a homogeneous medium) changes
+    ///   nothing.
     ///
-    /// Numbers that are not finite leave the field as it was.
-    ///
-    /// Source: thesis 5.3.1 (products in the primal domain); the positive form is derived from Hess f = -4π² f Σ.
+    /// Source: thesis 5.3.1 (products in the primal domain); the positive form is derived from Hess f = -4π²
+    /// f Σ.
     ///
     /// ```
     /// use covbeam::{LightField, Vec3};
@@ -38,22 +40,14 @@ impl LightField {
         let frame = self.frame();
         let slope = gradient.as_dvec3();
         let (g_x, g_y) = (frame.x.dot(slope), frame.y.dot(slope));
-        let [xx, yy, zz, xy, xz, yz] = hessian.map(f64::from);
-        let entry = |a: DVec3, b: DVec3| {
-            xx * a[0] * b[0]
-                + yy * a[1] * b[1]
-                + zz * a[2] * b[2]
-                + xy * (a[0] * b[1] + a[1] * b[0])
-                + xz * (a[0] * b[2] + a[2] * b[0])
-                + yz * (a[1] * b[2] + a[2] * b[1])
-        };
-        let p = g_x * g_x - entry(frame.x, frame.x);
-        let q = g_x * g_y - entry(frame.x, frame.y);
-        let r = g_y * g_y - entry(frame.y, frame.y);
+        let hessian = symmetric(*hessian).as_dmat3();
+        let p = g_x * g_x - frame.x.dot(hessian * frame.x);
+        let q = g_x * g_y - frame.x.dot(hessian * frame.y);
+        let r = g_y * g_y - frame.y.dot(hessian * frame.y);
         let (middle, half) = (0.5 * (p + r), 0.5 * (p - r));
         let spread = libm::sqrt(half * half + q * q);
         let (high, low) = ((middle + spread).abs(), (middle - spread).abs());
-        let (sin, cos) = libm::sincos(0.5 * libm::atan2(q, half));
+        let (cos, sin) = principal_axis(half, q);
         let root = |variance: f64| (libm::sqrt(variance) / (2.0 * PI)).min(UNBOUNDED);
         let added = if high + low >= g_x * g_x + g_y * g_y {
             let (a, b) = (root(high), root(low));
@@ -66,14 +60,14 @@ impl LightField {
         }
     }
 
-    /// Moves the light field through a medium: a travel, with the [`LightField::attenuate`] of the whole way at the centroid of
-    /// what varies on it. Just a travel where the density is uniform.
+    /// Moves the light field through a medium: a travel, with the [`LightField::attenuate`] of the whole way
+    /// at the centroid of what varies on it. Just a travel where the density is uniform.
     ///
     /// - `origin` \[m\]: where the field is; it moves along its direction.
     /// - `distance` \[m\] >= 0.
     ///
-    /// The derivatives of the mean channel's optical depth are summed in steps of at most [`Density::step`] (256 of them at most) by
-    /// the midpoint rule: about 1 % in an exponential medium.
+    /// The derivatives of the mean channel's optical depth are summed in steps of at most [`Density::step`]
+    /// (256 of them at most) by the midpoint rule: about 1 % in an exponential medium.
     ///
     /// ```
     /// use covbeam::{Density, ExponentialDensity, LightField, Medium, Vec3};

@@ -1,8 +1,8 @@
 //! The local light field's covariance, kept as a square root, and what each event of a light path does to it.
 //!
 //! Covariance tracing is a Kalman filter: travel and curvature are state transitions, occlusion is process
-//! noise, scattering is a measurement update, and the fluence's slice is the limit of a perfect measurement. The
-//! square-root form of that filter is used: L lower triangular with Σ = L Lᵀ, angles before positions.
+//! noise, scattering is a measurement update, and the fluence's slice is the limit of a perfect measurement.
+//! The square-root form of that filter is used: L lower triangular with Σ = L Lᵀ, angles before positions.
 //!
 //! | event | on L | on Σ |
 //! |---|---|---|
@@ -11,9 +11,9 @@
 //! | signal convolved in angle with a lobe of covariance C Cᵀ | lower right of tri(\[\[C, L_u\], \[0, L\]\]) | (Σ⁻¹ + (C Cᵀ)⁻¹)⁻¹ |
 //! | integral over angle | the lower-right 2x2 block of L | Schur complement |
 //!
-//! The textbook form subtracts covariances and loses every digit near point sources, collimated beams and foci;
-//! here no covariance is subtracted, inverted, regularised or clamped. L is stored in `f32`; an operator works in
-//! `f64` and rounds once when it is done.
+//! The textbook form subtracts covariances and loses every digit near point sources, collimated beams and
+//! foci; here no covariance is subtracted, inverted, regularised or clamped. L is stored in `f32`; an
+//! operator works in `f64` and rounds once when it is done.
 
 mod fluence;
 mod frame;
@@ -25,46 +25,49 @@ pub use fluence::FluenceSpectrum;
 pub use surface::Curvature;
 
 use core::f64::consts::PI;
-use frame::{Frame, sagittal, sagittal_or};
+use frame::{Frame, sagittal_or};
 use glam::{DVec3, Vec3};
 use triangular::triangular;
 
-/// Root of the variance of an exact point (in space), an exact parallel beam (in angle), or an edge on the ray.
+/// Root of the variance of an exact point (in space), an exact parallel beam (in angle), or an edge on the
+/// ray.
 ///
-/// Far beyond any finite source: 1/(π R) reaches it at R = 3e-16. A source of finite size R seen from a distance
-/// d is told from a point by R against d times its angular bandwidth, so at any distance above 1e-6 the
-/// deviation from the exact limit is below 1e-17. Its square still fits in `f32`. A power of two, so that
+/// Far beyond any finite source: 1/(π R) reaches it at R = 3e-16. A source of finite size R seen from a
+/// distance d is told from a point by R against d times its angular bandwidth, so at any distance above 1e-6
+/// the deviation from the exact limit is below 1e-17. Its square still fits in `f32`. A power of two, so that
 /// scaling by it is exact.
 const SHARP: f64 = (1u64 << 50) as f64;
 
-/// Largest entry of a stored root. Light that is bent again and again has an angular frequency that grows without
-/// limit, by 2¹³⁰ in a thousand bounces.
+/// Largest entry of a stored root. Light that is bent again and again has an angular frequency that grows
+/// without limit, by 2¹³⁰ in a thousand bounces.
 const UNBOUNDED: f64 = (1u128 << 100) as f64;
 
-/// Angular variance of the emission of a lamp that shines evenly \[cycles²/rad²\]: its light falls off as 1/d², a relative curvature of
-/// 2/d² across its rays, so that 2/(4π²).
+/// Angular variance of the emission of a lamp that shines evenly \[cycles²/rad²\]: its light falls off as
+/// 1/d², a relative curvature of 2/d² across its rays, so that 2/(4π²).
 pub const EVEN_LAMP: f32 = (2.0 / (4.0 * PI * PI)) as f32;
 
 /// Square root of the covariance of a local light field's spectrum, with the frame it is expressed in.
 ///
 /// Guarantee of every operator: the covariance stays positive semi-definite (it is L Lᵀ), nothing becomes NaN
-/// or infinite (a column of the root beyond 2¹⁰⁰ is scaled back to it), and an argument without meaning (NaN, an
-/// infinite vector, a vector of length 0 where a direction is needed) leaves the field as it was.
+/// or infinite (a column of the root beyond 2¹⁰⁰ is scaled back to it), and an argument out of its range or
+/// without meaning (NaN, an infinite vector, one without a direction or without a part across the ray where
+/// that counts) leaves the field as it was. Vectors may have any length. A source takes +z for a direction
+/// that is none, 0 for a variance and infinity for a radius that is negative or NaN.
 ///
-/// Error: one rounding of the ten numbers to `f32` per operator. The slice agrees with a 1600-bit evaluation to
-/// 1e-6, 1e-5 after 1000 events (test `every_hard_case_is_within_its_tolerance`).
+/// Error: one rounding of the ten numbers to `f32` per operator. The slice agrees with a 1600-bit evaluation
+/// to 1e-6, 1e-5 after 1000 events (test `every_hard_case_is_within_its_tolerance`).
 ///
 /// Size: 64 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightField {
     /// Lower-triangular L with Σ = L Lᵀ, rows (u, v, x, y), packed row by row:
-    /// `[uu, vu, vv, xu, xv, xx, yu, yv, yx, yy]`. Rows u and v in cycles/rad, x and y in cycles/m.
-    /// A column whose diagonal entry is 0 is 0.
+    /// `[uu, vu, vv, xu, xv, xx, yu, yv, yx, yy]`. Rows u and v in cycles/rad, x and y in cycles/m. A column
+    /// whose diagonal entry is 0 is 0.
     pub root: [f32; 10],
     /// The frame's x axis, unit, perpendicular to `direction`; y = direction x x_axis. Every operator except
-    /// [`LightField::occlude`] and [`LightField::narrow`] may turn it, travel included: it is kept along the largest
-    /// angular variance, where rounding does least harm.
+    /// [`LightField::occlude`] and [`LightField::narrow`] may turn it, travel included: it is kept along the
+    /// largest angular variance, where rounding does least harm.
     pub x_axis: Vec3,
     /// The central ray's direction of propagation, unit.
     pub direction: Vec3,
@@ -75,9 +78,9 @@ impl LightField {
     ///
     /// Spectrum: infinitely wide in space (root 2⁵⁰ cycles/m), `angular_variance` along u and v.
     ///
-    /// - `direction`: of propagation, any length; +z is taken if it has none.
-    /// - `angular_variance` \[cycles²/rad²\] >= 0: of the lamp's emission: [`EVEN_LAMP`] for one that shines evenly; infinity for a single
-    ///   direction; negative or NaN count as 0.
+    /// - `direction`: of propagation.
+    /// - `angular_variance` \[cycles²/rad²\] >= 0: of the lamp's emission: [`EVEN_LAMP`] for one that shines
+    ///   evenly; infinity for a single direction.
     ///
     /// Source: thesis 5.3.1.
     ///
@@ -97,9 +100,9 @@ impl LightField {
     /// Spectrum: a disk of radius R has 1/(π²R²) in space, foreshortened to 1/(π²R²cos²θ) in the plane of
     /// `direction` and `normal`; `angular_variance` along u and v.
     ///
-    /// - `direction`: of propagation, any length; +z is taken if it has none.
-    /// - `normal`: of the disk, any length and either sign; a disk facing `direction` if it has none.
-    /// - `radius` \[m\] >= 0: 0 is a point, infinity a uniform field; negative or NaN count as infinite.
+    /// - `direction`: of propagation.
+    /// - `normal`: of the disk, either sign; a disk facing `direction` if it has none.
+    /// - `radius` \[m\] >= 0: 0 is a point, infinity a uniform field.
     /// - `angular_variance` \[cycles²/rad²\]: as in [`LightField::point`].
     ///
     /// Source: thesis 5.3.1; the constant is derived (1/(4π²w²) of a Gaussian with w = R/2, the disk's own).
@@ -111,23 +114,25 @@ impl LightField {
     /// assert!((light.slice()[0] / variance - 1.0).abs() < 1e-6);
     /// ```
     pub fn disk(direction: Vec3, normal: Vec3, radius: f32, angular_variance: f32) -> Self {
-        let z = frame::unit_from(direction).unwrap_or(DVec3::Z);
-        let n = frame::unit_from(normal).unwrap_or(z);
+        let z = frame::unit(direction).unwrap_or(DVec3::Z);
+        let n = frame::unit(normal).unwrap_or(z);
         let root = sharpness(radius);
         let foreshortened = (root / z.dot(n).abs()).min(SHARP);
         let angular = deviation(angular_variance);
         // 0/0: an infinite disk seen edge on.
         let foreshortened = if foreshortened.is_nan() { 0.0 } else { foreshortened };
-        Self::uncorrelated(Frame::new(sagittal(z, n), z), [angular, angular, root, foreshortened])
+        Self::uncorrelated(
+            Frame::new(sagittal_or(z, n, DVec3::ZERO), z),
+            [angular, angular, root, foreshortened],
+        )
     }
 
     /// An exactly parallel beam.
     ///
     /// Spectrum: infinitely wide in angle (root 2⁵⁰ cycles/rad), 1/(π²R²) in space.
     ///
-    /// - `direction`: of propagation, any length; +z is taken if it has none.
-    /// - `radius` \[m\] >= 0: 0 is a pencil without width, infinity a plane wave's uniform field; negative or
-    ///   NaN count as infinite.
+    /// - `direction`: of propagation.
+    /// - `radius` \[m\] >= 0: 0 is a pencil without width, infinity a plane wave's uniform field.
     ///
     /// Source: derived; the mirror image of [`LightField::point`].
     ///
@@ -139,7 +144,7 @@ impl LightField {
     /// assert_eq!(laser.slice(), before);
     /// ```
     pub fn collimated(direction: Vec3, radius: f32) -> Self {
-        let z = frame::unit_from(direction).unwrap_or(DVec3::Z);
+        let z = frame::unit(direction).unwrap_or(DVec3::Z);
         let root = sharpness(radius);
         Self::uncorrelated(Frame::new(DVec3::ZERO, z), [SHARP, SHARP, root, root])
     }
@@ -148,12 +153,11 @@ impl LightField {
     ///
     /// Spectrum: the given variances along x, y, u, v; a Gaussian of standard deviation w has 1/(4π²w²).
     ///
-    /// - `direction`: of propagation, any length; +z is taken if it has none.
-    /// - `x_axis`: the part of it across `direction` is the frame's x axis; some axis is chosen if it has none.
+    /// - `direction`: of propagation.
+    /// - `x_axis`: the part of it across `direction` is the frame's x axis; some axis is chosen if it has
+    ///   none.
     /// - `spatial_variance` along x and y \[cycles²/m²\] >= 0: 0 is uniform, infinity a point or a line.
     /// - `angular_variance` along x and y \[cycles²/rad²\] >= 0: 0 is isotropic, infinity parallel.
-    ///
-    /// Negative or NaN variances count as 0.
     ///
     /// Source: thesis Eq 5.12.
     ///
@@ -168,8 +172,8 @@ impl LightField {
         spatial_variance: [f32; 2],
         angular_variance: [f32; 2],
     ) -> Self {
-        let z = frame::unit_from(direction).unwrap_or(DVec3::Z);
-        let x = frame::unit_from(x_axis).unwrap_or(DVec3::ZERO);
+        let z = frame::unit(direction).unwrap_or(DVec3::Z);
+        let x = frame::unit(x_axis).unwrap_or(DVec3::ZERO);
         let [x_variance, y_variance] = spatial_variance;
         let [u_variance, v_variance] = angular_variance;
         let roots = [u_variance, v_variance, x_variance, y_variance].map(deviation);
@@ -180,7 +184,7 @@ impl LightField {
     ///
     /// Spectrum: sheared, ω_u' = ω_u - d ω_x, ω_v' = ω_v - d ω_y; the determinant is kept.
     ///
-    /// - `distance` \[m\]: 0 changes nothing, a negative one goes back. NaN and infinity leave the field as it was.
+    /// - `distance` \[m\]: finite; 0 changes nothing, a negative one goes back.
     ///
     /// Guarantee: travelling a and then b is travelling a + b.
     ///
@@ -197,8 +201,8 @@ impl LightField {
             return;
         }
         let d = f64::from(distance);
-        // Positions first: what the angles have of their own is then in columns where the positions have nothing, and
-        // a long way, d ω_x beyond 1e16 ω_u, cannot swallow it.
+        // Positions first: what the angles have of their own is then in columns where the positions have
+        // nothing, and a long way, d ω_x beyond 1e16 ω_u, cannot swallow it.
         let mut columns = triangular(self.columns().map(|[u, v, x, y]| [x, y, u, v]));
         for [x, y, u, v] in &mut columns {
             *u -= d * *x;
@@ -212,10 +216,10 @@ impl LightField {
     ///
     /// Spectrum: unchanged; its covariance's rows are mixed, (u, v) and (x, y) alike.
     ///
-    /// - `x_axis`: its part across the ray becomes the x axis; any length. One that is NaN, infinite or along the ray
-    ///   leaves the field as it was.
+    /// - `x_axis`: its part across the ray becomes the x axis.
     ///
-    /// Guarantee: `fluence()` stays what it was, up to rounding. Test: `turning_the_frame_changes_no_fluence`.
+    /// Guarantee: `fluence()` stays what it was, up to rounding. Test:
+    /// `turning_the_frame_changes_no_fluence`.
     ///
     /// Source: thesis 5.3.1.2 (the local frame is free about the ray).
     ///
@@ -238,17 +242,17 @@ impl LightField {
 
     /// Occlusion by a straight edge beside the ray.
     ///
-    /// Spectrum: spatial variance 1/(4π²ρ²), that of a Gaussian whose standard deviation is the distance to the edge, is
-    /// added across the edge. Both the light that passes an object near its
-    /// silhouette and the light that enters it there are masked.
+    /// Spectrum: spatial variance 1/(4π²ρ²), that of a Gaussian whose standard deviation is the distance to
+    /// the edge, is added across the edge. Both the light that passes an object near its silhouette and the
+    /// light that enters it there are masked.
     ///
-    /// - `towards_edge`: world direction from the ray to the nearest point of the edge; the part of it across the
-    ///   ray counts. A direction without such a part leaves the field as it was.
-    /// - `distance` ρ \[m\] >= 0 from the ray to the edge: 0 is an edge on the ray (root 2⁵⁰), infinity none. NaN
-    ///   and negative distances leave the field as it was.
+    /// - `towards_edge`: world direction from the ray to the nearest point of the edge; the part of it across
+    ///   the ray counts.
+    /// - `distance` ρ \[m\] >= 0 from the ray to the edge: 0 is an edge on the ray (root 2⁵⁰), infinity none.
     ///
-    /// Source: thesis 5.3.1 ("largest unoccluded disk"); the constant is the one of 1, 2, 3 and 4 times this width that
-    /// agrees best with the closed form of a penumbra (test `the_penumbra_of_a_disk_light_behind_a_straight_edge`).
+    /// Source: thesis 5.3.1 ("largest unoccluded disk"); the constant is the one of 1, 2, 3 and 4 times this
+    /// width that agrees best with the closed form of a penumbra (test
+    /// `the_penumbra_of_a_disk_light_behind_a_straight_edge`).
     ///
     /// ```
     /// use covbeam::{LightField, Vec3};
@@ -270,10 +274,9 @@ impl LightField {
     ///
     /// Spectrum: `angular_variance` is added along one axis; the signal is multiplied by a function of angle.
     ///
-    /// - `across`: world direction in which the signal falls off; the part of it across the ray counts. Without
-    ///   such a part the field is left as it was.
-    /// - `angular_variance` \[cycles²/rad²\] >= 0: 0 changes nothing, infinity leaves one direction (root 2⁵⁰). A
-    ///   Gaussian rim of standard deviation s has 1/(4π²s²). NaN and negative ones leave the field as it was.
+    /// - `across`: world direction in which the signal falls off; the part of it across the ray counts.
+    /// - `angular_variance` \[cycles²/rad²\] >= 0: 0 changes nothing, infinity leaves one direction (root
+    ///   2⁵⁰). A Gaussian rim of standard deviation s has 1/(4π²s²).
     ///
     /// Source: thesis 5.3.1 (products in the primal domain).
     ///
@@ -298,10 +301,9 @@ impl LightField {
     /// Spectrum: in-plane spatial frequencies scaled by cos θ, then the angular part is multiplied with the
     /// spectrum of the phase function: (Σ⁻¹ + B⁻¹)⁻¹ with B = `angular_variance` along u and v.
     ///
-    /// - `direction`: of propagation after the event, any length; without a length the field is left as it was.
-    /// - `angular_variance` \[cycles²/rad²\] >= 0 of the lobe, [`crate::PhaseFunction::angular_variance`]: 0 is
-    ///   isotropic and leaves exactly the slice, infinity a lobe that does not blur. NaN and negative ones leave the
-    ///   field as it was.
+    /// - `direction`: of propagation after the event.
+    /// - `angular_variance` \[cycles²/rad²\] >= 0 of the lobe, [`crate::PhaseFunction::angular_variance`]: 0
+    ///   is isotropic and leaves exactly the slice, infinity a lobe that does not blur.
     ///
     /// Source: thesis 5.3.1 (scattering operator); projection derived.
     ///
@@ -316,7 +318,7 @@ impl LightField {
     /// assert_eq!(light.slice(), [0.0; 3]);
     /// ```
     pub fn scatter(&mut self, direction: Vec3, angular_variance: f32) {
-        let Some(out) = frame::unit_from(direction) else { return };
+        let Some(out) = frame::unit(direction) else { return };
         if angular_variance.is_nan() || angular_variance < 0.0 {
             return;
         }
@@ -351,7 +353,7 @@ impl LightField {
 
     /// The unit vector along the part of `direction` across the ray, in the local (x, y).
     fn across(&self, direction: Vec3) -> Option<[f64; 2]> {
-        let (frame, v) = (self.frame(), frame::unit_from(direction)?);
+        let (frame, v) = (self.frame(), frame::unit(direction)?);
         let (x, y) = (frame.x.dot(v), frame.y.dot(v));
         let length = libm::sqrt(x * x + y * y);
         // Below this, what is left across the ray is the rounding of the stored axes.
@@ -359,8 +361,8 @@ impl LightField {
     }
 
     fn frame(&self) -> Frame {
-        let z = frame::unit_from(self.direction).unwrap_or(DVec3::Z);
-        Frame::new(frame::unit_from(self.x_axis).unwrap_or(DVec3::ZERO), z)
+        let z = frame::unit(self.direction).unwrap_or(DVec3::Z);
+        Frame::new(frame::unit(self.x_axis).unwrap_or(DVec3::ZERO), z)
     }
 
     /// L by columns.
@@ -369,22 +371,25 @@ impl LightField {
         [[uu, vu, xu, yu], [0.0, vv, xv, yv], [0.0, 0.0, xx, yx], [0.0, 0.0, 0.0, yy]]
     }
 
-    /// Stores any root, after an event that leaves the ray with direction `z` and, before it is turned to the principal
-    /// axes, the axis `x`.
+    /// Stores any root, after an event that leaves the ray with direction `z` and, before it is turned to the
+    /// principal axes, the axis `x`.
     fn leave(&mut self, columns: [[f64; 4]; 4], x: DVec3, z: DVec3) {
-        let frame = Frame::new(x, frame::unit(z).unwrap_or(z));
+        let frame = Frame::new(x, z.normalize_or(z));
         self.direction = frame.z.as_vec3();
         self.store(columns, &frame);
     }
 
     /// Stores any root, turned to the principal axes of its angular part.
     ///
-    /// Why turn: rounding a stored column tilts it by 6e-8 of its length. If the first column, the largest after
-    /// many bends, lay along v rather than u, the other could not absorb that, and the curvature of the wavefront
-    /// would be off by v/u times as much (146 times the effect of rounding the inputs, measured on paths of 1000
-    /// bounces; 1.4 times in principal axes).
+    /// Why turn: rounding a stored column tilts it by 6e-8 of its length. If the first column, the largest
+    /// after many bends, lay along v rather than u, the other could not absorb that, and the curvature of the
+    /// wavefront would be off by v/u times as much (146 times the effect of rounding the inputs, measured on
+    /// paths of 1000 bounces; 1.4 times in principal axes).
     fn store(&mut self, mut columns: [[f64; 4]; 4], frame: &Frame) {
-        let (c, d) = principal(&columns);
+        // Of the angular part's covariance, summed so that nothing cancels.
+        let a = columns.iter().map(|[u, v, ..]| (u - v) * (u + v)).sum();
+        let b = columns.iter().map(|[u, v, ..]| 2.0 * u * v).sum();
+        let (c, d) = principal_axis(a, b);
         let x = c * frame.x + d * frame.y;
         turn(&mut columns, frame, x);
         self.x_axis = x.as_vec3();
@@ -398,13 +403,15 @@ impl LightField {
     }
 }
 
-/// Cosine and sine of the turn to the axis of the largest angular variance; none if all are alike.
-fn principal(columns: &[[f64; 4]; 4]) -> (f64, f64) {
+/// Cosine and sine of the turn to the axis of a symmetric matrix's largest eigenvalue; none if all axes are
+/// alike.
+///
+/// - `a`, `b`: the difference of its diagonal entries, and twice the other one; or half of both.
+fn principal_axis(a: f64, b: f64) -> (f64, f64) {
     // Twice the angle has the cosine a/r and the sine b/r.
-    let a: f64 = columns.iter().map(|[u, v, ..]| (u - v) * (u + v)).sum();
-    let b: f64 = columns.iter().map(|[u, v, ..]| 2.0 * u * v).sum();
     let r = libm::sqrt(a * a + b * b);
-    // Where squares of squares leave the range of normal numbers, r is no longer the length of (a, b): any axis will do.
+    // Where squares of squares leave the range of normal numbers, r is no longer the length of (a, b): any
+    // axis will do.
     if !(r > 1e-150 && r < f64::INFINITY) {
         return (1.0, 0.0);
     }
@@ -424,8 +431,8 @@ fn turn(columns: &mut [[f64; 4]; 4], frame: &Frame, s: DVec3) {
     }
 }
 
-/// The signal convolved in angle with an isotropic lobe of variance `lobe`²: the lower right of
-/// tri([[C, L_u], [0, L]]).
+/// The signal convolved in angle with an isotropic lobe of variance `lobe`²: the lower right of tri([[C,
+/// L_u], [0, L]]).
 fn convolved(columns: &[[f64; 4]; 4], lobe: f64) -> [[f64; 4]; 4] {
     let below = columns.map(|[u, v, x, y]| [u, v, u, v, x, y]);
     let [c2, c3, c4, c5] = below;
@@ -445,9 +452,9 @@ fn deviation(variance: f32) -> f64 {
     if variance > 0.0 { libm::sqrt(f64::from(variance)).min(SHARP) } else { 0.0 }
 }
 
-/// A column of the root, scaled by a power of two to at most [`UNBOUNDED`]. The direction of an unlimited variance
-/// matters, its amount does not: scaled as a whole, a column leaves the slice as it is. Clamping its entries would
-/// turn it.
+/// A column of the root, scaled by a power of two to at most [`UNBOUNDED`]. The direction of an unlimited
+/// variance matters, its amount does not: scaled as a whole, a column leaves the slice as it is. Clamping its
+/// entries would turn it.
 fn bounded(column: [f64; 4]) -> [f64; 4] {
     let largest = column.iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
     if largest <= UNBOUNDED {

@@ -1,4 +1,5 @@
-//! What smooth and diffuse surfaces do to a light field: reflection and refraction with curvature, Lambert's law.
+//! What smooth and diffuse surfaces do to a light field: reflection and refraction with curvature, Lambert's
+//! law.
 
 use super::frame::{self, Frame, sagittal_or};
 use super::{LightField, convolved, turn};
@@ -8,14 +9,13 @@ use glam::{DVec3, Vec3};
 const GRAZING: f64 = 1e-12;
 
 /// Curvature tensor of a surface at a hit, in the tangent frame (`tangent`, `normal x tangent`) \[1/m\];
-/// positive = convex towards the side that the normal points to (a sphere of radius R with outward normal: 1/R).
+/// positive = convex towards the side that the normal points to (a sphere of radius R with outward normal:
+/// 1/R).
 ///
 /// ```
 /// use covbeam::{Curvature, Vec3};
-/// // A cylinder of radius 2 along z, seen from outside.
-/// let cylinder = Curvature { tangent: Vec3::Z, along: 0.0, across: 0.5, twist: 0.0 };
-/// assert_eq!(Curvature::default(), Curvature { tangent: Vec3::ZERO, along: 0.0, across: 0.0, twist: 0.0 });
-/// # let _ = cylinder;
+/// // A cylinder of radius 2 along z, seen from outside; a plane is the default.
+/// let _cylinder = Curvature { tangent: Vec3::Z, along: 0.0, across: 0.5, ..Curvature::default() };
 /// ```
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -34,17 +34,17 @@ pub struct Curvature {
 impl LightField {
     /// Reflection by a smooth mirror, plane or curved.
     ///
-    /// Spectrum: mirrored in the plane of incidence; curvature adds angular to spatial frequencies (the transpose
-    /// of how it bends rays). The determinant is kept.
+    /// Spectrum: mirrored in the plane of incidence; curvature adds angular to spatial frequencies (the
+    /// transpose of how it bends rays). The determinant is kept.
     ///
-    /// - `normal`: at the hit, any length, on either side of the surface. A zero or NaN normal, or a ray that
-    ///   grazes to below 1e-12, leaves the field as it was.
-    /// - `curvature`: of the surface as seen from `normal`; numbers that are not finite leave the field as it was.
+    /// - `normal`: at the hit, on either side of the surface. A ray that grazes to below 1e-12 leaves the
+    ///   field as it was.
+    /// - `curvature`: of the surface as seen from `normal`, finite.
     ///
     /// Exact to first order in the ray's offset and slope. Test: `the_mirror_agrees_with_traced_rays`.
     ///
-    /// Source: derived (Coddington's equations with an off-diagonal term). Differs from the thesis' chapter 3 in
-    /// the sagittal plane, where its published implementation leaves out the cosine.
+    /// Source: derived (Coddington's equations with an off-diagonal term). Differs from the thesis' chapter 3
+    /// in the sagittal plane, where its published implementation leaves out the cosine.
     ///
     /// ```
     /// use covbeam::{Curvature, LightField, Vec3};
@@ -73,21 +73,23 @@ impl LightField {
         self.leave(columns, hit.sagittal, direction);
     }
 
-    /// Refraction into another medium through a smooth surface, plane or curved. Returns true if light passes.
+    /// Refraction into another medium through a smooth surface, plane or curved. Returns true if light
+    /// passes.
     ///
     /// Spectrum: angular frequencies scaled by n₂/n₁ (in the plane of incidence also by c_t/c_i), in-plane
     /// spatial ones by c_i/c_t; curvature adds angular to spatial frequencies. det Σ' = det Σ (n₂/n₁)⁴.
     ///
     /// - `normal`, `curvature`: as in [`LightField::reflect`].
-    /// - `eta` > 0: refractive index on the side of the incoming light over that on the other side.
+    /// - `eta` > 0, finite: refractive index on the side of the incoming light over that on the other side.
     ///
-    /// Returns false, and leaves the field as it was, on total internal reflection, exactly grazing incidence, or
-    /// arguments without meaning (`eta` not positive and finite, and those of `reflect`).
+    /// Returns false, and leaves the field as it was, on total internal reflection, exactly grazing
+    /// incidence, or arguments without meaning.
     ///
     /// Exact to first order. Within 1e-4 rad of total reflection the cosine of the refracted ray itself loses
     /// digits (relative error 1e-16/c_t²). Test: `refraction_agrees_with_traced_rays`.
     ///
-    /// Source: derived (Coddington's equations with an off-diagonal term); the thesis' implementation has none.
+    /// Source: derived (Coddington's equations with an off-diagonal term); the thesis' implementation has
+    /// none.
     ///
     /// ```
     /// use covbeam::{Curvature, LightField, Vec3};
@@ -130,15 +132,15 @@ impl LightField {
 
     /// Diffuse (Lambert) reflection or transmission at a surface into `direction`.
     ///
-    /// Spectrum: projected on the surface (in-plane spatial frequencies times c_i), integrated over angle, and
-    /// seen from `direction` (in-plane ones divided by c_o).
+    /// Spectrum: projected on the surface (in-plane spatial frequencies times c_i), integrated over angle,
+    /// and seen from `direction` (in-plane ones divided by c_o).
     ///
-    /// - `normal`: of the surface, any length and either sign.
-    /// - `direction`: of propagation after the event, any length. The division by c_o is not bounded: a pattern
-    ///   seen at a grazing angle is that dense.
+    /// - `normal`: of the surface, either sign.
+    /// - `direction`: of propagation after the event. The division by c_o is not bounded: a pattern seen at a
+    ///   grazing angle is that dense.
     ///
-    /// A vector without a direction, or a cosine below 1e-12 on either side, leaves the field as it was. The
-    /// variation of the two cosines over the footprint is not accounted for.
+    /// A cosine below 1e-12 on either side leaves the field as it was. The variation of the two cosines over
+    /// the footprint is not accounted for.
     ///
     /// Source: derived (thesis 5.3.1 for the convolution).
     ///
@@ -153,7 +155,7 @@ impl LightField {
     #[doc(alias = "Lambert")]
     pub fn diffuse(&mut self, normal: Vec3, direction: Vec3) {
         let frame = self.frame();
-        let (Some(n), Some(out)) = (frame::unit_from(normal), frame::unit_from(direction)) else { return };
+        let (Some(n), Some(out)) = (frame::unit(normal), frame::unit(direction)) else { return };
         let (c_i, c_o) = (frame.z.dot(n).abs(), out.dot(n).abs());
         if c_i < GRAZING || c_o < GRAZING {
             return;
@@ -195,7 +197,7 @@ struct Hit {
 
 impl Hit {
     fn new(frame: &Frame, normal: Vec3, curvature: &Curvature) -> Option<Self> {
-        let given = frame::unit_from(normal)?;
+        let given = frame::unit(normal)?;
         let cosine = -given.dot(frame.z);
         let finite =
             curvature.along.is_finite() && curvature.across.is_finite() && curvature.twist.is_finite();
@@ -207,7 +209,7 @@ impl Hit {
         let s = sagittal_or(frame.z, given, frame.x);
         // In the surface, and towards y: y = z x s, and -z is on the normal's side.
         let t = s.cross(normal);
-        let first = Frame::new(frame::unit_from(curvature.tangent).unwrap_or(DVec3::ZERO), given);
+        let first = Frame::new(frame::unit(curvature.tangent).unwrap_or(DVec3::ZERO), given);
         let [along, across, twist] = [curvature.along, curvature.across, curvature.twist].map(f64::from);
         let bend = |a: DVec3, b: DVec3| {
             let (a1, a2, b1, b2) = (a.dot(first.x), a.dot(first.y), b.dot(first.x), b.dot(first.y));
@@ -226,5 +228,5 @@ impl Hit {
 
 /// The unit vector along the part of `v` in the surface with unit normal `n`.
 fn in_surface(v: DVec3, n: DVec3) -> Option<DVec3> {
-    frame::unit(v - v.dot(n) * n)
+    (v - v.dot(n) * n).try_normalize()
 }

@@ -1,7 +1,8 @@
 //! Making a square root lower triangular by rotations.
 //!
-//! Method: row by row, Givens rotations of the columns gather the row's mass in one column, its pivot. Rotations
-//! do not change L Lᵀ, so nothing is subtracted and no covariance can leave the positive semi-definite cone.
+//! Method: row by row, Givens rotations of the columns gather the row's mass in one column, its pivot.
+//! Rotations do not change L Lᵀ, so nothing is subtracted and no covariance can leave the positive
+//! semi-definite cone.
 //!
 //! Rank: a row without mass takes no column; all columns stay available to the rows below. Only so is the
 //! lower-right block the slice of the rows above when these are linearly dependent (the pseudo-inverse of the

@@ -7,7 +7,7 @@
 use super::column::{Column, Knot, OPAQUE_DEPTH};
 use super::derivatives::Derivatives;
 use super::voxel_density::DensityGrid;
-use crate::math::exp;
+use crate::math::{SIX, exp};
 use glam::Vec3;
 
 /// Largest magnitude of the logarithm of an exponential density: e^±80 is near the ends of what `f32` holds.
@@ -30,10 +30,7 @@ impl ExponentialDensity {
         let mut height = (position - self.origin).dot(self.up);
         if height.is_nan() {
             // At the ends of what `f32` holds: inf - inf, or inf x 0.
-            let along = |axis: usize| {
-                (f64::from(position[axis]) - f64::from(self.origin[axis])) * f64::from(self.up[axis])
-            };
-            height = (along(0) + along(1) + along(2)) as f32;
+            height = (position.as_dvec3() - self.origin.as_dvec3()).dot(self.up.as_dvec3()) as f32;
         }
         exp((-height / self.scale_height).clamp(-LARGEST_LOGARITHM, LARGEST_LOGARITHM))
     }
@@ -98,11 +95,7 @@ impl Density<'_> {
                 // Where they are beyond what `f32` holds: an infinity times a component of 0 would be NaN.
                 let slope = (exponential.at(position) / exponential.scale_height).min(f32::MAX);
                 let (n, curvature) = (exponential.up, (slope / exponential.scale_height).min(f32::MAX));
-                Derivatives {
-                    gradient: -slope * n,
-                    hessian: [n.x * n.x, n.y * n.y, n.z * n.z, n.x * n.y, n.x * n.z, n.y * n.z]
-                        .map(|nn| nn * curvature),
-                }
+                Derivatives { gradient: -slope * n, hessian: SIX.map(|(i, j)| n[i] * n[j] * curvature) }
             }
             Density::Grid(grid) => grid.derivatives(position),
         }
@@ -129,18 +122,8 @@ impl Density<'_> {
     /// Guarantee: the column is exact (the integral of the trilinear density, cell by cell) at each knot;
     /// distances grow, columns never fall. A cell is cut into at most 64 parts, which bounds the table by 64
     /// x (nx + ny + nz) knots; only a cell over whose length the density changes by more than 2¹⁴
-    /// `error`/length needs more, and errs by more. Cost: about 20 ns a cell.
-    ///
-    /// ```
-    /// use covbeam::{Column, Density, DensityGrid, GridLayout, Knot, Vec3};
-    /// let layout = GridLayout { min: Vec3::ZERO, max: Vec3::ONE, cells: [2, 2, 2] };
-    /// let smoke = Density::Grid(DensityGrid::new(layout, &[3.0; 8])?);
-    /// let mut knots = Vec::new();
-    /// smoke.knots(Vec3::new(0.5, 0.5, -1.0), Vec3::Z, f32::INFINITY, 1e-3, f32::INFINITY, &mut |knot| knots.push(knot));
-    /// assert_eq!(knots.len(), 2); // in and out: the density between them is uniform
-    /// assert_eq!(Column::Knots(&knots).at(1.5), 1.5);
-    /// # Ok::<(), covbeam::GridError>(())
-    /// ```
+    /// `error`/length needs more, and errs by more. Cost: about 20 ns a cell. Example:
+    /// [`crate::Medium::tabulate`].
     pub fn knots(
         &self,
         origin: Vec3,

@@ -3,6 +3,7 @@
 
 use super::column::Knot;
 use super::derivatives::Derivatives;
+use crate::math::SIX;
 use crate::voxels::{Dda, GridError, GridLayout, Lattice, Trilinear};
 use glam::Vec3;
 use libm::{ceil, sqrt};
@@ -50,18 +51,8 @@ impl<'a> DensityGrid<'a> {
             let last = layout.cells[axis] - 1;
             [0, 1].map(|up| (cell[axis] + up).saturating_sub(1).min(last) as usize * stride)
         };
-        let ([x0, x1], [y0, y1], [z0, z1]) = (side(0, *dx), side(1, *dy), side(2, *dz));
-        let value = |x: usize, y: usize, z: usize| f64::from(self.values[x + y + z]);
-        [
-            value(x0, y0, z0),
-            value(x1, y0, z0),
-            value(x0, y1, z0),
-            value(x1, y1, z0),
-            value(x0, y0, z1),
-            value(x1, y0, z1),
-            value(x0, y1, z1),
-            value(x1, y1, z1),
-        ]
+        let (x, y, z) = (side(0, *dx), side(1, *dy), side(2, *dz));
+        core::array::from_fn(|i| f64::from(self.values[x[i & 1] + y[i >> 1 & 1] + z[i >> 2]]))
     }
 
     pub(super) fn at(&self, position: Vec3) -> f32 {
@@ -75,44 +66,28 @@ impl<'a> DensityGrid<'a> {
 
     /// First and second differences over the voxels around the one that holds `position`.
     pub(super) fn derivatives(&self, position: Vec3) -> Derivatives {
-        if !self.voxels.layout.contains(position) {
-            return Derivatives::default();
-        }
-        let q = (position - self.voxels.layout.min) * self.voxels.scale;
-        let last = self.voxels.layout.cells.map(|n| i64::from(n) - 1);
-        let center: [i64; 3] = core::array::from_fn(|axis| (q[axis] as i64).min(last[axis]));
-        let value = |step: [i64; 3]| {
-            let at: [u32; 3] =
-                core::array::from_fn(|axis| (center[axis] + step[axis]).clamp(0, last[axis]) as u32);
-            self.values[self.voxels.layout.index(at)]
+        let Trilinear { layout, scale, .. } = self.voxels;
+        let Some(center) = layout.voxel(position, scale) else { return Derivatives::default() };
+        let value = |steps: &[(usize, i32)]| {
+            let mut at = center;
+            for &(axis, step) in steps {
+                at[axis] = at[axis].saturating_add_signed(step).min(layout.cells[axis] - 1);
+            }
+            self.values[layout.index(at)]
         };
-        let middle = value([0; 3]);
-        let neighbours = |axis: usize| {
-            [1, -1].map(|side| {
-                let mut step = [0; 3];
-                step[axis] = side;
-                value(step)
-            })
-        };
+        let middle = value(&[]);
+        let sides = [0, 1, 2].map(|axis| [1, -1].map(|step| value(&[(axis, step)])));
         let mixed = |a: usize, b: usize| {
-            let corner = |i: i64, j: i64| {
-                let mut step = [0; 3];
-                (step[a], step[b]) = (i, j);
-                value(step)
-            };
+            let corner = |i: i32, j: i32| value(&[(a, i), (b, j)]);
             let sum = corner(1, 1) - corner(1, -1) - corner(-1, 1) + corner(-1, -1);
-            0.25 * sum * self.voxels.scale[a] * self.voxels.scale[b]
+            0.25 * sum * scale[a] * scale[b]
         };
-        let sides: [[f32; 2]; 3] = core::array::from_fn(neighbours);
-        let first = |axis: usize| 0.5 * (sides[axis][0] - sides[axis][1]) * self.voxels.scale[axis];
-        let second = |axis: usize| {
-            (sides[axis][0] - 2.0 * middle + sides[axis][1])
-                * self.voxels.scale[axis]
-                * self.voxels.scale[axis]
-        };
+        let first = |axis: usize| 0.5 * (sides[axis][0] - sides[axis][1]) * scale[axis];
+        let second =
+            |axis: usize| (sides[axis][0] - 2.0 * middle + sides[axis][1]) * scale[axis] * scale[axis];
         Derivatives {
-            gradient: Vec3::new(first(0), first(1), first(2)),
-            hessian: [second(0), second(1), second(2), mixed(0, 1), mixed(0, 2), mixed(1, 2)],
+            gradient: Vec3::from_array([0, 1, 2].map(first)),
+            hessian: SIX.map(|(i, j)| if i == j { second(i) } else { mixed(i, j) }),
         }
     }
 
@@ -126,9 +101,6 @@ impl<'a> DensityGrid<'a> {
         most: f32,
         knot: &mut dyn FnMut(Knot),
     ) {
-        if !(origin.is_finite() && direction.is_finite() && direction != Vec3::ZERO && length > 0.0) {
-            return;
-        }
         // Half of the error for the chord between two points of the march, half for leaving points out.
         let half = 0.5 * f64::from(error.max(f32::MIN_POSITIVE));
         let mut table = Thinning { half, last: None, candidate: None, low: 0.0, high: f64::INFINITY };
@@ -170,7 +142,7 @@ impl<'a> DensityGrid<'a> {
         });
         let slope: [f64; 3] = core::array::from_fn(|axis| f64::from(direction[axis]) * scale[axis]);
         let mut column = 0.0;
-        if !point(dda.position(), column) {
+        if !point(dda.position, column) {
             return;
         }
         while let Some((cell, from, to)) = dda.next_cell() {
