@@ -1,5 +1,11 @@
-//! The numbers that a light path's decisions are drawn with: a low-discrepancy sequence for the first ones,
+//! What every light begins with: the bandwidth of an even lamp, and the numbers that a light path's decisions are drawn with: a low-discrepancy sequence for the first ones,
 //! which place the paths evenly over what the lights emit, continued over the passes.
+
+use core::f64::consts::PI;
+
+/// Angular variance of the emission of a lamp that shines evenly \[cycles²/rad²\]: its light falls off as
+/// 1/d², a relative curvature of 2/d² across its rays, so that 2/(4π²).
+pub const EVEN_LAMP: f32 = (2.0 / (4.0 * PI * PI)) as f32;
 
 /// Decisions of a path that the sequence stratifies.
 pub const EMISSION_DIMENSIONS: u32 = 8;

@@ -57,7 +57,7 @@
 //! | | what attenuates and scatters them | [`medium`] |
 //! | | a segment of a light path, the edges beside it, numbers to draw paths with | [`segment`], [`edges`], [`emission`] |
 //! | 5.3.1, Eq 5.15 | the covariance grid | [`grid`], over [`voxels`] |
-//! | 5.3.4 | kernels as wide as the light allows, and the gather of one pair | [`kernel`], [`beam`] |
+//! | 5.3.4 | kernels as wide as the light allows, and the gather of one pair | [`kernel`], [`beam`], [`pair`] |
 //! | 5.3.2 | few eye rays and a filter: image space | [`image`] |
 //! | 5.3.3 | shadow rays along an eye ray | [`march`] |
 //! | | the same gather, of many rays and beams, fast | `beam_map` (feature `bvh`) |
@@ -80,17 +80,18 @@ pub mod light_field;
 pub mod march;
 mod math;
 pub mod medium;
+pub mod pair;
 mod saved_grid;
 pub mod segment;
 pub mod voxels;
 
 pub use glam::{Vec2, Vec3};
 
-pub use beam::{BLOCK, Beam, BeamBlock, Crossing, EyeRay, Gathered, PARALLEL_SINE, cross, gather_pair};
+pub use beam::{BLOCK, Beam, BeamBlock, Crossing, EyeRay, PARALLEL_SINE, cross};
 #[cfg(feature = "bvh")]
 pub use beam_map::{BeamMap, Contact, GatherScratch, MAX_BEAMS, Stop, Unfinished};
 pub use edges::{Edge, Edges, MOST_EDGES, ProbeHit, find_edges};
-pub use emission::{EMISSION_DIMENSIONS, path_number};
+pub use emission::{EMISSION_DIMENSIONS, EVEN_LAMP, path_number};
 pub use grid::{CovarianceGrid, FluenceCell, FluenceGrid, GridCell};
 pub use image::{
     FILM_TILE, FILM_TILE_PIXELS, FilmEvidence, FilmFilterNode, FilmFilters, FilmLattice, FilmNode, FilmPixel,
@@ -98,10 +99,11 @@ pub use image::{
     film_regions, pixel_threshold, standard_errors, verify_filters,
 };
 pub use kernel::{Kernel, KernelShape, Schedule, error_bound, progressive_radius};
-pub use light_field::{Curvature, EVEN_LAMP, FluenceSpectrum, LightField};
+pub use light_field::{Curvature, FluenceSpectrum, LightField};
 pub use march::{MARCH_KNOTS, March, MarchCell, MarchError, MarchKnot, MarchSample};
 pub use medium::{
     Column, Density, DensityGrid, Derivatives, ExponentialDensity, Knot, Medium, PhaseFunction, PhaseKind,
 };
+pub use pair::{Gathered, gather_pair};
 pub use segment::Segment;
 pub use voxels::{GridError, GridLayout};

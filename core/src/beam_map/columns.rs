@@ -1,8 +1,9 @@
 //! What the columns along the beams of a map are computed from.
 
 use super::cancel::{Poll, STRETCH, Stop, with_room};
-use crate::beam::{Beam, along_beam};
+use crate::beam::Beam;
 use crate::medium::{Column, Density, ExponentialDensity, Knot, Medium, PhaseFunction};
+use crate::pair::along_beam;
 use crate::voxels::GridLayout;
 use glam::Vec3;
 use std::vec::Vec;

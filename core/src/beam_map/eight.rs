@@ -3,10 +3,11 @@
 
 use super::simd::{Floats, LANES, Vec3x8, Vectors, bits, exp, load, max, min};
 use super::sub_beams::{ROOM, SubBeam};
-use crate::beam::{Beam, BeamBlock, EyeRay, Gathered, PARALLEL_SINE, inside};
+use crate::beam::{Beam, BeamBlock, EyeRay, PARALLEL_SINE};
 use crate::grid::FluenceGrid;
 use crate::kernel::{Kernel, KernelShape};
 use crate::medium::{Medium, PhaseFunction, PhaseKind};
+use crate::pair::{Gathered, inside};
 use crate::voxels::{GridLayout, Trilinear};
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x8, mask32x8};
 use glam::{Vec3, Vec4};

@@ -14,9 +14,10 @@ mod sub_beams;
 pub use cancel::Stop;
 pub use shade::Contact;
 
-use crate::beam::{Beam, EyeRay, Gathered};
+use crate::beam::{Beam, EyeRay};
 use crate::kernel::Kernel;
 use crate::medium::Medium;
+use crate::pair::Gathered;
 use bvh::{Bvh, WideNode};
 use cancel::Poll;
 use columns::{BeamColumns, MediumKey};

@@ -1,6 +1,5 @@
 //! The spectrum of the picture around one pixel, read off the covariance grid along its eye ray.
 
-use super::ImageFilter;
 use crate::beam::EyeRay;
 use crate::grid::{FluenceGrid, Surroundings};
 use crate::math::{Sym2, exp, symmetric};
@@ -109,38 +108,6 @@ impl ImageSpectrum {
         let Sym2 { xx, xy, yy } = sum.map(|sum| sum / weight_sum);
         let sound = weight_sum > 0.0 && (xx + xy + yy + weight_sum).is_finite();
         if sound { Self { xx, xy, yy, weight: weight_sum } } else { Self::default() }
-    }
-
-    /// The reconstruction filter that blurs the picture by a relative bias of `error`, to second order: a
-    /// Gaussian of covariance ε/(4π²) C⁻¹, wide where the spectrum is narrow.
-    ///
-    /// - `error` ε > 0: 2π² tr(H C) = ε for the filter's covariance H, half of it along each principal axis.
-    /// - `widest` \[pixels\] > 0: largest standard deviation.
-    ///
-    /// Without data (weight 0) the filter is [`ImageFilter::NONE`].
-    ///
-    /// Source: thesis 5.3.2. It gives the filter exp(-½ xᵀ 4π²C x), which has ε = 1 and would blur a Gaussian
-    /// to 1/√2 of its height; scaled here to a bias that the caller accepts.
-    ///
-    /// ```
-    /// use covbeam::{ImageSpectrum, ImageFilter};
-    /// let spectrum = ImageSpectrum { xx: 1e-2, xy: 0.0, yy: 1e-4, weight: 1.0 };
-    /// let filter = spectrum.filter(0.04, 100.0);
-    /// // ε/(4π²) / variance.
-    /// assert!((filter.xx - 0.101_321).abs() < 1e-5 && (filter.yy - 10.132_1).abs() < 1e-3);
-    /// ```
-    pub fn filter(&self, error: f32, widest: f32) -> ImageFilter {
-        let Self { xx, xy, yy, weight } = *self;
-        if !(weight > 0.0 && error > 0.0 && widest > 0.0 && (xx + yy + xy).is_finite()) {
-            return ImageFilter::NONE;
-        }
-        let scale = error / (4.0 * PI * PI);
-        let filter = Sym2 { xx, xy, yy }.through_eigenvalues(|variance| {
-            let most = widest * widest;
-            // NaN-free where the variance is 0 or, by rounding, below.
-            if variance * most > scale { scale / variance } else { most }
-        });
-        filter.map_or(ImageFilter::NONE, ImageFilter::from)
     }
 }
 

@@ -18,6 +18,7 @@
 mod fluence;
 mod frame;
 pub(crate) mod medium;
+mod occlusion;
 mod surface;
 mod triangular;
 
@@ -41,10 +42,6 @@ const SHARP: f64 = (1u64 << 50) as f64;
 /// Largest entry of a stored root. Light that is bent again and again has an angular frequency that grows
 /// without limit, by 2¹³⁰ in a thousand bounces.
 const UNBOUNDED: f64 = (1u128 << 100) as f64;
-
-/// Angular variance of the emission of a lamp that shines evenly \[cycles²/rad²\]: its light falls off as
-/// 1/d², a relative curvature of 2/d² across its rays, so that 2/(4π²).
-pub const EVEN_LAMP: f32 = (2.0 / (4.0 * PI * PI)) as f32;
 
 /// Square root of the covariance of a local light field's spectrum, with the frame it is expressed in.
 ///
@@ -79,7 +76,7 @@ impl LightField {
     /// Spectrum: infinitely wide in space (root 2⁵⁰ cycles/m), `angular_variance` along u and v.
     ///
     /// - `direction`: of propagation.
-    /// - `angular_variance` \[cycles²/rad²\] >= 0: of the lamp's emission: [`EVEN_LAMP`] for one that shines
+    /// - `angular_variance` \[cycles²/rad²\] >= 0: of the lamp's emission: [`EVEN_LAMP`](crate::EVEN_LAMP) for one that shines
     ///   evenly; infinity for a single direction.
     ///
     /// Source: thesis 5.3.1.
@@ -238,36 +235,6 @@ impl LightField {
         turn(&mut columns, &frame, s);
         self.x_axis = s.as_vec3();
         self.pack(&triangular(columns));
-    }
-
-    /// Occlusion by a straight edge beside the ray.
-    ///
-    /// Spectrum: spatial variance 1/(4π²ρ²), that of a Gaussian whose standard deviation is the distance to
-    /// the edge, is added across the edge. Both the light that passes an object near its silhouette and the
-    /// light that enters it there are masked.
-    ///
-    /// - `towards_edge`: world direction from the ray to the nearest point of the edge; the part of it across
-    ///   the ray counts.
-    /// - `distance` ρ \[m\] >= 0 from the ray to the edge: 0 is an edge on the ray (root 2⁵⁰), infinity none.
-    ///
-    /// Source: thesis 5.3.1 ("largest unoccluded disk"); the constant is the one of 1, 2, 3 and 4 times this
-    /// width that agrees best with the closed form of a penumbra (test
-    /// `the_penumbra_of_a_disk_light_behind_a_straight_edge`).
-    ///
-    /// ```
-    /// use covbeam::{LightField, Vec3};
-    /// let mut light = LightField::gaussian(Vec3::Z, Vec3::X, [0.0, 0.0], [1.0, 1.0]);
-    /// light.occlude(Vec3::Y, 0.5 * std::f32::consts::FRAC_1_PI);
-    /// let [xx, xy, yy] = light.slice();
-    /// assert!(xx == 0.0 && xy == 0.0 && (yy - 1.0).abs() < 1e-6);
-    /// ```
-    pub fn occlude(&mut self, towards_edge: Vec3, distance: f32) {
-        if distance.is_nan() || distance < 0.0 {
-            return;
-        }
-        let Some([n_x, n_y]) = self.across(towards_edge) else { return };
-        let root = sharpness(2.0 * distance);
-        self.multiply([0.0, 0.0, n_x * root, n_y * root]);
     }
 
     /// Narrowing of the emitted or transmitted directions, such as by the soft rim of a spot light.
