@@ -75,7 +75,7 @@ fn no_module_imports_itself_in_a_circle() {
     let modules = all();
     let mut left: BTreeMap<&str, BTreeSet<String>> =
         modules.keys().map(|module| (module.as_str(), imports(&modules, module))).collect();
-    assert!(left["beam"].contains("kernel") && left["beam_map/eight"].contains("beam_map/simd"), "{left:?}");
+    assert!(left["pair"].contains("kernel") && left["beam_map/eight"].contains("beam_map/simd"), "{left:?}");
     // Takes away what imports nothing that is left, until nothing can be taken away.
     while let Some(leaf) = left.iter().find(|(_, imports)| imports.is_empty()).map(|(module, _)| *module) {
         left.remove(leaf);
