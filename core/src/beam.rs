@@ -97,8 +97,8 @@ pub const BLOCK: usize = 8;
 
 /// Eight sub-beams side by side, so that one eye ray is tested against all of them at once.
 ///
-/// The test is a filter: it may let a few pairs pass that [`gather_pair`](crate::gather_pair) then refuses, never the other way
-/// round.
+/// The test is a filter: it may let a few pairs pass that [`gather_pair`](crate::gather_pair) then refuses,
+/// never the other way round.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub struct BeamBlock {

@@ -1,5 +1,6 @@
-//! What every light begins with: the bandwidth of an even lamp, and the numbers that a light path's decisions are drawn with: a low-discrepancy sequence for the first ones,
-//! which place the paths evenly over what the lights emit, continued over the passes.
+//! What light paths begin with: the bandwidth of an even lamp, and the numbers that a path's decisions are
+//! drawn with, a low-discrepancy sequence for the first ones: it places the paths evenly over what the lights
+//! emit, continued over the passes.
 
 use core::f64::consts::PI;
 

@@ -173,8 +173,8 @@ pub(crate) struct Dda {
 }
 
 impl Dda {
-    /// None where the segment misses the box, is none (no direction, no length), or is not finite; an infinite
-    /// `length` ends at the box.
+    /// None where the segment misses the box, is none (no direction, no length), or is not finite; an
+    /// infinite `length` ends at the box.
     pub(crate) fn new(
         layout: &GridLayout,
         lattice: Lattice,

@@ -76,8 +76,8 @@ impl LightField {
     /// Spectrum: infinitely wide in space (root 2⁵⁰ cycles/m), `angular_variance` along u and v.
     ///
     /// - `direction`: of propagation.
-    /// - `angular_variance` \[cycles²/rad²\] >= 0: of the lamp's emission: [`EVEN_LAMP`](crate::EVEN_LAMP) for one that shines
-    ///   evenly; infinity for a single direction.
+    /// - `angular_variance` \[cycles²/rad²\] >= 0: of the lamp's emission: [`EVEN_LAMP`](crate::EVEN_LAMP) for
+    ///   one that shines evenly; infinity for a single direction.
     ///
     /// Source: thesis 5.3.1.
     ///

@@ -155,8 +155,8 @@ impl<'a> DensityGrid<'a> {
                 let back = mix(mix(e, f, x), mix(g, h, x), y);
                 mix(front, back, z)
             };
-            // |density'| <= its largest difference along each edge of the cell x the ray's slope on that axis; a chord
-            // of a function errs by at most an eighth of its second derivative x the square of its length.
+            // |density'| <= its largest difference along each edge of the cell x the ray's slope on that axis;
+            // a chord of a function errs by at most an eighth of its second derivative x its length squared.
             let largest = |d: [f64; 4]| d.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
             let change = largest([b - a, d - c, f - e, h - g]) * slope[0].abs()
                 + largest([c - a, d - b, g - e, h - f]) * slope[1].abs()
