@@ -1,7 +1,8 @@
-//! What light paths begin with: the bandwidth of an even lamp, and the numbers that a path's decisions are
-//! drawn with, a low-discrepancy sequence for the first ones: it places the paths evenly over what the lights
-//! emit, continued over the passes.
+//! What light paths begin with: the bandwidth of an even lamp; the numbers that a path's decisions are drawn
+//! with, a low-discrepancy sequence for the first ones, which places the paths evenly over what the lights
+//! emit, continued over the passes; and a warp of these that sends more paths where they are worth more.
 
+use crate::voxels::GridError;
 use core::f64::consts::PI;
 
 /// Angular variance of the emission of a lamp that shines evenly \[cycles²/rad²\]: its light falls off as
@@ -46,6 +47,96 @@ pub fn path_number(seed: u32, sequence: u32, path: u32, dimension: u32) -> f32 {
         (mix(start.wrapping_add(GOLDEN.wrapping_mul(step))) >> 32) as u32
     };
     (bits >> 8) as f32 * (1.0 / 16_777_216.0)
+}
+
+/// More of a lamp's paths where they are worth more: a warp of the unit square in which its emission is drawn,
+/// over the caller's numbers. It keeps what is stratified in the square stratified.
+#[derive(Clone, Copy, Debug)]
+pub struct EmissionGuide<'a> {
+    side: usize,
+    /// Cumulative shares of the rows, and in each row those of its cells.
+    cumulative: &'a [f32],
+}
+
+impl<'a> EmissionGuide<'a> {
+    /// Numbers that a guide of `side` x `side` cells takes.
+    pub const fn size(side: usize) -> usize {
+        side * (side + 1)
+    }
+
+    /// Writes a guide.
+    ///
+    /// - `weights`: what light that leaves through each of `side` x `side` cells is worth, the second number of
+    ///   the square running fastest; >= 0, their scale does not matter.
+    /// - `even`: share of the paths that go everywhere alike, in (0, 1\]: no more than 1/`even` times its own
+    ///   power has any path, however wrong the weights are. Where all weights are 0, all do.
+    /// - `cumulative`: [`EmissionGuide::size`] numbers, overwritten.
+    ///
+    /// # Errors
+    /// [`GridError::Length`]: no cells, or slices of other lengths; [`GridError::Value`]: weights that are
+    /// negative or not finite or have no finite sum, or `even` out of range.
+    pub fn fill(
+        side: usize,
+        weights: &[f32],
+        even: f32,
+        cumulative: &'a mut [f32],
+    ) -> Result<Self, GridError> {
+        if side == 0 || weights.len() != side * side || cumulative.len() != Self::size(side) {
+            return Err(GridError::Length);
+        }
+        let total: f64 = weights.iter().map(|&weight| f64::from(weight)).sum();
+        if !(even > 0.0 && even <= 1.0 && weights.iter().all(|&weight| weight >= 0.0) && total.is_finite()) {
+            return Err(GridError::Value);
+        }
+        let even = if total > 0.0 { f64::from(even) } else { 1.0 };
+        let of_cell = even / (side * side) as f64;
+        let scale = if total > 0.0 { (1.0 - even) / total } else { 0.0 };
+        let (rows, columns) = cumulative.split_at_mut(side);
+        let mut sum = 0.0;
+        let lines = weights.chunks(side).zip(columns.chunks_mut(side));
+        for (end, (weights, line)) in rows.iter_mut().zip(lines) {
+            let mut within = 0.0;
+            for (end, &weight) in line.iter_mut().zip(weights) {
+                within += of_cell + scale * f64::from(weight);
+                *end = within as f32;
+            }
+            line.iter_mut().for_each(|end| *end /= within as f32);
+            sum += within;
+            *end = sum as f32;
+        }
+        rows.iter_mut().for_each(|end| *end /= sum as f32);
+        Ok(Self { side, cumulative })
+    }
+
+    /// A guide that was written before.
+    ///
+    /// # Errors
+    /// [`GridError::Length`]: not as many numbers as [`EmissionGuide::size`] says.
+    pub fn new(side: usize, cumulative: &'a [f32]) -> Result<Self, GridError> {
+        if side == 0 || cumulative.len() != Self::size(side) {
+            return Err(GridError::Length);
+        }
+        Ok(Self { side, cumulative })
+    }
+
+    /// Where a point of the unit square goes, and the density of points there, whose mean over the square is 1:
+    /// a path's power is to be divided by it.
+    pub fn warp(&self, [u, v]: [f32; 2]) -> ([f32; 2], f32) {
+        let (rows, columns) = self.cumulative.split_at(self.side);
+        let (row, u, of_row) = pick(rows, u);
+        let (_, v, of_cell) = pick(&columns[row * self.side..(row + 1) * self.side], v);
+        ([u, v], of_row * of_cell)
+    }
+}
+
+/// The cell that a number falls into, the place in [0, 1) that it goes to, and the density there.
+fn pick(cumulative: &[f32], number: f32) -> (usize, f32, f32) {
+    let count = cumulative.len() as f32;
+    let index = cumulative.partition_point(|&end| end <= number).min(cumulative.len() - 1);
+    let start = if index == 0 { 0.0 } else { cumulative[index - 1] };
+    let share = (cumulative[index] - start).max(f32::MIN_POSITIVE);
+    let within = ((number - start) / share).clamp(0.0, 1.0);
+    (index, ((index as f32 + within) / count).min(1.0 - f32::EPSILON), share * count)
 }
 
 fn pair(high: u32, low: u32) -> u64 {

@@ -60,6 +60,7 @@
 //! | 5.3.4 | kernels as wide as the light allows, and the gather of one pair | [`kernel`], [`beam`], [`pair`] |
 //! | 5.3.2 | few eye rays and a filter: image space | [`image`] |
 //! | 5.3.3 | shadow rays along an eye ray | [`march`] |
+//! | | which light paths the picture needs | [`importance`], [`emission`] |
 //! | | the same gather, of many rays and beams, fast | `beam_map` (feature `bvh`) |
 #![no_std]
 #![forbid(unsafe_code)]
@@ -75,6 +76,7 @@ pub mod edges;
 pub mod emission;
 pub mod grid;
 pub mod image;
+pub mod importance;
 pub mod kernel;
 pub mod light_field;
 pub mod march;
@@ -91,12 +93,15 @@ pub use beam::{BLOCK, Beam, BeamBlock, Crossing, EyeRay, PARALLEL_SINE, cross};
 #[cfg(feature = "bvh")]
 pub use beam_map::{BeamMap, Contact, GatherScratch, MAX_BEAMS, Stop, Unfinished};
 pub use edges::{Edge, Edges, MOST_EDGES, ProbeHit, find_edges};
-pub use emission::{EMISSION_DIMENSIONS, EVEN_LAMP, path_number};
+pub use emission::{EMISSION_DIMENSIONS, EVEN_LAMP, EmissionGuide, path_number};
 pub use grid::{CovarianceGrid, FluenceCell, FluenceGrid, GridCell};
 pub use image::{
     FILM_TILE, FILM_TILE_PIXELS, FilmEvidence, FilmFilterNode, FilmFilters, FilmLattice, FilmNode, FilmPixel,
     FilmSample, FilmSizeError, FilmSums, FilmUnit, ImageFilter, ImageSpectrum, PixelStep, Reconstruction,
     film_regions, pixel_threshold, standard_errors, verify_filters,
+};
+pub use importance::{
+    Importance, ImportanceCell, ImportanceGrid, ImportanceSums, SegmentImportance, weight_window,
 };
 pub use kernel::{Kernel, KernelShape, Schedule, error_bound, progressive_radius};
 pub use light_field::{Curvature, FluenceSpectrum, LightField};

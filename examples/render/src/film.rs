@@ -1,6 +1,7 @@
 //! What the passes add up to, with the same bits in whatever order they come.
 
 use crate::compare::luminance;
+use crate::eye::EyeSegment;
 use crate::plan::{Plan, Wanted};
 use crate::scene::Scene;
 use covbeam::{
@@ -84,6 +85,16 @@ impl SparseSample {
         surfaces: Vec3::ZERO,
         gather: [0.0; 4],
     };
+
+    /// Adds what a piece of the eye path sees at its start.
+    pub(crate) fn add(&mut self, segment: &EyeSegment, radiance: Vec3) {
+        let radiance = segment.throughput * radiance;
+        if segment.is_first() {
+            self.volume += radiance;
+        } else {
+            self.surfaces += radiance;
+        }
+    }
 
     /// Room for all samples of a pass: one block, which goes back to the system as a whole. (Small ones, a thread's each, leave holes that
     /// the picture does not fit into.)

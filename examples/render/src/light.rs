@@ -68,7 +68,13 @@ impl Light {
 
     /// Draws a photon.
     pub fn emit(&self, sampler: &mut PathSampler) -> EmittedPhoton {
-        let [a, b] = sampler.uniform_pair();
+        let place = sampler.uniform_pair();
+        self.emit_at(place, sampler)
+    }
+
+    /// The photon of a place in the unit square, whose second number is an angle around the light's axis; of a disk, from a point of it
+    /// that `sampler` draws.
+    pub fn emit_at(&self, [a, b]: [f32; 2], sampler: &mut PathSampler) -> EmittedPhoton {
         match *self {
             Light::Point { position, intensity } => {
                 let z = 1.0 - 2.0 * a;

@@ -2,15 +2,17 @@
 
 use crate::eye::EyeTracer;
 use crate::film::PassImage;
+use crate::guidance::Guidance;
 use crate::march::{Guide, Marcher, Marching, Placement};
 use crate::media;
 use crate::operators::Operator;
 use crate::optics::Interior;
-use crate::photon::{Energy, PhotonRecord, PhotonTracer, Record};
+use crate::photon::{Energy, PathBeam, PhotonRecord, PhotonTracer, Record};
 use crate::plan::{FirstSurfaces, Plan};
 use crate::radius::{BeamVoxels, Radii, RadiusRule};
 use crate::random::Emission;
 use crate::scene::Scene;
+use crate::straight::{Straight, is_left_to_beams};
 use crate::surface::SurfaceMap;
 use crate::view::{View, pixel_offset};
 use covbeam::{
@@ -69,7 +71,7 @@ pub struct PassTimes {
     pub grid: f64,
     /// Hierarchies over beams and surface photons.
     pub build: f64,
-    /// The spectrum of the picture.
+    /// The spectrum of the picture; and in the first pass, what light is worth in it.
     pub plan: f64,
     /// Eye rays, gather and shading.
     pub gather: f64,
@@ -124,6 +126,10 @@ pub struct Renderer<'a> {
     /// Of the picture, from `resolved`; None: not asked for yet.
     spectra: Option<Vec<ImageSpectrum>>,
     energy: Energy,
+    /// Whether straight light comes from shadow rays, and photons go where the picture needs them.
+    by_kind: bool,
+    /// Core-seconds of the pilot, not yet said.
+    pilot: f64,
 }
 
 impl<'a> Renderer<'a> {
@@ -159,6 +165,8 @@ impl<'a> Renderer<'a> {
             resolved_pass: 0,
             spectra: None,
             energy: Energy::default(),
+            by_kind: false,
+            pilot: 0.0,
         }
     }
 
@@ -173,6 +181,18 @@ impl<'a> Renderer<'a> {
     /// through every pixel.
     pub fn plan_eye_rays(&mut self) {
         self.surfaces = Some(Arc::new(FirstSurfaces::new(self.scene)));
+    }
+
+    /// From now on each kind of light comes from what is best for it: light straight from the lamps from shadow rays, but for media of voxels;
+    /// all other light from light paths that go where the picture needs them, after a pilot that depends on the scene alone. Call it before
+    /// the first pass. For the method adaptive.
+    pub fn light_by_kind(&mut self) {
+        let start = Instant::now();
+        if let Some(guidance) = Guidance::new(self.scene, &self.fogs) {
+            self.tracer.guide(guidance);
+        }
+        self.by_kind = true;
+        self.pilot = start.elapsed().as_secs_f64();
     }
 
     /// What the adaptive method's kernel radii come from; other methods go on as they are. Call it before the first pass.
@@ -382,7 +402,7 @@ impl<'a> Renderer<'a> {
         let mut kernel = settings.schedule.kernel(index, None);
         let start = Instant::now();
         let plan = if has_spectra { self.plan(index, kernel.error, self.photons) } else { None };
-        times.plan = start.elapsed().as_secs_f64();
+        times.plan = start.elapsed().as_secs_f64() + std::mem::take(&mut self.pilot);
 
         let layout = self.scene.grid;
         let lookup = |cells| FluenceGrid::new(layout, cells).expect(FITS);
@@ -395,8 +415,10 @@ impl<'a> Renderer<'a> {
         }
         let start = Instant::now();
         let mut by_medium = vec![Vec::new(); self.scene.media.len()];
-        for (medium, beam) in record.beams.drain(..) {
-            by_medium[medium as usize].push(beam);
+        for PathBeam { medium, is_straight, beam } in record.beams.drain(..) {
+            if !(self.by_kind && is_straight) || is_left_to_beams(self.scene, medium) {
+                by_medium[medium as usize].push(beam);
+            }
         }
         let build = |beams: Vec<Vec<Beam>>| -> Vec<BeamMap> {
             let beams = beams.into_iter().zip(&self.fogs);
@@ -428,6 +450,13 @@ impl<'a> Renderer<'a> {
             seed: self.seed,
             pass: index,
             plan,
+            straight: self.by_kind.then(|| Straight {
+                scene: self.scene,
+                fogs: &self.fogs,
+                lamps: self.tracer.lamps(),
+                seed: self.seed,
+                pass: index,
+            }),
         };
         let (image, cost) = view.image(cancelled)?;
         (times.gather, times.pairs) = (cost.seconds, cost.pairs);

@@ -1,12 +1,15 @@
 //! Light paths: from a light through media and surfaces until they are absorbed or escape.
 
+mod guided;
+
+use crate::guidance::Guidance;
 use crate::light::{EmittedPhoton, cosine_direction};
 use crate::media;
 use crate::operators::Operator;
 use crate::optics::{Boundary, Interior, curvature_towards, facing_normal, reflect};
 use crate::random::{Emission, PathSampler};
 use crate::record::add;
-pub use crate::record::{Energy, FieldSegment, PhotonRecord, Record, Splat};
+pub use crate::record::{Energy, FieldSegment, PathBeam, PhotonRecord, Record, Splat};
 use crate::scene::{Material, Scene};
 use crate::surface::SurfacePhoton;
 use covbeam::{Beam, Column, CovarianceGrid, Curvature, Density, Edges, Knot, LightField, Medium};
@@ -23,15 +26,24 @@ pub(crate) const GOING_ON: f32 = 0.95;
 pub struct PhotonTracer<'a> {
     scene: &'a Scene,
     fogs: Vec<Medium<'a>>,
-    /// Cumulative share of the flux and what each light is inside of.
-    lights: Vec<(f32, Interior)>,
+    lights: Lights,
     camera: Interior,
     seed: u32,
     emission: Emission,
     left_out: Option<Operator>,
+    /// None: paths are drawn as their power goes.
+    guidance: Option<Guidance>,
+}
+
+struct Lights {
+    /// Cumulative shares of the flux.
+    cumulative: Vec<f32>,
+    /// What each light is inside of.
+    interiors: Vec<Interior>,
 }
 
 /// The moving photon.
+#[derive(Clone)]
 struct Photon {
     origin: Vec3,
     direction: Vec3,
@@ -49,23 +61,30 @@ impl<'a> PhotonTracer<'a> {
     pub fn new(scene: &'a Scene, seed: u32, emission: Emission) -> Self {
         let flux = scene.lights.iter().map(|light| f64::from(light.flux().element_sum()));
         let total: f64 = flux.clone().sum();
-        let mut cumulative = 0.0;
-        let lights = scene
-            .lights
-            .iter()
-            .zip(flux)
-            .map(|(light, flux)| {
-                cumulative += flux / total;
-                (cumulative as f32, Interior::at(scene, light.position()))
-            })
-            .collect();
+        let mut sum = 0.0;
+        let shares = flux.map(|flux| {
+            sum += flux / total;
+            sum as f32
+        });
+        let interiors = scene.lights.iter().map(|light| Interior::at(scene, light.position()));
+        let lights = Lights { cumulative: shares.collect(), interiors: interiors.collect() };
         let camera = Interior::at(scene, scene.camera.position);
-        Self { scene, fogs: media::all(scene), lights, camera, seed, emission, left_out: None }
+        Self { scene, fogs: media::all(scene), lights, camera, seed, emission, left_out: None, guidance: None }
     }
 
     /// Leaves an operator out of all light fields, to see what it buys.
     pub fn leave_out(&mut self, operator: Operator) {
         self.left_out = Some(operator);
+    }
+
+    /// From now on sends light paths where the picture needs them; not those for connections with the camera.
+    pub(crate) fn guide(&mut self, guidance: Guidance) {
+        self.guidance = Some(guidance);
+    }
+
+    /// Cumulative shares of the paths that start from each light.
+    pub(crate) fn lamps(&self) -> &[f32] {
+        self.guidance.as_ref().map_or(&self.lights.cumulative, Guidance::lamps)
     }
 
     fn acts(&self, operator: Operator) -> bool {
@@ -92,18 +111,13 @@ impl<'a> PhotonTracer<'a> {
     /// Traces light path `index` of `sequence`; its power is divided by `paths`.
     pub fn trace(&self, sequence: u32, index: u32, paths: u32, record: Record, out: &mut PhotonRecord) {
         let mut sampler = PathSampler::new(self.emission, self.seed, sequence, index);
-        let (light, share) = self.choose_light(&mut sampler);
+        let is_guided = matches!(record, Record::Beams | Record::BeamsAndField | Record::Field);
+        if let (Some(guidance), true) = (&self.guidance, is_guided) {
+            return self.trace_guided(guidance, sampler, paths, record, out);
+        }
+        let (light, share) = choose_light(&self.lights.cumulative, &mut sampler);
         let emitted = self.scene.lights[light].emit(&mut sampler);
-        let mut photon = Photon {
-            origin: emitted.origin,
-            direction: emitted.direction,
-            power: emitted.power / (share * paths as f32),
-            interior: self.lights[light].1,
-            normal: emitted.normal,
-            direct: true,
-            specular: true,
-            field: self.start_field(light, &emitted, record),
-        };
+        let mut photon = self.start(light, &emitted, emitted.power / (share * paths as f32), record);
         add(&mut out.energy.emitted, photon.power);
         if !(photon.power.max_element() > 0.0) {
             return;
@@ -126,16 +140,18 @@ impl<'a> PhotonTracer<'a> {
         }
     }
 
-    /// The light that a path starts from, with its probability.
-    fn choose_light(&self, sampler: &mut PathSampler) -> (usize, f32) {
-        if self.lights.len() == 1 {
-            return (0, 1.0);
+    /// A photon that leaves a light.
+    fn start(&self, light: usize, emitted: &EmittedPhoton, power: Vec3, record: Record) -> Photon {
+        Photon {
+            origin: emitted.origin,
+            direction: emitted.direction,
+            power,
+            interior: self.lights.interiors[light],
+            normal: emitted.normal,
+            direct: true,
+            specular: true,
+            field: self.start_field(light, emitted, record),
         }
-        let u = sampler.uniform();
-        let index =
-            self.lights.partition_point(|&(cumulative, _)| cumulative <= u).min(self.lights.len() - 1);
-        let before = if index == 0 { 0.0 } else { self.lights[index - 1].0 };
-        (index, self.lights[index].0 - before)
     }
 
     fn start_field(&self, light: usize, emitted: &EmittedPhoton, record: Record) -> Option<LightField> {
@@ -166,7 +182,7 @@ impl<'a> PhotonTracer<'a> {
         if let Some((id, fog, column)) = &inside {
             match record {
                 Record::Beams | Record::BeamsAndField => {
-                    out.beams.extend(beam_of(photon, hit.as_ref(), fog, column).map(|beam| (*id, beam)));
+                    out.beams.extend(beam_of(photon, *id, hit.as_ref(), fog, column));
                 }
                 Record::Connections => self.connect_segment(photon, reach, fog, column, sampler, out),
                 Record::Field | Record::Direct => {}
@@ -392,8 +408,25 @@ impl<'a> PhotonTracer<'a> {
     }
 }
 
+/// The light that a path starts from, with its probability.
+fn choose_light(cumulative: &[f32], sampler: &mut PathSampler) -> (usize, f32) {
+    if cumulative.len() == 1 {
+        return (0, 1.0);
+    }
+    let u = sampler.uniform();
+    let index = cumulative.partition_point(|&end| end <= u).min(cumulative.len() - 1);
+    let before = if index == 0 { 0.0 } else { cumulative[index - 1] };
+    (index, cumulative[index] - before)
+}
+
 /// The beam along a photon's segment: to the next surface, or until nothing is left.
-fn beam_of(photon: &Photon, hit: Option<&Hit>, fog: &Medium, column: &Column) -> Option<Beam> {
+fn beam_of(
+    photon: &Photon,
+    medium: u32,
+    hit: Option<&Hit>,
+    fog: &Medium,
+    column: &Column,
+) -> Option<PathBeam> {
     let opaque = media::opaque_distance(fog, photon.origin, photon.direction, column);
     let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
     let length = reach.min(opaque);
@@ -404,14 +437,10 @@ fn beam_of(photon: &Photon, hit: Option<&Hit>, fog: &Medium, column: &Column) ->
         }
         _ => Vec3::ZERO,
     };
-    (length.is_finite() && fog.scattering.max_element() > 0.0).then_some(Beam {
-        origin: photon.origin,
-        direction: photon.direction,
-        length,
-        power: photon.power,
-        start_normal: photon.normal,
-        end_normal,
-    })
+    let Photon { origin, direction, power, normal: start_normal, direct: is_straight, .. } = *photon;
+    let beam = Beam { origin, direction, length, power, start_normal, end_normal };
+    let is_beam = length.is_finite() && fog.scattering.max_element() > 0.0;
+    is_beam.then_some(PathBeam { medium, is_straight, beam })
 }
 
 /// The column up to the next collision: one channel, chosen by its power, decides for all three.

@@ -13,7 +13,8 @@
 //! **Beam density.** A ball of radius r is crossed by π r² ν beams: r is such that there are always as many, but for i^(-1/5).
 
 use crate::media;
-use covbeam::{Beam, FluenceCell, FluenceSpectrum, GridLayout, KernelShape, Medium};
+use crate::record::PathBeam;
+use covbeam::{FluenceCell, FluenceSpectrum, GridLayout, KernelShape, Medium};
 use glam::Vec3;
 use std::f64::consts::PI;
 
@@ -114,17 +115,17 @@ impl BeamVoxels {
         self.voxels.fill(Voxel::default());
     }
 
-    /// Adds the beams of one pass, each with the index of its medium. Same bits for the same beams in the same order.
+    /// Adds the beams of one pass. Same bits for the same beams in the same order.
     ///
     /// A beam is cut into pieces no longer than a voxel's shortest side, each of which counts where its middle is. Cost: 0.2 µs a beam.
-    pub fn add(&mut self, beams: &[(u32, Beam)], fogs: &[Medium]) {
+    pub fn add(&mut self, beams: &[PathBeam], fogs: &[Medium]) {
         let (size, cells) =
             (self.layout.max - self.layout.min, Vec3::from(self.layout.cells.map(|n| n as f32)));
         let (scale, stride) = (cells / size, (size / cells).min_element());
         let row = self.layout.cells[0] as usize;
         let plane = row * self.layout.cells[1] as usize;
         let mut knots = Vec::new();
-        for (medium, beam) in beams {
+        for PathBeam { medium, beam, .. } in beams {
             let planes =
                 [self.layout.min, self.layout.max].map(|corner| (corner - beam.origin) / beam.direction);
             let from = planes[0].min(planes[1]).max_element().max(0.0);

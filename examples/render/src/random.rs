@@ -65,6 +65,12 @@ impl PathSampler {
         Self { seed, sequence, index, dimension }
     }
 
+    /// The independent decisions of a branch of the path; another number for each branch.
+    pub fn branch(&self, number: u32) -> Self {
+        let sequence = mix((u64::from(self.sequence) << 32) | u64::from(number)) as u32;
+        Self { sequence, dimension: EMISSION_DIMENSIONS, ..*self }
+    }
+
     /// Next decision, uniform in [0, 1).
     pub fn uniform(&mut self) -> f32 {
         self.dimension += 1;

@@ -30,6 +30,17 @@ impl FieldSegment {
     }
 }
 
+/// A beam of a light path.
+#[derive(Clone, Copy, Debug)]
+pub struct PathBeam {
+    /// Index of its medium.
+    pub medium: u32,
+    /// Whether its light comes straight from the lamp.
+    pub is_straight: bool,
+    /// The beam.
+    pub beam: Beam,
+}
+
 /// A contribution of a path vertex to one pixel.
 #[derive(Clone, Copy, Debug)]
 pub struct Splat {
@@ -64,8 +75,8 @@ pub(crate) fn add(sum: &mut [f64; 3], power: Vec3) {
 /// What light paths leave behind.
 #[derive(Clone, Debug, Default)]
 pub struct PhotonRecord {
-    /// Beams, with the index of their medium.
-    pub beams: Vec<(u32, Beam)>,
+    /// Beams.
+    pub beams: Vec<PathBeam>,
     /// Photons on diffuse surfaces, without those that came straight from a light.
     pub surface: Vec<SurfacePhoton>,
     /// What light fields leave in the covariance grid, with the index of their medium.

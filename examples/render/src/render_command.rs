@@ -61,6 +61,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
         pool.current_num_threads()
     );
     let mut renderer = pool.install(|| Renderer::new(&scene, args.method.method(), photons, seed));
+    if matches!(args.method, MethodName::Adaptive) {
+        pool.install(|| renderer.light_by_kind());
+    }
     if args.method.plans_eye_rays() && !args.every_pixel {
         pool.install(|| renderer.plan_eye_rays());
     }

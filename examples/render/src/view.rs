@@ -5,6 +5,7 @@ use crate::film::{PassImage, SparseSample};
 use crate::plan::{Plan, Wanted};
 use crate::random::Random;
 use crate::scene::Scene;
+use crate::straight::Straight;
 use covbeam::{BeamMap, EyeRay, GatherScratch, Gathered, Kernel, Medium};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -13,6 +14,14 @@ use std::time::Instant;
 
 /// Pixels along the side of a tile, whose eye rays are gathered together.
 const TILE: u32 = 32;
+
+/// Beams around pieces of eye paths of which less than this reaches the camera are not gathered each time: such a piece costs as much as
+/// any other. Of a piece with share t they are with probability (t / FAINT)², which adds as much variance as one with this share has.
+const FAINT: f32 = 0.1;
+const LEAST: f32 = 0.01;
+
+/// Purpose of random numbers.
+const FAINT_KEY: u32 = 0xfa17;
 
 /// Which eye rays a pass traces, and through what.
 pub(crate) struct View<'a> {
@@ -26,6 +35,8 @@ pub(crate) struct View<'a> {
     pub(crate) pass: u32,
     /// Eye rays where the plan wants them; None: one through every pixel.
     pub(crate) plan: Option<Plan>,
+    /// Where straight light is not left to beams.
+    pub(crate) straight: Option<Straight<'a>>,
 }
 
 /// What the eye rays cost.
@@ -94,6 +105,10 @@ impl View<'_> {
             let surfaces = self.tracer.trace_wanted(direction, number, wanted, &mut random, segments);
             *seen = SparseSample { pixel, wanted, volume: Vec3::ZERO, surfaces, gather: [0.0; 4] };
         }
+        if let Some(straight) = &self.straight {
+            self.add_straight(straight, segments, seen);
+            self.thin_out(segments, seen);
+        }
         // Paths that met the same surfaces run side by side.
         segments.sort_by_key(|segment| (segment.medium, segment.signature, segment.pixel));
         let narrow = Kernel { max_radius: self.kernel.min_radius, grid: None, ..*self.kernel };
@@ -111,12 +126,7 @@ impl View<'_> {
             self.maps[medium].gather(fog, rays, kernel, gathered, gather).expect("its map was built in it");
             for (segment, gathered) in group.iter().zip(gathered.iter()) {
                 let seen = &mut seen[segment.pixel as usize];
-                let radiance = segment.throughput * gathered.radiance;
-                if segment.is_first() {
-                    seen.volume += radiance;
-                } else {
-                    seen.surfaces += radiance;
-                }
+                seen.add(segment, gathered.radiance);
                 let share = segment.throughput.element_sum() / 3.0;
                 let add = [
                     share * gathered.weight,
@@ -131,6 +141,36 @@ impl View<'_> {
             }
         }
         Cost { seconds: start.elapsed().as_secs_f64(), pairs }
+    }
+}
+
+impl View<'_> {
+    /// Straight light in all pieces of the eye paths.
+    fn add_straight(&self, straight: &Straight, segments: &[EyeSegment], seen: &mut [SparseSample]) {
+        let mut knots = Vec::new();
+        for segment in segments {
+            let seen = &mut seen[segment.pixel as usize];
+            let planned = self.plan.as_ref().filter(|_| segment.is_first());
+            let density = planned.map_or(1.0, |plan| plan.density()[seen.pixel as usize]);
+            let radiance = straight.radiance(segment, seen.pixel, density, &mut knots);
+            seen.add(segment, radiance);
+        }
+    }
+
+    /// Leaves pieces out that the camera hardly sees, and makes up for them.
+    fn thin_out(&self, segments: &mut Vec<EyeSegment>, seen: &[SparseSample]) {
+        let mut number = 0_u32;
+        segments.retain_mut(|segment| {
+            number += 1;
+            let share = segment.throughput.max_element() / FAINT;
+            if segment.is_first() || share >= 1.0 {
+                return true;
+            }
+            let chance = (share * share).max(LEAST);
+            segment.throughput /= chance;
+            let pixel = seen[segment.pixel as usize].pixel;
+            Random::new([self.seed, self.pass, pixel, FAINT_KEY ^ (number << 16)]).uniform() < chance
+        });
     }
 }
 

@@ -37,6 +37,9 @@ impl Estimator {
             Self::Light => Method::LightTrace,
         };
         let mut renderer = Renderer::new(scene, method, self.photons(scene), seed);
+        if method == Method::Adaptive {
+            renderer.light_by_kind();
+        }
         if self == Self::Default {
             renderer.plan_eye_rays();
         }

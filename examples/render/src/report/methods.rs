@@ -49,6 +49,7 @@ pub const METHODS: &[Method] = &[
         color: [0, 114, 178],
         make: |scene, seed| {
             let mut renderer = Renderer::new(scene, Gather::Adaptive, scene.settings.photons, seed);
+            renderer.light_by_kind();
             renderer.plan_eye_rays();
             renderer
         },

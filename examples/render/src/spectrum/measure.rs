@@ -2,7 +2,7 @@
 
 use super::walk::{voxel_size, walk};
 use crate::media;
-use crate::photon::{PhotonRecord, PhotonTracer, Record};
+use crate::photon::{PathBeam, PhotonRecord, PhotonTracer, Record};
 use crate::random::Emission;
 use crate::scene::{Light, Material, Scene};
 use covbeam::{Beam, Column, GridLayout, Knot, Medium};
@@ -121,7 +121,7 @@ fn measure_batch(
             record.surface.clear();
             tracer.trace(sequence, index, paths, Record::Beams, &mut record);
             let mut origin = Origin::Direct;
-            for (medium, beam) in &record.beams {
+            for PathBeam { medium, beam, .. } in &record.beams {
                 origin = origin_of(scene, beam, origin);
                 add_beam(layout, beam, &fogs[*medium as usize], &mut knots, |voxel, weight| {
                     sums[voxel][origin as usize] += weight;

@@ -1,0 +1,192 @@
+//! Paths from the camera: what they cross matters to the picture.
+
+use super::look::Pixel;
+use super::{column, left, mean};
+use crate::light::cosine_direction;
+use crate::optics::{Boundary, Interior, facing_normal, reflect};
+use crate::random::Random;
+use crate::scene::{Material, Scene};
+use covbeam::{ImportanceGrid, Knot, Medium};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::f32::consts::FRAC_1_PI;
+
+/// Paths.
+const PATHS: u32 = 16_384;
+
+/// Paths that one task follows.
+const CHUNK: usize = 256;
+
+/// Most events of a path.
+const LONGEST: u32 = 32;
+
+/// Purpose of random numbers.
+const KEY: u32 = 0x1339;
+
+/// What a path leaves in the grid.
+enum Deposit {
+    EyeRay(Flight),
+    Path(Flight),
+    Surface { position: Vec3, weight: f32 },
+}
+
+/// A segment in a medium.
+struct Flight {
+    medium: u32,
+    origin: Vec3,
+    direction: Vec3,
+    length: f32,
+    weight: f32,
+}
+
+/// Follows paths that share the pixels' weights evenly, and adds what they cross.
+pub(super) fn walk(scene: &Scene, fogs: &[Medium], pixels: &[Pixel], grid: &mut ImportanceGrid) {
+    let total: f64 = pixels.iter().map(|pixel| f64::from(pixel.weight)).sum();
+    let unit = total / f64::from(PATHS);
+    let mut starts = Vec::new();
+    let mut sum = 0.0;
+    for pixel in pixels {
+        sum += f64::from(pixel.weight);
+        while (starts.len() as f64 + 0.5) * unit < sum {
+            starts.push(pixel.direction);
+        }
+    }
+    let walker = Walker { scene, fogs, interior: Interior::at(scene, scene.camera.position) };
+    let chunks: Vec<Vec<Deposit>> = starts
+        .par_chunks(CHUNK)
+        .enumerate()
+        .map(|(chunk, starts)| {
+            let mut out = Vec::new();
+            for (index, direction) in starts.iter().enumerate() {
+                let mut random = Random::new([0, (chunk * CHUNK + index) as u32, 0, KEY]);
+                walker.follow(*direction, unit as f32, &mut random, &mut out);
+            }
+            out
+        })
+        .collect();
+    for deposit in chunks.iter().flatten() {
+        match deposit {
+            Deposit::EyeRay(at) => {
+                let fog = &fogs[at.medium as usize];
+                grid.add_eye_ray(fog, at.origin, at.direction, at.length, at.weight);
+            }
+            Deposit::Path(at) => {
+                let fog = &fogs[at.medium as usize];
+                grid.add_path(fog, at.origin, at.direction, at.length, at.weight);
+            }
+            Deposit::Surface { position, weight } => grid.add_surface(*position, *weight),
+        }
+    }
+}
+
+struct Walker<'a> {
+    scene: &'a Scene,
+    fogs: &'a [Medium<'a>],
+    /// Of the camera.
+    interior: Interior,
+}
+
+#[derive(Clone)]
+struct Importon {
+    origin: Vec3,
+    direction: Vec3,
+    weight: f32,
+    interior: Interior,
+    /// Whether it has met mirrors and glass only.
+    specular: bool,
+    depth: u32,
+}
+
+impl Walker<'_> {
+    fn follow(&self, direction: Vec3, weight: f32, random: &mut Random, out: &mut Vec<Deposit>) {
+        let (origin, interior) = (self.scene.camera.position, self.interior);
+        let mut waiting = vec![Importon { origin, direction, weight, interior, specular: true, depth: 0 }];
+        let mut knots = Vec::new();
+        while let Some(mut importon) = waiting.pop() {
+            if importon.depth < LONGEST {
+                importon.depth += 1;
+                self.step(importon, random, &mut waiting, &mut knots, out);
+            }
+        }
+    }
+
+    fn step(
+        &self,
+        mut importon: Importon,
+        random: &mut Random,
+        waiting: &mut Vec<Importon>,
+        knots: &mut Vec<Knot>,
+        out: &mut Vec<Deposit>,
+    ) {
+        let hit = self.scene.intersect(importon.origin, importon.direction, f32::INFINITY);
+        let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
+        if let Some(medium) = importon.interior.medium(self.scene) {
+            let fog = &self.fogs[medium as usize];
+            let Importon { origin, direction, weight, .. } = importon;
+            let flight = Flight { medium, origin, direction, length: reach, weight };
+            out.push(if importon.specular { Deposit::EyeRay(flight) } else { Deposit::Path(flight) });
+            let column = column(fog, origin, direction, reach, knots);
+            let left = left(fog, &column, reach);
+            let (collides, u) = (1.0 - left, random.uniform());
+            // The first collision is forced, and the path goes on without it too; after that it is one or the other.
+            if collides > 0.0 && (importon.specular || u < collides) {
+                let u = if importon.specular { u * collides } else { u };
+                let distance = column.distance_at(-(-u).ln_1p() / fog.mean_extinction());
+                let share = if importon.specular { collides } else { 1.0 };
+                let direction = fog.phase.sample(direction, [random.uniform(), random.uniform()]);
+                let weight = weight * share * mean(fog.scattering) / fog.mean_extinction();
+                if distance < reach {
+                    let origin = origin + distance * importon.direction;
+                    waiting.push(Importon {
+                        origin,
+                        direction,
+                        weight,
+                        specular: false,
+                        ..importon.clone()
+                    });
+                }
+                if !importon.specular {
+                    return;
+                }
+            }
+            if importon.specular {
+                importon.weight *= left;
+            }
+        }
+        let Some(hit) = hit else { return };
+        match self.scene.objects[hit.object as usize].material {
+            Material::Black => return,
+            Material::Lambert { albedo } => {
+                if importon.specular {
+                    let weight = importon.weight * mean(albedo) * FRAC_1_PI;
+                    out.push(Deposit::Surface { position: hit.position, weight });
+                }
+                if random.uniform() >= mean(albedo) {
+                    return;
+                }
+                let normal = facing_normal(&hit, importon.direction);
+                importon.direction = cosine_direction(normal, [random.uniform(), random.uniform()]);
+                importon.specular = false;
+            }
+            Material::Mirror { reflectance } => {
+                if random.uniform() >= mean(reflectance) {
+                    return;
+                }
+                importon.direction = reflect(importon.direction, facing_normal(&hit, importon.direction));
+            }
+            Material::Dielectric { .. } => {
+                let boundary = Boundary::new(self.scene, &hit, importon.direction, &importon.interior);
+                let through = random.uniform() >= boundary.reflectance;
+                importon.direction = match boundary.refracted.filter(|_| through) {
+                    Some(refracted) => {
+                        importon.interior = boundary.beyond;
+                        refracted
+                    }
+                    None => boundary.reflected,
+                };
+            }
+        }
+        importon.origin = hit.leave(importon.direction);
+        waiting.push(importon);
+    }
+}

@@ -1,0 +1,172 @@
+//! How lamps emit: in proportion to what light in a direction is worth.
+
+use super::{column, left, mean, of_arrival};
+use crate::optics::{Boundary, Interior, facing_normal, reflect};
+use crate::random::{Emission, PathSampler, Random};
+use crate::scene::{Light, Material, Scene};
+use crate::straight::is_left_to_beams;
+use covbeam::{EmissionGuide, Importance, Knot, Medium};
+use rayon::prelude::*;
+
+/// Cells across the square in which a lamp's emission is drawn: as many as all lamps together may have, and as one may.
+const CELLS: f32 = 2048.0;
+const MOST_ACROSS: f32 = 24.0;
+
+/// Rays through each cell across and down.
+const RAYS_ACROSS: u32 = 2;
+
+/// Mirrors and glass in a row that a ray follows.
+const LONGEST: u32 = 16;
+
+/// Share of the light paths that go where their power goes, whatever that is worth: no path has more than five times the power that all
+/// would have if they shared it evenly.
+const EVEN: f32 = 0.2;
+
+/// Shares of a cell and of those beside it in its worth: its rays may have missed a hole that theirs found.
+const BLUR: [(isize, isize, f32); 5] = [(0, 0, 0.6), (-1, 0, 0.1), (1, 0, 0.1), (0, -1, 0.1), (0, 1, 0.1)];
+
+/// Purpose of random numbers, and sequence of emission.
+const KEY: u32 = 0x1a3b;
+
+/// How each lamp emits.
+pub(super) struct Lamps {
+    /// Power x importance of all light.
+    pub(super) total: f32,
+    /// Cumulative share of the paths.
+    pub(super) cumulative: Vec<f32>,
+    across: usize,
+    guides: Vec<f32>,
+}
+
+impl Lamps {
+    /// None if no light is worth anything.
+    pub(super) fn new(scene: &Scene, fogs: &[Medium], importance: &Importance) -> Option<Self> {
+        let across = (CELLS / scene.lights.len() as f32).sqrt().clamp(1.0, MOST_ACROSS) as usize;
+        let cells = across * across;
+        let worth: Vec<f32> = (0..scene.lights.len() * cells)
+            .into_par_iter()
+            .map_init(Vec::new, |knots, number| {
+                let lamp = Lamp::new(scene, fogs, importance, number / cells);
+                lamp.of_cell(number % cells, across, number as u32, knots)
+            })
+            .collect();
+        let of_lamps: Vec<f32> =
+            worth.chunks(cells).map(|worth| worth.iter().sum::<f32>() / cells as f32).collect();
+        let total: f32 = of_lamps.iter().sum();
+        if !(total > 0.0 && total.is_finite()) {
+            return None;
+        }
+        let flux: f32 = scene.lights.iter().map(|light| mean(light.flux())).sum();
+        let mut sum = 0.0;
+        let shares = scene.lights.iter().zip(&of_lamps).map(|(light, worth)| {
+            sum += EVEN * mean(light.flux()) / flux + (1.0 - EVEN) * worth / total;
+            sum
+        });
+        let mut cumulative: Vec<f32> = shares.collect();
+        cumulative.iter_mut().for_each(|end| *end /= sum);
+        let size = EmissionGuide::size(across);
+        let mut guides = vec![0.0; size * scene.lights.len()];
+        for (guide, worth) in guides.chunks_mut(size).zip(worth.chunks(cells)) {
+            EmissionGuide::fill(across, &blurred(worth, across), EVEN, guide).expect("finite weights");
+        }
+        Some(Self { total, cumulative, across, guides })
+    }
+
+    pub(super) fn guide(&self, lamp: usize) -> EmissionGuide<'_> {
+        let size = EmissionGuide::size(self.across);
+        EmissionGuide::new(self.across, &self.guides[lamp * size..(lamp + 1) * size]).expect("as filled")
+    }
+}
+
+fn blurred(worth: &[f32], across: usize) -> Vec<f32> {
+    let at = |row: usize, column: usize, (dr, dc, share): (isize, isize, f32)| {
+        let row = row.saturating_add_signed(dr).min(across - 1);
+        // The second number is an angle.
+        let column = (column as isize + dc).rem_euclid(across as isize) as usize;
+        share * worth[row * across + column]
+    };
+    let cell = |cell: usize| BLUR.iter().map(|&step| at(cell / across, cell % across, step)).sum();
+    (0..worth.len()).map(cell).collect()
+}
+
+/// A lamp and what is around it.
+struct Lamp<'a> {
+    scene: &'a Scene,
+    fogs: &'a [Medium<'a>],
+    importance: &'a Importance<'a>,
+    light: &'a Light,
+    interior: Interior,
+}
+
+impl<'a> Lamp<'a> {
+    fn new(scene: &'a Scene, fogs: &'a [Medium<'a>], importance: &'a Importance<'a>, lamp: usize) -> Self {
+        let light = &scene.lights[lamp];
+        Self { scene, fogs, importance, light, interior: Interior::at(scene, light.position()) }
+    }
+
+    /// Mean over a cell of what the lamp's light would be worth if all of it left like that.
+    fn of_cell(&self, cell: usize, across: usize, number: u32, knots: &mut Vec<Knot>) -> f32 {
+        let rays = RAYS_ACROSS * RAYS_ACROSS;
+        let mut sum = 0.0;
+        for ray in 0..rays {
+            let mut random = Random::new([0, number, ray, KEY]);
+            let mut place = |cell: usize, ray: u32| {
+                (cell as f32 + (ray as f32 + random.uniform()) / RAYS_ACROSS as f32) / across as f32
+            };
+            let place =
+                [place(cell / across, ray / RAYS_ACROSS), place(cell % across, ray % RAYS_ACROSS)];
+            sum += self.of_place(place, number * rays + ray, &mut random, knots);
+        }
+        sum / rays as f32
+    }
+
+    /// Of the light of one direction, up to where it is scattered; as a straight beam it is worth nothing where
+    /// shadow rays look after that.
+    fn of_place(&self, place: [f32; 2], index: u32, random: &mut Random, knots: &mut Vec<Knot>) -> f32 {
+        let mut sampler = PathSampler::new(Emission::Independent, 0, KEY, index);
+        let emitted = self.light.emit_at(place, &mut sampler);
+        let mut power = mean(emitted.power);
+        let (mut origin, mut direction, mut interior) = (emitted.origin, emitted.direction, self.interior);
+        let mut worth = 0.0;
+        for event in 0..LONGEST {
+            let hit = self.scene.intersect(origin, direction, f32::INFINITY);
+            let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
+            if let Some(id) = interior.medium(self.scene) {
+                let fog = &self.fogs[id as usize];
+                let found = self.importance.of_segment(fog, origin, direction, reach);
+                let is_seen = event > 0 || is_left_to_beams(self.scene, id);
+                worth += power * (found.scattered + if is_seen { found.beam } else { 0.0 });
+                power *= left(fog, &column(fog, origin, direction, reach, knots), reach);
+            }
+            let Some(hit) = hit else { break };
+            match self.scene.objects[hit.object as usize].material {
+                Material::Black => break,
+                Material::Lambert { albedo } => {
+                    worth += power
+                        * match event {
+                            0 => mean(albedo) * self.importance.at(hit.position).scattered,
+                            _ => of_arrival(self.scene, self.importance, &hit),
+                        };
+                    break;
+                }
+                Material::Mirror { reflectance } => {
+                    power *= mean(reflectance);
+                    direction = reflect(direction, facing_normal(&hit, direction));
+                }
+                Material::Dielectric { .. } => {
+                    let boundary = Boundary::new(self.scene, &hit, direction, &interior);
+                    let through = random.uniform() >= boundary.reflectance;
+                    direction = match boundary.refracted.filter(|_| through) {
+                        Some(refracted) => {
+                            interior = boundary.beyond;
+                            refracted
+                        }
+                        None => boundary.reflected,
+                    };
+                }
+            }
+            origin = hit.leave(direction);
+        }
+        worth
+    }
+}

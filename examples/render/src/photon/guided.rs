@@ -1,0 +1,373 @@
+//! Light paths that go where the picture needs them: emitted, split and ended so that power x importance is about the same for all.
+//!
+//! A path is a tree. Whatever is certain is not left to chance: what passes a medium goes on with what is left of it, and what the medium
+//! scatters is drawn as often as that is worth. Where light scatters, several directions are looked at, and those go on that are worth it.
+
+use super::{GOING_ON, LONG_PATH, Photon, PhotonTracer, beam_of, choose_light};
+use crate::guidance::Guidance;
+use crate::light::cosine_direction;
+use crate::media;
+use crate::operators::Operator;
+use crate::optics::facing_normal;
+use crate::random::PathSampler;
+use crate::record::{FieldSegment, PhotonRecord, Record, add};
+use crate::scene::Material;
+use crate::surface::SurfacePhoton;
+use covbeam::{Column, Knot, Medium, weight_window};
+use covbeam_geometry::hit::Hit;
+use glam::Vec3;
+use smallvec::SmallVec;
+use std::time::Instant;
+
+/// Directions that are looked at for each that is expected to go on. With 8 or 16 beams are more alike, and looking costs more than that is
+/// worth.
+const CANDIDATES: f32 = 4.0;
+
+/// Most directions, and most collisions on a segment.
+const MOST: f32 = 64.0;
+
+/// Nothing goes on with less than this probability, so that what is worth more than it seems is not worth a tenfold surprise.
+const LEAST: f32 = 0.1;
+
+/// And nothing with more than so many times the power that a path has on average.
+const MOST_POWER: f32 = 4.0;
+
+/// Of a direction's expected worth, this share of the mean one's is taken for granted.
+const FOR_GRANTED: f32 = 0.1;
+
+/// Paths of which less than this is left behind a medium are thinned out.
+const FAINT: f32 = 0.1;
+
+/// What one tree of paths needs.
+struct Tree<'t, 'a> {
+    tracer: &'t PhotonTracer<'a>,
+    guidance: &'t Guidance,
+    /// Power x importance of each path.
+    unit: f32,
+    /// Mean power of a path.
+    power: f32,
+    record: Record,
+    waiting: Vec<(Photon, PathSampler, u32)>,
+    /// How many there were.
+    branches: u32,
+    knots: Vec<Knot>,
+    /// Of the segment that is being followed.
+    segment: Option<FieldSegment>,
+}
+
+/// A direction in which a photon may go on.
+#[derive(Clone, Copy)]
+struct Candidate {
+    direction: Vec3,
+    origin: Vec3,
+}
+
+impl<'a> PhotonTracer<'a> {
+    /// Like [`PhotonTracer::trace`], with guidance.
+    pub(super) fn trace_guided(
+        &self,
+        guidance: &Guidance,
+        mut sampler: PathSampler,
+        paths: u32,
+        record: Record,
+        out: &mut PhotonRecord,
+    ) {
+        let (light, share) = choose_light(guidance.lamps(), &mut sampler);
+        let (place, density) = guidance.emission(light).warp(sampler.uniform_pair());
+        let emitted = self.scene.lights[light].emit_at(place, &mut sampler);
+        let power = emitted.power / (share * density * paths as f32);
+        add(&mut out.energy.emitted, power);
+        if !(power.max_element() > 0.0) {
+            return;
+        }
+        let flux: f32 = self.scene.lights.iter().map(|light| mean(light.flux())).sum();
+        let photon = self.start(light, &emitted, power, record);
+        let mut tree = Tree {
+            tracer: self,
+            guidance,
+            unit: guidance.total() / paths as f32,
+            power: flux / paths as f32,
+            record,
+            waiting: vec![(photon, sampler, 0)],
+            branches: 0,
+            knots: Vec::new(),
+            segment: None,
+        };
+        while let Some((photon, sampler, depth)) = tree.waiting.pop() {
+            tree.follow(photon, sampler, depth, out);
+        }
+    }
+}
+
+impl Tree<'_, '_> {
+    /// One segment, what it scatters on its way, and the event at its end.
+    fn follow(
+        &mut self,
+        mut photon: Photon,
+        mut sampler: PathSampler,
+        depth: u32,
+        out: &mut PhotonRecord,
+    ) {
+        if depth > LONG_PATH && !survives(&mut photon, GOING_ON, &mut sampler, out) {
+            return;
+        }
+        let tracer = self.tracer;
+        let scene = tracer.scene;
+        let hit = scene.intersect(photon.origin, photon.direction, f32::INFINITY);
+        let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
+        match photon.interior.medium(scene) {
+            Some(id) => {
+                let fog = tracer.fogs[id as usize];
+                let mut knots = std::mem::take(&mut self.knots);
+                let column = media::column(&fog, photon.origin, photon.direction, reach, &mut knots);
+                if self.record != Record::Field {
+                    out.beams.extend(beam_of(&photon, id, hit.as_ref(), &fog, &column));
+                }
+                let opaque = media::opaque_distance(&fog, photon.origin, photon.direction, &column);
+                self.carry_field(&photon, reach.min(opaque), hit.as_ref(), Some(id), out);
+                let left = fog.transmittance(column.at(reach));
+                self.scatter(&photon, &fog, &column, [reach, reach.min(opaque)], &mut sampler, depth, out);
+                photon.power *= left;
+                photon.field = self.field_at(&tracer.acting(&fog), reach, out);
+                self.knots = knots;
+                let left = mean(left);
+                if left < FAINT && !survives(&mut photon, (left / FAINT).max(1e-3), &mut sampler, out) {
+                    return;
+                }
+            }
+            None => {
+                self.carry_field(&photon, reach, hit.as_ref(), None, out);
+                photon.field = self.field_at(&Medium::default(), reach, out);
+            }
+        }
+        let Some(hit) = hit else {
+            add(&mut out.energy.escaped, photon.power);
+            return;
+        };
+        if let Material::Lambert { albedo } = scene.objects[hit.object as usize].material {
+            self.reflect(photon, albedo, &hit, &mut sampler, depth, out);
+        } else if tracer.interact(&mut photon, &hit, &mut sampler, self.record, out) {
+            self.waiting.push((photon, sampler, depth + 1));
+        }
+    }
+
+    /// The light field's segment, and its deposit in the medium.
+    fn carry_field(
+        &mut self,
+        photon: &Photon,
+        length: f32,
+        hit: Option<&Hit>,
+        medium: Option<u32>,
+        out: &mut PhotonRecord,
+    ) {
+        let Some(field) = photon.field else {
+            self.segment = None;
+            return;
+        };
+        let start = Instant::now();
+        let segment = self.tracer.field_segment(photon, field, length, hit);
+        out.deposits.extend(medium.map(|id| (id, segment)));
+        self.segment = Some(segment);
+        out.field_time += start.elapsed();
+    }
+
+    fn field_at(
+        &self,
+        fog: &Medium,
+        distance: f32,
+        out: &mut PhotonRecord,
+    ) -> Option<covbeam::LightField> {
+        let segment = self.segment.as_ref()?;
+        let start = Instant::now();
+        let field = segment.with(Column::Uniform).field_at(fog, distance);
+        out.field_time += start.elapsed();
+        Some(field)
+    }
+
+    /// What the medium scatters on a segment: as many collisions as that is worth, spread over what is lost.
+    #[allow(clippy::too_many_arguments)]
+    fn scatter(
+        &mut self,
+        photon: &Photon,
+        fog: &Medium,
+        column: &Column,
+        [reach, visible]: [f32; 2],
+        sampler: &mut PathSampler,
+        depth: u32,
+        out: &mut PhotonRecord,
+    ) {
+        let gone = Vec3::ONE - fog.transmittance(column.at(reach));
+        let extinction = fog.extinction();
+        let albedo = fog.scattering / extinction.max(Vec3::splat(f32::MIN_POSITIVE));
+        let scattered = photon.power * gone * albedo;
+        add(&mut out.energy.medium, photon.power * gone - scattered);
+        if !(scattered.max_element() > 0.0) {
+            return;
+        }
+        let importance = self.guidance.importance();
+        let found = importance.of_segment(fog, photon.origin, photon.direction, visible);
+        let expected = (mean(photon.power) * found.scattered / self.unit)
+            .max(LEAST * gone.max_element())
+            .max(mean(scattered) / (MOST_POWER * self.power))
+            .min(MOST);
+        let count = (expected + sampler.uniform()).floor();
+        let shift = sampler.uniform();
+        add(&mut out.energy.roulette, scattered);
+        // One channel, chosen by what it loses, places a collision for all three.
+        let lost = photon.power * gone;
+        let lost = lost / lost.element_sum();
+        for collision in 0..count as u32 {
+            let mut sampler = self.branch(sampler);
+            let channel = channel(lost, sampler.uniform());
+            let u = ((collision as f32 + shift) / count).min(1.0 - f32::EPSILON);
+            let target = -(-u * gone[channel]).ln_1p() / extinction[channel];
+            let distance = column.distance_at(target);
+            if !(distance < reach) {
+                continue;
+            }
+            let density = extinction * fog.transmittance(target);
+            let drawn = (lost * density / gone.max(Vec3::splat(f32::MIN_POSITIVE))).element_sum();
+            let mut child = photon.clone();
+            child.power = photon.power * albedo * density / (drawn * expected);
+            child.origin = photon.origin + distance * photon.direction;
+            child.field = self.field_at(&self.tracer.acting(fog), distance, out);
+            child.normal = Vec3::ZERO;
+            child.direct = false;
+            child.specular = false;
+            let direction =
+                |xi| Candidate { direction: fog.phase.sample(photon.direction, xi), origin: child.origin };
+            let blur = match self.tracer.acts(Operator::Scattering) {
+                true => fog.phase.angular_variance(),
+                false => f32::INFINITY,
+            };
+            self.go_on(&child, &mut sampler, direction, depth, out, |field, direction| {
+                field.scatter(direction, blur);
+            });
+        }
+    }
+
+    /// A diffuse surface.
+    fn reflect(
+        &mut self,
+        mut photon: Photon,
+        albedo: Vec3,
+        hit: &Hit,
+        sampler: &mut PathSampler,
+        depth: u32,
+        out: &mut PhotonRecord,
+    ) {
+        let normal = facing_normal(hit, photon.direction);
+        if self.record != Record::Field && !photon.direct {
+            let (position, power, caustic) = (hit.position, photon.power, photon.specular);
+            out.surface.push(SurfacePhoton { position, normal, power, caustic });
+        }
+        let reflected = photon.power * albedo;
+        add(&mut out.energy.surfaces, photon.power - reflected);
+        if !(reflected.max_element() > 0.0) {
+            return;
+        }
+        add(&mut out.energy.roulette, reflected);
+        photon.power = reflected;
+        photon.origin = hit.position;
+        photon.normal = normal;
+        photon.direct = false;
+        photon.specular = false;
+        let direction = |xi| {
+            let direction = cosine_direction(normal, xi);
+            Candidate { direction, origin: hit.leave(direction) }
+        };
+        self.go_on(&photon, sampler, direction, depth, out, |field, direction| {
+            field.diffuse(normal, direction);
+        });
+    }
+
+    /// Draws directions for a photon that is scattered, and keeps those that are worth it: `turn` turns its light field into one.
+    fn go_on(
+        &mut self,
+        photon: &Photon,
+        sampler: &mut PathSampler,
+        direction: impl Fn([f32; 2]) -> Candidate,
+        depth: u32,
+        out: &mut PhotonRecord,
+        turn: impl Fn(&mut covbeam::LightField, Vec3),
+    ) {
+        let least = mean(photon.power) / (MOST_POWER * self.power);
+        let here = self.guidance.importance().at(photon.origin).scattered;
+        let expected = CANDIDATES * mean(photon.power) * here / self.unit;
+        let chance = expected.max(LEAST).max(least).min(1.0);
+        if sampler.uniform() >= chance {
+            return;
+        }
+        let count = expected.clamp(1.0, MOST).ceil() as usize;
+        let power = photon.power / (chance * count as f32);
+        let shift = sampler.uniform_pair();
+        let candidates: SmallVec<[Candidate; 8]> =
+            (0..count).map(|index| direction(spread(shift, index))).collect();
+        let worth = |candidate: &Candidate| {
+            let Candidate { direction, origin } = *candidate;
+            let tracer = self.tracer;
+            self.guidance.of_ray(tracer.scene, &tracer.fogs, origin, direction, &photon.interior)
+        };
+        let mut factors: SmallVec<[f32; 8]> = candidates.iter().map(worth).collect();
+        let granted = FOR_GRANTED * factors.iter().sum::<f32>() / count as f32;
+        let least = (LEAST / count as f32).max(mean(power) / (MOST_POWER * self.power));
+        factors
+            .iter_mut()
+            .for_each(|worth| *worth = (mean(power) * (*worth + granted) / self.unit).max(least));
+        weight_window(&mut factors, sampler.uniform());
+        for (candidate, factor) in candidates.iter().zip(factors) {
+            if factor > 0.0 {
+                let mut child = photon.clone();
+                child.power = power * factor;
+                child.direction = candidate.direction;
+                child.origin = candidate.origin;
+                if let Some(field) = &mut child.field {
+                    turn(field, candidate.direction);
+                }
+                add(&mut out.energy.roulette, -child.power);
+                let sampler = self.branch(sampler);
+                self.waiting.push((child, sampler, depth + 1));
+            }
+        }
+    }
+
+    fn branch(&mut self, sampler: &PathSampler) -> PathSampler {
+        self.branches += 1;
+        sampler.branch(self.branches)
+    }
+}
+
+fn mean(color: Vec3) -> f32 {
+    color.element_sum() / 3.0
+}
+
+/// Ends a photon with a probability of 1 - `chance`, or makes up for the others that it ends.
+fn survives(
+    photon: &mut Photon,
+    chance: f32,
+    sampler: &mut PathSampler,
+    out: &mut PhotonRecord,
+) -> bool {
+    let before = photon.power;
+    let lives = sampler.uniform() < chance;
+    photon.power = if lives { before / chance } else { Vec3::ZERO };
+    add(&mut out.energy.roulette, before - photon.power);
+    lives
+}
+
+/// The channel that a number in [0, 1) chooses, by shares that sum to 1.
+fn channel(shares: Vec3, number: f32) -> usize {
+    match number {
+        number if number < shares.x => 0,
+        number if number < shares.x + shares.y || shares.z <= 0.0 => 1,
+        _ => 2,
+    }
+}
+
+/// Points that fill the unit square evenly: Roberts' R2 sequence.
+fn spread(shift: [f32; 2], index: usize) -> [f32; 2] {
+    let turn = |shift: f32, step: f64| {
+        ((f64::from(shift) + step * index as f64).fract() as f32).min(1.0 - f32::EPSILON)
+    };
+    [turn(shift[0], 0.754_877_666_246_692_7), turn(shift[1], 0.569_840_290_998_053_2)]
+}

@@ -1,0 +1,155 @@
+//! Light that comes straight from the lamps and is scattered once on its way to the camera: shadow rays, from places along
+//! the eye rays.
+
+use crate::eye::EyeSegment;
+use crate::media;
+use crate::random::Random;
+use crate::scene::{Light, MediumDensity, Scene};
+use covbeam::{Column, Knot, Medium};
+use glam::Vec3;
+
+/// Places on a piece of an eye path, for each lamp, in a pass. With 4 the error of shadows' borders is 15 times that with 16, which cost a
+/// pass of simple light a third more than 8.
+const PLACES: f32 = 8.0;
+
+/// Most places, where few eye rays stand for many pixels.
+const MOST_PLACES: f32 = 64.0;
+
+/// Lamps that a piece of an eye path asks; of more, some are drawn.
+const LAMPS: usize = 4;
+
+/// Purpose of random numbers.
+const KEY: u32 = 0x57a1;
+
+/// Whether straight light in a medium is left to beams: where density varies from voxel to voxel a shadow ray's transmittance costs as much
+/// as some fifty pairs.
+pub(crate) fn is_left_to_beams(scene: &Scene, medium: u32) -> bool {
+    matches!(scene.media[medium as usize].density, MediumDensity::Grid(_))
+}
+
+/// The straight light of a pass.
+pub(crate) struct Straight<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) fogs: &'a [Medium<'a>],
+    /// Cumulative shares of the lamps, for drawing some of many.
+    pub(crate) lamps: &'a [f32],
+    pub(crate) seed: u32,
+    pub(crate) pass: u32,
+}
+
+/// A piece of an eye path that has straight light in it.
+struct Piece<'a> {
+    segment: &'a EyeSegment,
+    fog: &'a Medium<'a>,
+    column: Column<'a>,
+    /// The part with light that is not lost on its way.
+    from: f32,
+    to: f32,
+}
+
+/// Where a lamp's places and points lie in this pass.
+struct Shifts {
+    place: f32,
+    point: [f32; 2],
+}
+
+impl Straight<'_> {
+    /// Radiance of straight light at the start of a piece of an eye path.
+    ///
+    /// - `pixel`: the piece's; `density`: eye rays a pixel and pass around it: fewer look at more places.
+    pub(crate) fn radiance(
+        &self,
+        segment: &EyeSegment,
+        pixel: u32,
+        density: f32,
+        knots: &mut Vec<Knot>,
+    ) -> Vec3 {
+        let fog = &self.fogs[segment.medium as usize];
+        if fog.scattering == Vec3::ZERO || is_left_to_beams(self.scene, segment.medium) {
+            return Vec3::ZERO;
+        }
+        let ray = &segment.ray;
+        let column = media::column(fog, ray.origin, ray.direction, ray.length, knots);
+        let to = ray.length.min(media::opaque_distance(fog, ray.origin, ray.direction, &column));
+        let piece = Piece { segment, fog, column, from: 0.0, to };
+        let places = (PLACES / density.sqrt()).round().clamp(1.0, MOST_PLACES) as u32;
+        let mut random = Random::new([self.seed, pixel, segment.signature as u32, KEY]);
+        let mut sum = Vec3::ZERO;
+        if self.scene.lights.len() <= LAMPS {
+            for light in &self.scene.lights {
+                sum += self.of_lamp(&piece, light, places, &self.shifts(&mut random));
+            }
+            return sum;
+        }
+        let shift = self.turn(random.uniform(), 0.618_033_988_749_894_9);
+        for draw in 0..LAMPS {
+            let u = (draw as f32 + shift) / LAMPS as f32;
+            let lamp = self.lamps.partition_point(|&end| end <= u).min(self.lamps.len() - 1);
+            let share = self.lamps[lamp] - if lamp == 0 { 0.0 } else { self.lamps[lamp - 1] };
+            let light = &self.scene.lights[lamp];
+            let found = self.of_lamp(&piece, light, places, &self.shifts(&mut random));
+            sum += found / (share * LAMPS as f32);
+        }
+        sum
+    }
+
+    /// A number of this pass of a sequence that fills [0, 1) evenly over the passes.
+    fn turn(&self, start: f32, step: f64) -> f32 {
+        ((f64::from(start) + step * f64::from(self.pass)).fract() as f32).min(1.0 - f32::EPSILON)
+    }
+
+    fn shifts(&self, random: &mut Random) -> Shifts {
+        let mut turn = |step| self.turn(random.uniform(), step);
+        // The golden ratio, and Roberts' R2.
+        let place = turn(0.618_033_988_749_894_9);
+        Shifts { place, point: [turn(0.754_877_666_246_692_7), turn(0.569_840_290_998_053_2)] }
+    }
+
+    /// One place in each of equal steps of the angle seen from the lamp (C. Kulla and M. Fajardo 2012), all shifted alike.
+    fn of_lamp(&self, piece: &Piece, light: &Light, places: u32, shifts: &Shifts) -> Vec3 {
+        let ray = &piece.segment.ray;
+        let lit = light.lit_stretch(ray.origin, ray.direction, piece.from, piece.to);
+        let Some((from, to)) = lit else { return Vec3::ZERO };
+        let to_lamp = light.position() - ray.origin;
+        let foot = to_lamp.dot(ray.direction);
+        // A ray that runs into the lamp sees it from next to it.
+        let least = (1e-6 * to_lamp.length()).max(f32::MIN_POSITIVE);
+        let height = (to_lamp - foot * ray.direction).length().max(least);
+        let angle = |distance: f32| ((distance - foot) / height).atan();
+        let start = angle(from);
+        let step = (angle(to) - start) / places as f32;
+        let mut sum = Vec3::ZERO;
+        for index in 0..places {
+            let tangent = (start + (index as f32 + shifts.place) * step).tan();
+            let distance = foot + height * tangent;
+            if distance >= from && distance <= to {
+                let weight = step * height * (1.0 + tangent * tangent);
+                sum += weight * self.scattered(piece, light, distance, point(shifts.point, index));
+            }
+        }
+        sum
+    }
+
+    /// Radiance that a metre scatters to the start of the piece, from a point of the light.
+    fn scattered(&self, piece: &Piece, light: &Light, distance: f32, point: [f32; 2]) -> Vec3 {
+        let Piece { segment, fog, column, .. } = piece;
+        let place = segment.ray.origin + distance * segment.ray.direction;
+        let (flux_density, from) = light.flux_density(place, point);
+        if flux_density == Vec3::ZERO || self.scene.occluded(place, from) {
+            return Vec3::ZERO;
+        }
+        let incoming = (place - from).normalize_or_zero();
+        let phase = fog.phase.evaluate(-incoming.dot(segment.ray.direction));
+        let amount = fog.scattering * (fog.density.at(place) * phase);
+        let passage = fog.transmittance(column.at(distance)) * media::transmittance(fog, place, from);
+        flux_density * amount * passage
+    }
+}
+
+/// The point of a disk for one of the places: neighbours take far ones.
+fn point(shift: [f32; 2], index: u32) -> [f32; 2] {
+    let turn = |shift: f32, step: f64| {
+        ((f64::from(shift) + step * f64::from(index)).fract() as f32).min(1.0 - f32::EPSILON)
+    };
+    [turn(shift[0], 0.754_877_666_246_692_7), turn(shift[1], 0.569_840_290_998_053_2)]
+}
