@@ -35,7 +35,7 @@ pub struct ImportanceSums {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ImportanceCell {
-    /// Of a watt of beam on each metre \[1/(W m)\].
+    /// Of a watt of beam on each metre, with the medium's density \[1/(W m)\].
     pub beam: f32,
     /// Of a watt that is scattered there, by the medium or by a diffuse surface, into no direction more than
     /// others \[1/W\].
@@ -250,7 +250,7 @@ impl<'a> Importance<'a> {
         let scattering = medium.scattering.element_sum() / 3.0;
         while let Some(Stretch { cell, density, seen_length, left }) = walk.next(medium) {
             let cell = &self.cells[cell];
-            sum.beam += cell.beam * density * seen_length;
+            sum.beam += cell.beam * seen_length;
             sum.scattered += cell.scattered * scattering * density * seen_length;
             sum.transmittance = left;
         }

@@ -82,6 +82,11 @@ impl<'a> PhotonTracer<'a> {
         self.guidance = Some(guidance);
     }
 
+    /// Whether it does.
+    pub(crate) fn is_guided(&self) -> bool {
+        self.guidance.is_some()
+    }
+
     /// Cumulative shares of the paths that start from each light.
     pub(crate) fn lamps(&self) -> &[f32] {
         self.guidance.as_ref().map_or(&self.lights.cumulative, Guidance::lamps)

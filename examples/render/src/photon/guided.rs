@@ -30,7 +30,7 @@ const MOST: f32 = 64.0;
 const LEAST: f32 = 0.1;
 
 /// And nothing with more than so many times the power that a path has on average.
-const MOST_POWER: f32 = 4.0;
+const MOST_POWER: f32 = 20.0;
 
 /// Of a direction's expected worth, this share of the mean one's is taken for granted.
 const FOR_GRANTED: f32 = 0.1;
