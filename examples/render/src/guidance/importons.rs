@@ -39,16 +39,22 @@ struct Flight {
     weight: f32,
 }
 
-/// Follows paths that share the pixels' weights evenly, and adds what they cross.
+/// Share of the paths that start from all pixels alike. The others start in proportion to the pixels' weights: without the first, dark pixels
+/// that see no medium and no light leave none to those that do.
+const EVEN: f64 = 0.5;
+
+/// Follows paths from all pixels, and adds what they cross.
 pub(super) fn walk(scene: &Scene, fogs: &[Medium], pixels: &[Pixel], grid: &mut ImportanceGrid) {
     let total: f64 = pixels.iter().map(|pixel| f64::from(pixel.weight)).sum();
-    let unit = total / f64::from(PATHS);
     let mut starts = Vec::new();
     let mut sum = 0.0;
     for pixel in pixels {
-        sum += f64::from(pixel.weight);
-        while (starts.len() as f64 + 0.5) * unit < sum {
-            starts.push(pixel.direction);
+        let weight = f64::from(pixel.weight);
+        let share = (1.0 - EVEN) * weight / total + EVEN / pixels.len() as f64;
+        let paths = f64::from(PATHS) * share;
+        sum += paths;
+        while starts.len() as f64 + 0.5 < sum {
+            starts.push((pixel.direction, (weight / paths) as f32));
         }
     }
     let walker = Walker { scene, fogs, interior: Interior::at(scene, scene.camera.position) };
@@ -57,9 +63,9 @@ pub(super) fn walk(scene: &Scene, fogs: &[Medium], pixels: &[Pixel], grid: &mut 
         .enumerate()
         .map(|(chunk, starts)| {
             let mut out = Vec::new();
-            for (index, direction) in starts.iter().enumerate() {
+            for (index, &(direction, weight)) in starts.iter().enumerate() {
                 let mut random = Random::new([0, (chunk * CHUNK + index) as u32, 0, KEY]);
-                walker.follow(*direction, unit as f32, &mut random, &mut out);
+                walker.follow(direction, weight, &mut random, &mut out);
             }
             out
         })
