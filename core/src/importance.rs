@@ -72,14 +72,7 @@ impl<'a> ImportanceGrid<'a> {
     ///
     /// - `weight`: of the path at `origin`; ignored unless finite and above 0.
     /// - `direction`: unit; `length` \[m\]: may be infinite.
-    pub fn add_eye_ray(
-        &mut self,
-        medium: &Medium,
-        origin: Vec3,
-        direction: Vec3,
-        length: f32,
-        weight: f32,
-    ) {
+    pub fn add_eye_ray(&mut self, medium: &Medium, origin: Vec3, direction: Vec3, length: f32, weight: f32) {
         let scattering = f64::from(medium.scattering.element_sum() / 3.0);
         self.add(medium, origin, direction, length, weight, |cell, density, amount| {
             cell.seen += scattering * density * amount;
@@ -281,13 +274,7 @@ struct Walk {
 }
 
 impl Walk {
-    fn new(
-        layout: &GridLayout,
-        medium: &Medium,
-        origin: Vec3,
-        direction: Vec3,
-        length: f32,
-    ) -> Option<Self> {
+    fn new(layout: &GridLayout, medium: &Medium, origin: Vec3, direction: Vec3, length: f32) -> Option<Self> {
         let extinction = medium.mean_extinction();
         let dda = Dda::new(layout, Lattice::Voxels, origin, direction, length)?;
         let uniform = matches!(medium.density, Density::Uniform);

@@ -29,10 +29,6 @@ use std::time::Instant;
 const FIRST_FIELD_PASSES: u32 = 8;
 const FIELD_PASS_EVERY: u32 = 8;
 
-/// Of guided paths, this share of the light fields that others need: they branch, and go where the picture is. With a fifth to all of them
-/// the error is the same in four scenes but for the time that they take, up to a quarter of a pass.
-const FIELDS_OF_GUIDED: f32 = 0.3;
-
 /// Light paths that one task traces.
 const CHUNK: u32 = 64;
 
@@ -235,9 +231,7 @@ impl<'a> Renderer<'a> {
 
     /// How many of a pass' paths carry a light field.
     fn field_photons(&self) -> u32 {
-        let worth = if self.tracer.is_guided() { FIELDS_OF_GUIDED } else { 1.0 };
-        let share = worth * self.scene.settings.light_field_share;
-        ((self.photons as f32 * share).round() as u32).clamp(1, self.photons)
+        ((self.photons as f32 * self.scene.settings.light_field_share).round() as u32).clamp(1, self.photons)
     }
 
     /// Traces paths `0..count` of a pass of one sequence, in order. Also returns the core-seconds spent.

@@ -54,6 +54,8 @@ struct Photon {
     direct: bool,
     specular: bool,
     field: Option<LightField>,
+    /// Paths without a light field that this one's stands for, and itself.
+    stands_for: f32,
 }
 
 impl<'a> PhotonTracer<'a> {
@@ -69,7 +71,16 @@ impl<'a> PhotonTracer<'a> {
         let interiors = scene.lights.iter().map(|light| Interior::at(scene, light.position()));
         let lights = Lights { cumulative: shares.collect(), interiors: interiors.collect() };
         let camera = Interior::at(scene, scene.camera.position);
-        Self { scene, fogs: media::all(scene), lights, camera, seed, emission, left_out: None, guidance: None }
+        Self {
+            scene,
+            fogs: media::all(scene),
+            lights,
+            camera,
+            seed,
+            emission,
+            left_out: None,
+            guidance: None,
+        }
     }
 
     /// Leaves an operator out of all light fields, to see what it buys.
@@ -80,11 +91,6 @@ impl<'a> PhotonTracer<'a> {
     /// From now on sends light paths where the picture needs them; not those for connections with the camera.
     pub(crate) fn guide(&mut self, guidance: Guidance) {
         self.guidance = Some(guidance);
-    }
-
-    /// Whether it does.
-    pub(crate) fn is_guided(&self) -> bool {
-        self.guidance.is_some()
     }
 
     /// Cumulative shares of the paths that start from each light.
@@ -156,6 +162,7 @@ impl<'a> PhotonTracer<'a> {
             direct: true,
             specular: true,
             field: self.start_field(light, emitted, record),
+            stands_for: 1.0,
         }
     }
 
@@ -357,7 +364,7 @@ impl<'a> PhotonTracer<'a> {
             true => self.scene.edges_beside(photon.origin, photon.direction, hit),
             false => Edges::default(),
         };
-        let power = photon.power.element_sum() / 3.0;
+        let power = photon.stands_for * photon.power.element_sum() / 3.0;
         let unscattered = photon.specular && self.acts(Operator::Spreading);
         FieldSegment { origin: photon.origin, length, field, power, unscattered, edges }
     }

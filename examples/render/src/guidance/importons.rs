@@ -143,13 +143,7 @@ impl Walker<'_> {
                 let weight = weight * share * mean(fog.scattering) / fog.mean_extinction();
                 if distance < reach {
                     let origin = origin + distance * importon.direction;
-                    waiting.push(Importon {
-                        origin,
-                        direction,
-                        weight,
-                        specular: false,
-                        ..importon.clone()
-                    });
+                    waiting.push(Importon { origin, direction, weight, specular: false, ..importon.clone() });
                 }
                 if !importon.specular {
                     return;

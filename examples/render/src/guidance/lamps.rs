@@ -113,8 +113,7 @@ impl<'a> Lamp<'a> {
             let mut place = |cell: usize, ray: u32| {
                 (cell as f32 + (ray as f32 + random.uniform()) / RAYS_ACROSS as f32) / across as f32
             };
-            let place =
-                [place(cell / across, ray / RAYS_ACROSS), place(cell % across, ray % RAYS_ACROSS)];
+            let place = [place(cell / across, ray / RAYS_ACROSS), place(cell % across, ray % RAYS_ACROSS)];
             sum += self.of_place(place, number * rays + ray, &mut random, knots);
         }
         sum / rays as f32

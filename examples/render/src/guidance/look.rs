@@ -99,8 +99,7 @@ fn weigh(seen: &[(Vec3, f32)]) -> Option<Vec<Pixel>> {
         let (x, y) = (node % LATTICE, node / LATTICE);
         let near = |at: u32| at.saturating_sub(1)..=(at + 1).min(LATTICE - 1);
         let nodes = near(y).flat_map(|y| near(x).map(move |x| (y * LATTICE + x) as usize));
-        let (sum, count) =
-            nodes.fold((0.0, 0.0), |(sum, count), node| (sum + seen[node].1, count + 1.0_f32));
+        let (sum, count) = nodes.fold((0.0, 0.0), |(sum, count), node| (sum + seen[node].1, count + 1.0_f32));
         sum / count
     };
     let pixels = seen.iter().zip(0..).map(|(&(direction, luminance), node)| {

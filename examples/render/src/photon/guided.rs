@@ -35,6 +35,10 @@ const MOST_POWER: f32 = 20.0;
 /// Of a direction's expected worth, this share of the mean one's is taken for granted.
 const FOR_GRANTED: f32 = 0.1;
 
+/// Of the light fields that are scattered for the first time, this share goes on, and stands for the others: scattered light is smooth, and
+/// its fields are most of what fields cost. Straight light has the edges, and needs all.
+const SCATTERED_FIELDS: f32 = 0.3;
+
 /// Paths of which less than this is left behind a medium are thinned out.
 const FAINT: f32 = 0.1;
 
@@ -101,13 +105,7 @@ impl<'a> PhotonTracer<'a> {
 
 impl Tree<'_, '_> {
     /// One segment, what it scatters on its way, and the event at its end.
-    fn follow(
-        &mut self,
-        mut photon: Photon,
-        mut sampler: PathSampler,
-        depth: u32,
-        out: &mut PhotonRecord,
-    ) {
+    fn follow(&mut self, mut photon: Photon, mut sampler: PathSampler, depth: u32, out: &mut PhotonRecord) {
         if depth > LONG_PATH && !survives(&mut photon, GOING_ON, &mut sampler, out) {
             return;
         }
@@ -171,12 +169,7 @@ impl Tree<'_, '_> {
         out.field_time += start.elapsed();
     }
 
-    fn field_at(
-        &self,
-        fog: &Medium,
-        distance: f32,
-        out: &mut PhotonRecord,
-    ) -> Option<covbeam::LightField> {
+    fn field_at(&self, fog: &Medium, distance: f32, out: &mut PhotonRecord) -> Option<covbeam::LightField> {
         let segment = self.segment.as_ref()?;
         let start = Instant::now();
         let field = segment.with(Column::Uniform).field_at(fog, distance);
@@ -230,7 +223,12 @@ impl Tree<'_, '_> {
             let mut child = photon.clone();
             child.power = photon.power * albedo * density / (drawn * expected);
             child.origin = photon.origin + distance * photon.direction;
-            child.field = self.field_at(&self.tracer.acting(fog), distance, out);
+            if !self.keeps_field(&mut child, &mut sampler) {
+                continue;
+            }
+            if child.field.is_some() {
+                child.field = self.field_at(&self.tracer.acting(fog), distance, out);
+            }
             child.normal = Vec3::ZERO;
             child.direct = false;
             child.specular = false;
@@ -267,6 +265,9 @@ impl Tree<'_, '_> {
             return;
         }
         add(&mut out.energy.roulette, reflected);
+        if !self.keeps_field(&mut photon, sampler) {
+            return;
+        }
         photon.power = reflected;
         photon.origin = hit.position;
         photon.normal = normal;
@@ -331,6 +332,19 @@ impl Tree<'_, '_> {
         }
     }
 
+    /// Drops the light field of most photons that are about to be scattered for the first time. False = without one the path is not wanted.
+    fn keeps_field(&self, photon: &mut Photon, sampler: &mut PathSampler) -> bool {
+        if photon.field.is_none() || !photon.specular {
+            return true;
+        }
+        if sampler.uniform() < SCATTERED_FIELDS {
+            photon.stands_for /= SCATTERED_FIELDS;
+        } else {
+            photon.field = None;
+        }
+        photon.field.is_some() || self.record != Record::Field
+    }
+
     fn branch(&mut self, sampler: &PathSampler) -> PathSampler {
         self.branches += 1;
         sampler.branch(self.branches)
@@ -342,12 +356,7 @@ fn mean(color: Vec3) -> f32 {
 }
 
 /// Ends a photon with a probability of 1 - `chance`, or makes up for the others that it ends.
-fn survives(
-    photon: &mut Photon,
-    chance: f32,
-    sampler: &mut PathSampler,
-    out: &mut PhotonRecord,
-) -> bool {
+fn survives(photon: &mut Photon, chance: f32, sampler: &mut PathSampler, out: &mut PhotonRecord) -> bool {
     let before = photon.power;
     let lives = sampler.uniform() < chance;
     photon.power = if lives { before / chance } else { Vec3::ZERO };

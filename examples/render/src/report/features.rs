@@ -132,7 +132,8 @@ pub(super) fn memory(scene: &Scene) -> Memory {
     (0..paths).for_each(|path| tracer.trace(0, path, paths, Record::Beams, &mut record));
     let map = |max_radius: f32| -> usize {
         let of_medium = |(medium, fog): (usize, &Medium)| {
-            let beams = record.beams.iter().filter(|found| found.medium as usize == medium).map(|found| found.beam);
+            let beams =
+                record.beams.iter().filter(|found| found.medium as usize == medium).map(|found| found.beam);
             BeamMap::build(beams.collect(), max_radius, fog).memory()
         };
         media::all(scene).iter().enumerate().map(of_medium).sum()
