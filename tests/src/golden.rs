@@ -29,6 +29,7 @@ pub fn text() -> Result<String, Box<dyn Error>> {
         let mut scene = Scene::load(&repository().join(format!("examples/scenes/{name}.toml")))?;
         (scene.camera.width, scene.camera.height) = (WIDTH, WIDTH);
         let mut renderer = Renderer::new(&scene, Method::Adaptive, PHOTONS, 1);
+        renderer.light_by_kind();
         renderer.plan_eye_rays();
         let mut film = Film::of_scene(&scene);
         for pass in 1..=PASSES {

@@ -6,6 +6,7 @@ use covbeam_render::compare::luminance;
 use covbeam_render::film::{Film, Picture};
 use covbeam_render::media;
 use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::photon::PathBeam;
 use covbeam_render::radius::{
     BeamVoxels, CROWD, RadiusRule, beams_a_metre, crowd_radius, least_error_radius,
 };
@@ -147,7 +148,8 @@ fn beams_of_unequal_power_are_as_many_as_would_be_as_noisy() {
     let layout = GridLayout { min: Vec3::ZERO, max: Vec3::ONE, cells: [4, 4, 4] };
     let beam = |y: f32, power: f32| {
         let (origin, direction) = (Vec3::new(-1.0, y, 0.6), Vec3::X);
-        (0, Beam { origin, direction, length: 1.75, power: Vec3::splat(power), ..Beam::default() })
+        let beam = Beam { origin, direction, length: 1.75, power: Vec3::splat(power), ..Beam::default() };
+        PathBeam { medium: 0, is_straight: true, beam }
     };
     let mut voxels = BeamVoxels::new(layout);
     for _ in 0..2 {
