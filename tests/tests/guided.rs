@@ -204,6 +204,20 @@ fn glass_and_a_mirror_are_those_of_paths_without_guidance() {
     agree("glass and mirror", &tested, &against, [0.02, 0.04]);
 }
 
+/// A mirror that fills the view and reflects a twentieth of the light: beams around such pieces of eye paths are gathered now and then. Both are
+/// in a clear ball with the index of air: in fog before the mirror, a beam would be seen twenty times as bright.
+#[test]
+fn what_a_faint_mirror_shows_is_that_of_paths_without_guidance() {
+    let ball = "[[object]]\nshape = \"sphere\"\ncenter = [0, 0, -3]\nradius = 0.2\nmaterial = { dielectric = { index = 1.0 } }\n";
+    let mirror = "[[object]]\nshape = \"rectangle\"\ncorner = [-0.05, -0.05, -3.0]\nedge_u = [0.1, 0, 0.1]\nedge_v = [0, 0.1, 0]\n\
+        material = { mirror = { reflectance = [0.05, 0.04, 0.03] } }\n";
+    let fog = "scattering = [0.3, 0.25, 0.2]\nabsorption = 0.02";
+    let scene = room(fog, "0.4", &[ball, mirror, POINT].concat());
+    let tested = samples(&scene, Estimator::Guided, 3000, 2, 1000);
+    let against = samples(&scene, Estimator::Unguided, 6000, 2, 3000);
+    agree("faint mirror", &tested, &against, [0.02, 0.04]);
+}
+
 /// Light scattered once in a black room, by quadrature: light scattered twice is 1e-3 of it at most.
 #[test]
 fn straight_light_is_that_of_quadrature() {
