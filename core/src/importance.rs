@@ -197,7 +197,7 @@ pub struct SegmentImportance {
     pub beam: f32,
     /// Of what the medium scatters from a watt on its way.
     pub scattered: f32,
-    /// What is left of a watt at its end; the part outside the voxels is not counted.
+    /// What is left of a watt where it leaves the voxels, or at its end if that is before.
     pub transmittance: f32,
 }
 
@@ -221,6 +221,9 @@ impl<'a> Importance<'a> {
 
     /// That of the voxel around a point; outside the box, of the nearest one. Zero for NaN.
     pub fn at(&self, position: Vec3) -> ImportanceCell {
+        if position.is_nan() {
+            return ImportanceCell::default();
+        }
         let place = position.clamp(self.layout.min, self.layout.max);
         let voxel = self.layout.voxel(place, self.scale);
         voxel.map_or(ImportanceCell::default(), |voxel| self.cells[self.layout.index(voxel)])
@@ -282,15 +285,8 @@ impl Walk {
         let before = dda.position as f32;
         let entry = if uniform { 1.0 } else { medium.density.at(origin + before * direction) };
         let depth = extinction * entry * before;
-        (extinction >= 0.0).then_some(Self {
-            dda,
-            layout: *layout,
-            origin,
-            direction,
-            extinction,
-            uniform,
-            depth,
-        })
+        let sound = extinction >= 0.0 && extinction.is_finite() && depth >= 0.0;
+        sound.then_some(Self { dda, layout: *layout, origin, direction, extinction, uniform, depth })
     }
 
     fn next(&mut self, medium: &Medium) -> Option<Stretch> {

@@ -344,9 +344,9 @@ fn a_segment_is_worth_what_quadrature_says() {
                 let step = (to - from) / f64::from(steps);
                 for k in 0..steps {
                     let here = at(origin + (from + (f64::from(k) + 0.5) * step) * direction);
-                    let passes = here * (-(depth + 0.4 * here * step)).exp() * step;
+                    let passes = (-(depth + 0.4 * here * step)).exp() * step;
                     beam += f64::from(cells[*index].beam) * passes;
-                    scattered += f64::from(cells[*index].scattered) * 0.6 * passes;
+                    scattered += f64::from(cells[*index].scattered) * 0.6 * here * passes;
                     depth += 0.8 * here * step;
                 }
             }
@@ -385,6 +385,9 @@ fn a_point_has_the_importance_of_the_nearest_voxel() {
     }
     assert_eq!(importance.at(Vec3::INFINITY).beam, (LAYOUT.cell_count() - 1) as f32);
     assert_eq!(importance.at(Vec3::NEG_INFINITY).beam, 0.0);
+    for bad in [Vec3::NAN, Vec3::new(f32::NAN, 0.0, 1.0), Vec3::new(0.0, 0.0, f32::NAN)] {
+        assert_eq!(importance.at(bad), ImportanceCell::default(), "{bad}");
+    }
 }
 
 #[test]
@@ -631,5 +634,18 @@ fn a_guide_refuses_what_is_none() {
         let mut numbers = vec![0.0; 6];
         let guide = EmissionGuide::fill(2, &[weight; 4], 0.2, &mut numbers).unwrap();
         assert!((guide.warp([0.7, 0.1]).1 - 1.0).abs() < 1e-5, "{weight}");
+    }
+}
+
+#[test]
+fn media_that_are_not_finite_leave_nothing() {
+    for coefficient in [f32::INFINITY, f32::MAX, f32::NAN] {
+        let medium = Medium::homogeneous(coefficient, 0.0);
+        let mut sums = vec![ImportanceSums::default(); LAYOUT.cell_count()];
+        let mut grid = ImportanceGrid::new(LAYOUT, &mut sums).unwrap();
+        grid.add_path(&medium, Vec3::splat(0.1), Vec3::X, 10.0, 1.0);
+        grid.add_eye_ray(&medium, Vec3::splat(-9.0), Vec3::ONE.normalize(), f32::INFINITY, 1.0);
+        let finite = |cell: &ImportanceSums| (cell.seen + cell.scattered).is_finite();
+        assert!(sums.iter().all(finite), "{coefficient}");
     }
 }

@@ -184,8 +184,8 @@ impl<'a> Renderer<'a> {
     }
 
     /// From now on each kind of light comes from what is best for it: light straight from the lamps from shadow rays, but for media of voxels;
-    /// all other light from light paths that go where the picture needs them, after a pilot that depends on the scene alone. Call it before
-    /// the first pass. For the method adaptive.
+    /// all other light from light paths that go where the picture needs them, after a pilot that depends on scene and seed alone. Call it
+    /// before the first pass. For the method adaptive.
     pub fn light_by_kind(&mut self) {
         let start = Instant::now();
         if let Some(guidance) = Guidance::new(self.scene, &self.fogs) {

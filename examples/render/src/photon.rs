@@ -22,6 +22,14 @@ use std::time::Instant;
 pub(crate) const LONG_PATH: u32 = 64;
 pub(crate) const GOING_ON: f32 = 0.95;
 
+/// Beams of a guided path, on average, at most: where each of very many scatterings matters, paths branch less than the picture would like,
+/// or a pass would not end.
+const MOST_BEAMS: f32 = 6.0;
+
+/// Paths that find out.
+const TRIAL_PATHS: u32 = 64;
+const TRIAL_SEQUENCE: u32 = 0x7e57;
+
 /// Traces light paths of a scene.
 pub struct PhotonTracer<'a> {
     scene: &'a Scene,
@@ -91,6 +99,14 @@ impl<'a> PhotonTracer<'a> {
     /// From now on sends light paths where the picture needs them; not those for connections with the camera.
     pub(crate) fn guide(&mut self, guidance: Guidance) {
         self.guidance = Some(guidance);
+        let mut record = PhotonRecord::default();
+        (0..TRIAL_PATHS).for_each(|index| {
+            self.trace(TRIAL_SEQUENCE, index, TRIAL_PATHS, Record::Beams, &mut record);
+        });
+        let beams = record.beams.len() as f32 / TRIAL_PATHS as f32;
+        if let Some(guidance) = &mut self.guidance {
+            guidance.coarsen((beams / MOST_BEAMS).max(1.0));
+        }
     }
 
     /// Cumulative shares of the paths that start from each light.

@@ -32,7 +32,8 @@ enum Deposit {
 
 /// A segment in a medium.
 struct Flight {
-    medium: u32,
+    /// None: vacuum.
+    medium: Option<u32>,
     origin: Vec3,
     direction: Vec3,
     length: f32,
@@ -70,16 +71,14 @@ pub(super) fn walk(scene: &Scene, fogs: &[Medium], pixels: &[Pixel], grid: &mut 
             out
         })
         .collect();
+    let vacuum = Medium::default();
+    let medium = |flight: &Flight| flight.medium.map_or(&vacuum, |id| &fogs[id as usize]);
     for deposit in chunks.iter().flatten() {
         match deposit {
             Deposit::EyeRay(at) => {
-                let fog = &fogs[at.medium as usize];
-                grid.add_eye_ray(fog, at.origin, at.direction, at.length, at.weight);
+                grid.add_eye_ray(medium(at), at.origin, at.direction, at.length, at.weight)
             }
-            Deposit::Path(at) => {
-                let fog = &fogs[at.medium as usize];
-                grid.add_path(fog, at.origin, at.direction, at.length, at.weight);
-            }
+            Deposit::Path(at) => grid.add_path(medium(at), at.origin, at.direction, at.length, at.weight),
             Deposit::Surface { position, weight } => grid.add_surface(*position, *weight),
         }
     }
@@ -126,11 +125,12 @@ impl Walker<'_> {
     ) {
         let hit = self.scene.intersect(importon.origin, importon.direction, f32::INFINITY);
         let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
-        if let Some(medium) = importon.interior.medium(self.scene) {
+        let Importon { origin, direction, weight, .. } = importon;
+        let medium = importon.interior.medium(self.scene);
+        let flight = Flight { medium, origin, direction, length: reach, weight };
+        out.push(if importon.specular { Deposit::EyeRay(flight) } else { Deposit::Path(flight) });
+        if let Some(medium) = medium {
             let fog = &self.fogs[medium as usize];
-            let Importon { origin, direction, weight, .. } = importon;
-            let flight = Flight { medium, origin, direction, length: reach, weight };
-            out.push(if importon.specular { Deposit::EyeRay(flight) } else { Deposit::Path(flight) });
             let column = column(fog, origin, direction, reach, knots);
             let left = left(fog, &column, reach);
             let (collides, u) = (1.0 - left, random.uniform());
