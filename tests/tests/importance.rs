@@ -527,13 +527,7 @@ fn emission_goes_where_it_is_worth_it() {
                 .map(|cell| match kind {
                     0 => stream.uniform() as f32,
                     // Most of it in one cell, and rows of nothing.
-                    1 => {
-                        if cell == side * side / 2 {
-                            1e20
-                        } else {
-                            0.0
-                        }
-                    }
+                    1 if cell == side * side / 2 => 1e20,
                     _ => 0.0,
                 })
                 .collect();
