@@ -18,6 +18,12 @@ const MOST_PLACES: f32 = 64.0;
 /// Lamps that a piece of an eye path asks; of more, some are drawn.
 const LAMPS: usize = 4;
 
+/// Turns from pass to pass: the fractions of √2, √3 and √7, which no whole numbers of them, of the golden ratio and of the plastic number
+/// bring together. With the golden ratio, by which a plan chooses the passes in which a pixel gets an eye ray, a pixel would look at the same
+/// places in all of these.
+const PLACE_STEP: f64 = std::f64::consts::SQRT_2 - 1.0;
+const POINT_STEPS: [f64; 2] = [0.732_050_807_568_877_3, 0.645_751_311_064_590_6];
+
 /// Purpose of random numbers.
 const KEY: u32 = 0x57a1;
 
@@ -81,7 +87,7 @@ impl Straight<'_> {
             }
             return sum;
         }
-        let shift = self.turn(random.uniform(), 0.618_033_988_749_894_9);
+        let shift = self.turn(random.uniform(), PLACE_STEP);
         for draw in 0..LAMPS {
             let u = (draw as f32 + shift) / LAMPS as f32;
             let lamp = self.lamps.partition_point(|&end| end <= u).min(self.lamps.len() - 1);
@@ -100,9 +106,8 @@ impl Straight<'_> {
 
     fn shifts(&self, random: &mut Random) -> Shifts {
         let mut turn = |step| self.turn(random.uniform(), step);
-        // The golden ratio, and Roberts' R2.
-        let place = turn(0.618_033_988_749_894_9);
-        Shifts { place, point: [turn(0.754_877_666_246_692_7), turn(0.569_840_290_998_053_2)] }
+        let place = turn(PLACE_STEP);
+        Shifts { place, point: POINT_STEPS.map(turn) }
     }
 
     /// One place in each of equal steps of the angle seen from the lamp (C. Kulla and M. Fajardo 2012), all shifted alike.
