@@ -4,13 +4,14 @@ use std::hint::black_box;
 
 use allocation_counter::measure;
 use covbeam::{
-    Beam, BeamBlock, Column, CovarianceGrid, Curvature, Density, DensityGrid, ExponentialDensity, EyeRay,
-    FILM_TILE_PIXELS, FilmFilterNode, FilmFilters, FilmLattice, FilmNode, FilmPixel, FilmSample, FilmSums,
-    FilmUnit, FluenceCell, FluenceGrid, FluenceSpectrum, Gathered, GridCell, GridError, GridLayout,
-    ImageFilter, ImageSpectrum, Kernel, KernelShape, Knot, LightField, March, MarchCell, MarchKnot,
-    MarchSample, Medium, PhaseFunction, PhaseKind, PixelStep, ProbeHit, Reconstruction, Schedule, Segment,
-    Vec2, Vec3, cross, error_bound, film_regions, find_edges, gather_pair, path_number, pixel_threshold,
-    progressive_radius, standard_errors, verify_filters,
+    Beam, BeamBlock, Column, CovarianceGrid, Curvature, Density, DensityGrid, EmissionGuide,
+    ExponentialDensity, EyeRay, FILM_TILE_PIXELS, FilmFilterNode, FilmFilters, FilmLattice, FilmNode,
+    FilmPixel, FilmSample, FilmSums, FilmUnit, FluenceCell, FluenceGrid, FluenceSpectrum, Gathered, GridCell,
+    GridError, GridLayout, ImageFilter, ImageSpectrum, Importance, ImportanceCell, ImportanceGrid,
+    ImportanceSums, Kernel, KernelShape, Knot, LightField, March, MarchCell, MarchKnot, MarchSample, Medium,
+    PhaseFunction, PhaseKind, PixelStep, ProbeHit, Reconstruction, Schedule, Segment, Vec2, Vec3, cross,
+    error_bound, film_regions, find_edges, gather_pair, path_number, pixel_threshold, progressive_radius,
+    standard_errors, verify_filters, weight_window,
 };
 
 const LAYOUT: GridLayout = GridLayout { min: Vec3::splat(-2.0), max: Vec3::splat(2.0), cells: [8, 8, 8] };
@@ -283,5 +284,30 @@ fn the_march_does_not_allocate() {
         march.refine(&first, &[0.5; 16], &mut second);
     });
     assert!(second[0].weight > 0.0);
+    assert_eq!(count, 0);
+}
+
+#[test]
+fn importance_does_not_allocate() {
+    let mut sums = [ImportanceSums::default(); 512];
+    let more = [ImportanceSums { seen: 1.0, scattered: 2.0, surface: 3.0 }; 512];
+    let mut cells = [ImportanceCell::default(); 512];
+    let mut numbers = [0.0; EmissionGuide::size(3)];
+    let (medium, origin) = (Medium::homogeneous(0.4, 0.1), Vec3::new(-3.0, 0.2, 0.1));
+    let count = allocations(|| {
+        let mut grid = ImportanceGrid::new(LAYOUT, &mut sums).unwrap();
+        grid.add_eye_ray(&medium, origin, Vec3::X, f32::INFINITY, 0.1);
+        grid.add_path(&medium, origin, Vec3::X, 4.0, 0.1);
+        grid.add_surface(Vec3::ZERO, 0.1);
+        grid.merge(&more).unwrap();
+        grid.resolve(&mut cells).unwrap();
+        let importance = Importance::new(LAYOUT, &cells).unwrap();
+        black_box((importance.at(origin), importance.of_segment(&medium, origin, Vec3::X, 4.0)));
+        let mut factors = [0.2, 1.5, 0.7];
+        weight_window(&mut factors, 0.5);
+        black_box(factors);
+        black_box(EmissionGuide::fill(3, &[1.0; 9], 0.2, &mut numbers).unwrap().warp([0.3, 0.6]));
+        black_box(EmissionGuide::new(3, &numbers).unwrap().warp([0.1, 0.9]));
+    });
     assert_eq!(count, 0);
 }

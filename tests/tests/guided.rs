@@ -19,7 +19,7 @@ const BLACK: &str = include_str!("../../examples/scenes/black-ball.toml");
 const FAMILY_WISE: f64 = 1e-5;
 
 /// Runs of each estimator. Student's quantile at the level of one region is 6.3 standard errors for them, and would be 10 for 8.
-const RUNS: u32 = 16;
+const RUNS: u32 = 12;
 
 /// Pixels a side of the pictures that are compared, and of their blocks.
 const SIZE: usize = 24;
@@ -216,7 +216,7 @@ fn what_a_faint_mirror_shows_is_that_of_paths_without_guidance() {
     let scene = room(fog, "0.4", &[ball, mirror, POINT].concat());
     let tested = samples(&scene, Estimator::Guided, 3000, 2, 1000);
     let against = samples(&scene, Estimator::Unguided, 6000, 2, 3000);
-    agree("faint mirror", &tested, &against, [0.02, 0.04]);
+    agree("faint mirror", &tested, &against, [0.03, 0.05]);
 }
 
 /// Light scattered once in a black room, by quadrature: light scattered twice is 1e-3 of it at most.
@@ -365,7 +365,7 @@ fn no_energy_is_lost_or_made() {
         let scene = sized(text, 8);
         let Light::Point { intensity, .. } = scene.lights[0] else { panic!("a point") };
         let flux = 4.0 * PI * f64::from(intensity.x);
-        let shares: Vec<[[f64; 2]; 3]> = (1..=20)
+        let shares: Vec<[[f64; 2]; 3]> = (1..=14)
             .map(|seed| {
                 let mut renderer = renderer(&scene, Estimator::Guided, 3000, seed);
                 renderer.pass(1, &|| false).expect("not cancelled");
@@ -382,8 +382,8 @@ fn no_energy_is_lost_or_made() {
             for what in 0..2 {
                 let sample = Sample::of(&shares.iter().map(|share| share[c][what]).collect::<Vec<_>>());
                 println!("channel {c}, {what}: {:.5} ± {:.5}", sample.mean, sample.error);
-                // Six independent tests at 7 standard errors of 20 runs: a false alarm in 1e5.
-                assert!(sample.mean.abs() < 7.0 * sample.error + 1e-6, "channel {c}, {what}: {sample:?}");
+                // Six independent tests at 8 standard errors of 14 runs: a false alarm in 1e4.
+                assert!(sample.mean.abs() < 8.0 * sample.error + 1e-6, "channel {c}, {what}: {sample:?}");
                 // Where channels differ, much of the power goes where it is of no use to the picture, by chance: the other scenes see less.
                 let seen = if text == coloured { 0.05 } else { 0.02 };
                 assert!(sample.error < seen, "the test could not see a loss of some percent: {sample:?}");
