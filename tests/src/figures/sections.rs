@@ -39,8 +39,8 @@ pub fn sections(effort: f64) -> Vec<Section> {
             about: "relMSE, mean (I - R)² / (R² + (0.01 mean R)²), of the whole picture when each method \
                 has had the same CPU time, the reference's noise taken off; mean of the seeds. *plain*: \
                 progressive photon beams. *thesis*: kernels as wide as the covariance allows, an eye ray \
-                through every pixel. *covbeam*: the same with few eye rays, as `covbeam render` does. The \
-                last column is covbeam over plain: above 1 it loses. The page that the command writes has \
+                through every pixel. *covbeam*: what `covbeam render` does: straight light by shadow rays, light \
+                paths where the picture needs them, few eye rays. The last column is covbeam over plain: above 1 it loses. The page that the command writes has \
                 every region, pictures, maps, memory and slopes.",
             command: format!(
                 "run --release -- report examples/scenes --methods plain,thesis,covbeam --seeds 2 --budget {} \

@@ -44,8 +44,8 @@ pub const METHODS: &[Method] = &[
     },
     Method {
         name: "covbeam",
-        about: "the same, with few eye rays where the covariance says that the picture is smooth, and filters between them: what \
-                covbeam render does",
+        about: "what covbeam render does: straight light by shadow rays, light paths where the picture needs them, few eye rays where the \
+                covariance says that the picture is smooth, and filters between them",
         color: [0, 114, 178],
         make: |scene, seed| {
             let mut renderer = Renderer::new(scene, Gather::Adaptive, scene.settings.photons, seed);
