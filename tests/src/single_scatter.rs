@@ -218,6 +218,17 @@ impl World {
     }
 }
 
+/// So many points of a disk in the middle of equal areas, in a sunflower's order; `normal` is a unit vector.
+pub fn sunflower(center: DVec3, radius: f64, normal: DVec3, count: u32) -> Vec<DVec3> {
+    let (e, f) = normal.any_orthonormal_pair();
+    let place = |k: u32| {
+        let rho = radius * ((f64::from(k) + 0.5) / f64::from(count)).sqrt();
+        let (s, c) = (f64::from(k) * PI * (3.0 - 5f64.sqrt())).sin_cos();
+        center + rho * (c * e + s * f)
+    };
+    (0..count).map(place).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

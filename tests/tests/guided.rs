@@ -5,7 +5,7 @@ use covbeam_render::film::Film;
 use covbeam_render::pass::{Method, Renderer};
 use covbeam_render::photon::Energy;
 use covbeam_render::scene::{Light, Scene};
-use covbeam_tests::single_scatter::{Density, Emission, Lamp, World};
+use covbeam_tests::single_scatter::{Density, Emission, Lamp, World, sunflower};
 use covbeam_tests::statistics::{Sample, sidak, welch};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -309,17 +309,6 @@ fn straight_light_is_that_of_quadrature() {
             assert!(found.error < noise, "{name}, region {region}: too noisy to tell: {found:?}");
         }
     }
-}
-
-/// The disk's middle points of equal areas, in a sunflower's order.
-fn sunflower(center: DVec3, radius: f64, normal: DVec3, count: u32) -> Vec<DVec3> {
-    let (e, f) = normal.any_orthonormal_pair();
-    let place = |k: u32| {
-        let rho = radius * ((f64::from(k) + 0.5) / f64::from(count)).sqrt();
-        let (s, c) = (f64::from(k) * PI * (3.0 - 5f64.sqrt())).sin_cos();
-        center + rho * (c * e + s * f)
-    };
-    (0..count).map(place).collect()
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use covbeam_render::film::Film;
 use covbeam_render::pass::{Method, Renderer};
 use covbeam_render::scene::Scene;
-use covbeam_tests::single_scatter::{Density, Emission, Lamp, World};
+use covbeam_tests::single_scatter::{Density, Emission, Lamp, World, sunflower};
 use covbeam_tests::statistics::Sample;
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -158,17 +158,6 @@ fn around_a_point_beams_show_the_airlight_as_their_kernel_blurs_it_and_lose_none
             assert!(sample.error < 0.01, "too noisy to tell: {sample:?}");
         }
     }
-}
-
-/// The disk's middle points of equal areas, in a sunflower's order.
-fn sunflower(center: DVec3, radius: f64, normal: DVec3, count: u32) -> Vec<DVec3> {
-    let (e, f) = normal.any_orthonormal_pair();
-    let place = |k: u32| {
-        let rho = radius * ((f64::from(k) + 0.5) / f64::from(count)).sqrt();
-        let (s, c) = (f64::from(k) * PI * (3.0 - 5f64.sqrt())).sin_cos();
-        center + rho * (c * e + s * f)
-    };
-    (0..count).map(place).collect()
 }
 
 #[test]

@@ -7,7 +7,6 @@ mod importons;
 mod lamps;
 mod look;
 
-use crate::media;
 use crate::optics::Interior;
 use crate::scene::{Material, Scene};
 use covbeam::{
@@ -99,22 +98,11 @@ fn of_arrival(scene: &Scene, importance: &Importance, hit: &Hit) -> f32 {
 }
 
 /// Of the channels.
-fn mean(color: Vec3) -> f32 {
+pub(crate) fn mean(color: Vec3) -> f32 {
     color.element_sum() / 3.0
 }
 
 /// What is left of the mean channel's light on the way to a surface; in a tabulated column, to 5e-4.
 fn left(fog: &Medium, column: &Column, reach: f32) -> f32 {
     (-fog.mean_extinction() * column.at(reach)).exp()
-}
-
-/// The column along a ray.
-fn column<'k>(
-    fog: &Medium,
-    origin: Vec3,
-    direction: Vec3,
-    reach: f32,
-    knots: &'k mut Vec<covbeam::Knot>,
-) -> Column<'k> {
-    media::column(fog, origin, direction, reach, knots)
 }

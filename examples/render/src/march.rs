@@ -7,7 +7,7 @@ use crate::first_hits::FirstHits;
 use crate::media;
 use crate::optics::Interior;
 use crate::plan::{Plan, Wanted};
-use crate::random::Random;
+use crate::random::{Random, spread};
 use crate::scene::{Light, MediumDensity, Scene};
 use crate::surface::SurfaceMap;
 use covbeam::{Column, FluenceGrid, Knot, MARCH_KNOTS, March, MarchCell, MarchKnot, MarchSample, Medium};
@@ -361,7 +361,8 @@ impl Marcher<'_> {
                 let shift = [random.uniform(), random.uniform()];
                 for (index, sample) in first.iter_mut().enumerate().filter(|(_, sample)| sample.weight > 0.0)
                 {
-                    let (found, from) = self.scattered(stretch, &column, sample.distance, disk(shift, index));
+                    let (found, from) =
+                        self.scattered(stretch, &column, sample.distance, spread(shift, index));
                     sample.visibility = self.visible(stretch, sample.distance, found, from, &mut rays);
                 }
                 scratch.samples.resize(samples - sparse, MarchSample::default());
@@ -409,7 +410,7 @@ impl Marcher<'_> {
         }
         let shift = [random.uniform(), random.uniform()];
         for (index, sample) in scratch.samples.iter().enumerate().filter(|(_, sample)| sample.weight > 0.0) {
-            let (found, from) = self.scattered(stretch, &column, sample.distance, disk(shift, index));
+            let (found, from) = self.scattered(stretch, &column, sample.distance, spread(shift, index));
             radiance +=
                 sample.weight * self.visible(stretch, sample.distance, found, from, &mut rays) * found;
         }
@@ -473,14 +474,6 @@ fn fill<'a>(jitter: &'a mut Vec<f32>, count: usize, random: &mut Random) -> &'a 
     jitter.clear();
     jitter.extend((0..count).map(|_| random.uniform()));
     jitter
-}
-
-/// Points of a disk light for the samples of an eye ray: Roberts' R2 sequence, shifted, so that neighbours take far points.
-fn disk(shift: [f32; 2], index: usize) -> [f32; 2] {
-    let turn = |shift: f32, step: f64| {
-        ((f64::from(shift) + step * index as f64).fract() as f32).min(1.0 - f32::EPSILON)
-    };
-    [turn(shift[0], 0.754_877_666_246_692_7), turn(shift[1], 0.569_840_290_998_053_2)]
 }
 
 /// The distance of a collision on a stretch: Woodcock's tracking; None = it flies through.

@@ -2,7 +2,7 @@
 
 mod guided;
 
-use crate::guidance::Guidance;
+use crate::guidance::{Guidance, mean};
 use crate::light::{EmittedPhoton, cosine_direction};
 use crate::media;
 use crate::operators::Operator;
@@ -46,6 +46,8 @@ pub struct PhotonTracer<'a> {
 struct Lights {
     /// Cumulative shares of the flux.
     cumulative: Vec<f32>,
+    /// Of all of them, mean of the channels \[W\].
+    flux: f32,
     /// What each light is inside of.
     interiors: Vec<Interior>,
 }
@@ -77,7 +79,11 @@ impl<'a> PhotonTracer<'a> {
             sum as f32
         });
         let interiors = scene.lights.iter().map(|light| Interior::at(scene, light.position()));
-        let lights = Lights { cumulative: shares.collect(), interiors: interiors.collect() };
+        let lights = Lights {
+            cumulative: shares.collect(),
+            flux: scene.lights.iter().map(|light| mean(light.flux())).sum(),
+            interiors: interiors.collect(),
+        };
         let camera = Interior::at(scene, scene.camera.position);
         Self {
             scene,

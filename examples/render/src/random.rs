@@ -26,6 +26,14 @@ fn unit(bits: u32) -> f32 {
     (bits >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
+/// Points that fill the unit square evenly, neighbours far apart: Roberts' R2 sequence, shifted.
+pub fn spread(shift: [f32; 2], index: usize) -> [f32; 2] {
+    let turn = |shift: f32, step: f64| {
+        ((f64::from(shift) + step * index as f64).fract() as f32).min(1.0 - f32::EPSILON)
+    };
+    [turn(shift[0], 0.754_877_666_246_692_7), turn(shift[1], 0.569_840_290_998_053_2)]
+}
+
 /// Uniform numbers for one purpose, e.g. one pixel of one pass.
 #[derive(Clone, Debug)]
 pub struct Random {

@@ -3,7 +3,7 @@
 
 use crate::eye::EyeSegment;
 use crate::media;
-use crate::random::Random;
+use crate::random::{Random, spread};
 use crate::scene::{Light, MediumDensity, Scene};
 use covbeam::{Column, Knot, Medium};
 use glam::Vec3;
@@ -129,7 +129,7 @@ impl Straight<'_> {
             let distance = foot + height * tangent;
             if distance >= from && distance <= to {
                 let weight = step * height * (1.0 + tangent * tangent);
-                sum += weight * self.scattered(piece, light, distance, point(shifts.point, index));
+                sum += weight * self.scattered(piece, light, distance, spread(shifts.point, index as usize));
             }
         }
         sum
@@ -149,12 +149,4 @@ impl Straight<'_> {
         let passage = fog.transmittance(column.at(distance)) * media::transmittance(fog, place, from);
         flux_density * amount * passage
     }
-}
-
-/// The point of a disk for one of the places: neighbours take far ones.
-fn point(shift: [f32; 2], index: u32) -> [f32; 2] {
-    let turn = |shift: f32, step: f64| {
-        ((f64::from(shift) + step * f64::from(index)).fract() as f32).min(1.0 - f32::EPSILON)
-    };
-    [turn(shift[0], 0.754_877_666_246_692_7), turn(shift[1], 0.569_840_290_998_053_2)]
 }

@@ -142,9 +142,7 @@ impl View<'_> {
         }
         Cost { seconds: start.elapsed().as_secs_f64(), pairs }
     }
-}
 
-impl View<'_> {
     /// Straight light in all pieces of the eye paths.
     fn add_straight(&self, straight: &Straight, segments: &[EyeSegment], seen: &mut [SparseSample]) {
         let mut knots = Vec::new();

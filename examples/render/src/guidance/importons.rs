@@ -1,8 +1,9 @@
 //! Paths from the camera: what they cross matters to the picture.
 
 use super::look::Pixel;
-use super::{column, left, mean};
+use super::{left, mean};
 use crate::light::cosine_direction;
+use crate::media;
 use crate::optics::{Boundary, Interior, facing_normal, reflect};
 use crate::random::Random;
 use crate::scene::{Material, Scene};
@@ -131,7 +132,7 @@ impl Walker<'_> {
         out.push(if importon.specular { Deposit::EyeRay(flight) } else { Deposit::Path(flight) });
         if let Some(medium) = medium {
             let fog = &self.fogs[medium as usize];
-            let column = column(fog, origin, direction, reach, knots);
+            let column = media::column(fog, origin, direction, reach, knots);
             let left = left(fog, &column, reach);
             let (collides, u) = (1.0 - left, random.uniform());
             // The first collision is forced, and the path goes on without it too; after that it is one or the other.

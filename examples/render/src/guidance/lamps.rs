@@ -1,6 +1,7 @@
 //! How lamps emit: in proportion to what light in a direction is worth.
 
-use super::{column, left, mean, of_arrival};
+use super::{left, mean, of_arrival};
+use crate::media;
 use crate::optics::{Boundary, Interior, facing_normal, reflect};
 use crate::random::{Emission, PathSampler, Random};
 use crate::scene::{Light, Material, Scene};
@@ -135,7 +136,7 @@ impl<'a> Lamp<'a> {
                 let found = self.importance.of_segment(fog, origin, direction, reach);
                 let is_seen = event > 0 || is_left_to_beams(self.scene, id);
                 worth += power * (found.scattered + if is_seen { found.beam } else { 0.0 });
-                power *= left(fog, &column(fog, origin, direction, reach, knots), reach);
+                power *= left(fog, &media::column(fog, origin, direction, reach, knots), reach);
             }
             let Some(hit) = hit else { break };
             match self.scene.objects[hit.object as usize].material {

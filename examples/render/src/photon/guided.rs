@@ -4,12 +4,12 @@
 //! scatters is drawn as often as that is worth. Where light scatters, several directions are looked at, and those go on that are worth it.
 
 use super::{GOING_ON, LONG_PATH, Photon, PhotonTracer, beam_of, choose_light};
-use crate::guidance::Guidance;
+use crate::guidance::{Guidance, mean};
 use crate::light::cosine_direction;
 use crate::media;
 use crate::operators::Operator;
 use crate::optics::facing_normal;
-use crate::random::PathSampler;
+use crate::random::{PathSampler, spread};
 use crate::record::{FieldSegment, PhotonRecord, Record, add};
 use crate::scene::Material;
 use crate::surface::SurfacePhoton;
@@ -84,13 +84,12 @@ impl<'a> PhotonTracer<'a> {
         if !(power.max_element() > 0.0) {
             return;
         }
-        let flux: f32 = self.scene.lights.iter().map(|light| mean(light.flux())).sum();
         let photon = self.start(light, &emitted, power, record);
         let mut tree = Tree {
             tracer: self,
             guidance,
             unit: guidance.total() / paths as f32,
-            power: flux / paths as f32,
+            power: self.lights.flux / paths as f32,
             record,
             waiting: vec![(photon, sampler, 0)],
             branches: 0,
@@ -351,10 +350,6 @@ impl Tree<'_, '_> {
     }
 }
 
-fn mean(color: Vec3) -> f32 {
-    color.element_sum() / 3.0
-}
-
 /// Ends a photon with a probability of 1 - `chance`, or makes up for the others that it ends.
 fn survives(photon: &mut Photon, chance: f32, sampler: &mut PathSampler, out: &mut PhotonRecord) -> bool {
     let before = photon.power;
@@ -371,12 +366,4 @@ fn channel(shares: Vec3, number: f32) -> usize {
         number if number < shares.x + shares.y || shares.z <= 0.0 => 1,
         _ => 2,
     }
-}
-
-/// Points that fill the unit square evenly: Roberts' R2 sequence.
-fn spread(shift: [f32; 2], index: usize) -> [f32; 2] {
-    let turn = |shift: f32, step: f64| {
-        ((f64::from(shift) + step * index as f64).fract() as f32).min(1.0 - f32::EPSILON)
-    };
-    [turn(shift[0], 0.754_877_666_246_692_7), turn(shift[1], 0.569_840_290_998_053_2)]
 }
