@@ -120,8 +120,8 @@ fn no_light_crosses_a_silhouette() {
         // The same photons; a filter of several pixels across the edge would take or give a quarter of the light next to it.
         assert!((a / b - 1.0).abs() < 0.04, "ring at {offset}: {a} with all eye rays, {b} planned");
     }
-    let wide = maps.filters.iter().filter(|filter| filter.xx > 4.0 && filter.yy > 4.0).count();
-    assert!(wide > maps.filters.len() / 2, "filters are narrow anyway: {wide} wide ones");
+    let wide = maps.layers[0].filters.iter().filter(|filter| filter.xx > 4.0 && filter.yy > 4.0).count();
+    assert!(wide > maps.layers[0].filters.len() / 2, "filters are narrow anyway: {wide} wide ones");
 }
 
 #[test]
@@ -131,11 +131,11 @@ fn few_eye_rays_are_traced_where_the_light_is_smooth_and_many_in_the_caustic() {
     let mean = |region: usize| {
         let region = &of_ball(256)[region];
         let inside = (0..256 * 256_u32).filter(|pixel| region.contains(pixel % 256, pixel / 256));
-        inside.map(|pixel| f64::from(maps.filters[pixel as usize].density())).sum::<f64>()
+        inside.map(|pixel| f64::from(maps.layers[0].filters[pixel as usize].density())).sum::<f64>()
             / region.count() as f64
     };
     // What the filters ask for; no density goes below half a ray a light path.
-    assert!(maps.density.iter().all(|density| *density >= 2500.0 / 65536.0));
+    assert!(maps.density().iter().all(|density| *density >= 2500.0 / 65536.0));
     let (smooth, caustic) = (mean(2), mean(3));
     assert!(smooth < 0.05, "{smooth} eye rays a pixel in smooth fog");
     assert!(caustic > 5.0 * smooth, "{caustic} eye rays a pixel in the caustic, {smooth} in smooth fog");
@@ -183,7 +183,7 @@ fn a_picture_without_any_light_is_black() {
     assert!(picture.radiance.iter().all(|v| *v == Vec3::ZERO));
     let maps = picture.maps.expect("planned");
     // Nothing is known there: an eye ray through each pixel, and no filter.
-    assert!(maps.density.iter().all(|density| *density > 0.0 && *density <= 1.0));
+    assert!(maps.density().iter().all(|density| *density > 0.0 && *density <= 1.0));
 }
 
 /// Cancelled while it catches up with the light fields of passes 1 to 16, whichever it had got to.

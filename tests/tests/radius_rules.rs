@@ -4,6 +4,7 @@
 use covbeam::{Beam, GridLayout, KernelShape};
 use covbeam_render::compare::luminance;
 use covbeam_render::film::{Film, Picture};
+use covbeam_render::kind::Kind;
 use covbeam_render::media;
 use covbeam_render::pass::{Method, Renderer};
 use covbeam_render::photon::PathBeam;
@@ -149,7 +150,7 @@ fn beams_of_unequal_power_are_as_many_as_would_be_as_noisy() {
     let beam = |y: f32, power: f32| {
         let (origin, direction) = (Vec3::new(-1.0, y, 0.6), Vec3::X);
         let beam = Beam { origin, direction, length: 1.75, power: Vec3::splat(power), ..Beam::default() };
-        PathBeam { medium: 0, is_straight: true, beam }
+        PathBeam { medium: 0, kind: Kind::Straight, beam }
     };
     let mut voxels = BeamVoxels::new(layout);
     for _ in 0..2 {

@@ -59,6 +59,10 @@ pub(crate) struct RenderArgs {
     /// Write maps of the eye rays beside the picture: NAME-density.png and NAME-filters.png
     #[arg(long, conflicts_with = "every_pixel")]
     pub(crate) maps: bool,
+    /// Write the light of each kind into the picture's file too, as layers that add up to it: straight (from lamps), focused (by mirrors and
+    /// glass), scattered (by fog and surfaces); with a fifth more memory
+    #[arg(long)]
+    pub(crate) light_passes: bool,
     /// Stop after this many passes [default: the scene's, unless --time or --until says when to stop]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) passes: Option<u32>,

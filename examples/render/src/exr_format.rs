@@ -1,6 +1,7 @@
 //! Pictures as the bytes of an OpenEXR file.
 
-use crate::film::{Layers, Maps, Picture};
+use crate::film::{LayerMaps, Layers, Maps, Picture};
+use crate::kind::Kind;
 use crate::output::RenderInfo;
 use covbeam::ImageFilter;
 use exr::block::lines::LineRefMut;
@@ -23,8 +24,20 @@ const LAYER_CHANNELS: [&str; 3] = ["radius.Y", "sigma.Y", "samples.Y"];
 const ERROR_CHANNEL: &str = "error.Y";
 
 /// Names of the channels of [`Maps`].
-const MAP_CHANNELS: [&str; 7] =
-    ["volume.R", "volume.G", "volume.B", "filter.xx", "filter.xy", "filter.yy", "density.Y"];
+const VOLUME_CHANNELS: [&str; 3] = ["volume.R", "volume.G", "volume.B"];
+
+/// And of [`LayerMaps`], after the kind of light and a dash if there are several.
+const MAP_CHANNELS: [&str; 4] = ["filter.xx", "filter.xy", "filter.yy", "density.Y"];
+
+/// Colours of a kind of light.
+fn kind_channels(kind: Kind) -> [String; 3] {
+    ["R", "G", "B"].map(|color| format!("{}.{color}", kind.name()))
+}
+
+/// Names of the channels of the maps of a layer of light; None: of all light.
+fn map_channels(kind: Option<Kind>) -> [String; 4] {
+    MAP_CHANNELS.map(|name| kind.map_or(name.to_owned(), |kind| format!("{}-{name}", kind.name())))
+}
 
 /// A channel of the picture, read off it line by line as the file is written: copies of all channels would be as large as the picture.
 struct Channel<'a> {
@@ -77,15 +90,22 @@ fn channels(picture: &Picture) -> Vec<AnyChannel<Channel<'_>>> {
     if let Some(error) = &picture.error {
         channels.push(channel(picture, ERROR_CHANNEL, |i| error[i]));
     }
-    if let Some(Maps { volume, filters, density }) = &picture.maps {
-        let [red, green, blue, xx, xy, yy, rays] = MAP_CHANNELS;
-        for (axis, name) in [red, green, blue].into_iter().enumerate() {
+    if let Some(Maps { volume, layers }) = &picture.maps {
+        for (axis, name) in VOLUME_CHANNELS.into_iter().enumerate() {
             channels.push(channel(picture, name, move |i| volume[i][axis]));
         }
-        channels.push(channel(picture, xx, |i| filters[i].xx));
-        channels.push(channel(picture, xy, |i| filters[i].xy));
-        channels.push(channel(picture, yy, |i| filters[i].yy));
-        channels.push(channel(picture, rays, |i| density[i]));
+        for LayerMaps { kind, filters, density } in layers {
+            let [xx, xy, yy, rays] = map_channels(*kind);
+            channels.push(channel(picture, &xx, |i| filters[i].xx));
+            channels.push(channel(picture, &xy, |i| filters[i].xy));
+            channels.push(channel(picture, &yy, |i| filters[i].yy));
+            channels.push(channel(picture, &rays, |i| density[i]));
+        }
+    }
+    for (kind, radiance) in &picture.kinds {
+        for (axis, name) in kind_channels(*kind).into_iter().enumerate() {
+            channels.push(channel(picture, &name, move |i| radiance[i][axis]));
+        }
     }
     channels
 }
@@ -188,16 +208,32 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Picture, String> {
         [Some(radius), Some(sigma), Some(samples)] => Some(Layers { radius, sigma, samples }),
         _ => None,
     };
-    let all = |names: &[&str]| names.iter().map(|name| find(name, layer)).collect::<Option<Vec<_>>>();
-    let maps = all(&MAP_CHANNELS).map(|found| Maps {
-        volume: (0..pixels).map(|i| Vec3::new(found[0][i], found[1][i], found[2][i])).collect(),
-        filters: (0..pixels)
-            .map(|i| ImageFilter { xx: found[3][i], xy: found[4][i], yy: found[5][i] })
-            .collect(),
-        density: found[6].clone(),
-    });
+    let colors = |names: [&str; 3]| -> Option<Vec<Vec3>> {
+        let [red, green, blue] = names.map(|name| find(name, layer));
+        let (red, green, blue) = (red?, green?, blue?);
+        Some((0..pixels).map(|i| Vec3::new(red[i], green[i], blue[i])).collect())
+    };
+    let of_layer = |kind: Option<Kind>| {
+        let [xx, xy, yy, density] = map_channels(kind).map(|name| find(&name, layer));
+        let (xx, xy, yy) = (xx?, xy?, yy?);
+        let filters = (0..pixels).map(|i| ImageFilter { xx: xx[i], xy: xy[i], yy: yy[i] }).collect();
+        Some(LayerMaps { kind, filters, density: density? })
+    };
+    let known = [None].into_iter().chain(Kind::ALL.map(Some));
+    let maps =
+        colors(VOLUME_CHANNELS).map(|volume| Maps { volume, layers: known.filter_map(of_layer).collect() });
+    let of_kind = |kind: Kind| Some((kind, colors(kind_channels(kind).each_ref().map(String::as_str))?));
+    let kinds = Kind::ALL.into_iter().filter_map(of_kind).collect();
     let error = find(ERROR_CHANNEL, layer);
-    Ok(Picture { width: layer.size.0 as u32, height: layer.size.1 as u32, radiance, error, layers, maps })
+    Ok(Picture {
+        width: layer.size.0 as u32,
+        height: layer.size.1 as u32,
+        radiance,
+        error,
+        layers,
+        maps,
+        kinds,
+    })
 }
 
 #[cfg(test)]
@@ -217,7 +253,15 @@ mod tests {
         let radiance =
             (0..35 * 21).map(|i| Vec3::new(value(i), value(3 * i + 1), value(5 * i + 2))).collect();
         let layers = Layers { radius: many(9), sigma: many(99), samples: many(999) };
-        Picture { width: 35, height: 21, radiance, error: Some(many(7)), layers: Some(layers), maps: None }
+        Picture {
+            width: 35,
+            height: 21,
+            radiance,
+            error: Some(many(7)),
+            layers: Some(layers),
+            maps: None,
+            kinds: Vec::new(),
+        }
     }
 
     fn encoded(picture: &Picture) -> Vec<u8> {

@@ -1,9 +1,9 @@
 //! Eye paths: from the camera through specular surfaces to the first diffuse or black one.
 
+use crate::kind::{ByKind, Kind};
 use crate::media;
 use crate::optics::{Boundary, Interior, facing_normal, reflect};
 use crate::photon::{GOING_ON, LONG_PATH};
-use crate::plan::Wanted;
 use crate::random::{Random, mix};
 use crate::scene::{Material, Scene};
 use crate::surface::SurfaceMap;
@@ -44,6 +44,7 @@ impl EyeSegment {
 }
 
 /// Follows eye paths of one scene.
+#[derive(Clone, Copy)]
 pub struct EyeTracer<'a> {
     /// The scene.
     pub scene: &'a Scene,
@@ -66,22 +67,22 @@ struct Branch {
 }
 
 impl EyeTracer<'_> {
-    /// [`EyeTracer::trace`], of what is wanted from the eye ray only.
+    /// [`EyeTracer::trace`], of what is wanted from the eye ray only: the fog before the first surface, and what is beyond it.
     pub fn trace_wanted(
         &self,
         direction: Vec3,
         pixel: u32,
-        wanted: Wanted,
+        [fog, surfaces]: [bool; 2],
         random: &mut Random,
         segments: &mut Vec<EyeSegment>,
-    ) -> Vec3 {
-        if !wanted.surfaces {
+    ) -> ByKind {
+        if !surfaces {
             segments.extend(self.first_segment(direction, pixel));
-            return Vec3::ZERO;
+            return ByKind::default();
         }
         let first = segments.len();
         let radiance = self.trace(direction, pixel, random, segments);
-        if !wanted.volume && segments.get(first).is_some_and(EyeSegment::is_first) {
+        if !fog && segments.get(first).is_some_and(EyeSegment::is_first) {
             segments.swap_remove(first);
         }
         radiance
@@ -105,9 +106,9 @@ impl EyeTracer<'_> {
         pixel: u32,
         random: &mut Random,
         segments: &mut Vec<EyeSegment>,
-    ) -> Vec3 {
+    ) -> ByKind {
         let scene = self.scene;
-        let mut radiance = Vec3::ZERO;
+        let mut radiance = ByKind::default();
         let mut knots = Vec::new();
         let mut branches = smallvec::SmallVec::<[Branch; 8]>::new();
         branches.push(Branch {
@@ -154,7 +155,10 @@ impl EyeTracer<'_> {
             match scene.objects[hit.object as usize].material {
                 Material::Black => {}
                 Material::Lambert { albedo } => {
-                    radiance += branch.throughput * self.reflected(&hit, &branch, albedo, random);
+                    let reflected = self.reflected(&hit, &branch, albedo, random);
+                    for (sum, reflected) in radiance.iter_mut().zip(reflected) {
+                        *sum += branch.throughput * reflected;
+                    }
                 }
                 Material::Mirror { reflectance } => {
                     let normal = facing_normal(&hit, branch.direction);
@@ -193,7 +197,7 @@ impl EyeTracer<'_> {
     }
 
     /// Radiance leaving a diffuse surface: direct light and the photons that came any other way.
-    fn reflected(&self, hit: &Hit, branch: &Branch, albedo: Vec3, random: &mut Random) -> Vec3 {
+    fn reflected(&self, hit: &Hit, branch: &Branch, albedo: Vec3, random: &mut Random) -> ByKind {
         let normal = facing_normal(hit, branch.direction);
         let start = hit.leave(normal);
         let fog = branch.interior.medium(self.scene).map(|id| &self.fogs[id as usize]);
@@ -201,10 +205,11 @@ impl EyeTracer<'_> {
         for light in &self.scene.lights {
             let (direct, from) = light.irradiance(hit.position, normal, random);
             if direct.max_element() > 0.0 && !self.scene.occluded(start, from) {
-                irradiance += direct * fog.map_or(Vec3::ONE, |fog| media::transmittance(fog, start, from));
+                irradiance[Kind::Straight as usize] +=
+                    direct * fog.map_or(Vec3::ONE, |fog| media::transmittance(fog, start, from));
             }
         }
-        albedo * irradiance * FRAC_1_PI
+        irradiance.map(|irradiance| albedo * irradiance * FRAC_1_PI)
     }
 }
 
@@ -238,6 +243,6 @@ mod tests {
         let tracer = EyeTracer { scene: &scene, fogs: &[], interior, surfaces: &surfaces };
         let direction = Vec3::ONE.normalize();
         let seen = tracer.trace(direction, 0, &mut Random::new([0; 4]), &mut Vec::new());
-        assert_eq!(seen, Vec3::ZERO);
+        assert_eq!(seen, ByKind::default());
     }
 }

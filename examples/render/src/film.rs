@@ -1,8 +1,9 @@
 //! What the passes add up to, with the same bits in whatever order they come.
 
 use crate::compare::luminance;
-use crate::eye::EyeSegment;
-use crate::plan::{Plan, Wanted};
+use crate::kind::{ByKind, Kind, Split};
+use crate::plan::Plan;
+use crate::samples::{PassImage, SparseSample, SparseSamples};
 use crate::scene::Scene;
 use covbeam::{
     FILM_TILE, FILM_TILE_PIXELS, FilmEvidence, FilmFilterNode, FilmFilters, FilmNode, FilmPixel, FilmSample,
@@ -10,104 +11,6 @@ use covbeam::{
 };
 use glam::Vec3;
 use rayon::prelude::*;
-
-/// One pass' picture, row by row from the upper left pixel.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct PassImage {
-    /// Number of the pass, counted from 1.
-    pub pass: u32,
-    /// Pixels across.
-    pub width: u32,
-    /// Pixels down.
-    pub height: u32,
-    /// Estimate of radiance [W/(m² sr)]; empty where not every pixel has an eye ray.
-    pub radiance: Vec<Vec3>,
-    /// Per pixel, over accepted pairs with contribution c (luminance): Σ c, Σ c·radius, Σ c·σ, number of pairs.
-    /// Empty for methods that gather nothing (light-trace), and where not every pixel has an eye ray.
-    pub gather: Vec<[f32; 4]>,
-    /// The eye rays, where not every pixel has one.
-    pub sparse: Option<SparseSamples>,
-}
-
-impl PassImage {
-    /// What the eye rays saw; without a plan, one through every pixel.
-    pub(crate) fn of_samples(
-        pass: u32,
-        [width, height]: [u32; 2],
-        plan: Option<Plan>,
-        samples: Vec<SparseSample>,
-    ) -> Self {
-        let mut image = Self { pass, width, height, ..Self::default() };
-        match plan {
-            Some(plan) => image.sparse = Some(SparseSamples { plan, samples }),
-            None => {
-                image.radiance.resize(samples.len(), Vec3::ZERO);
-                image.gather.resize(samples.len(), [0.0; 4]);
-                for SparseSample { pixel, volume, surfaces, gather, .. } in samples {
-                    image.radiance[pixel as usize] = volume + surfaces;
-                    image.gather[pixel as usize] = gather;
-                }
-            }
-        }
-        image
-    }
-}
-
-/// What few eye rays saw.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SparseSamples {
-    /// The plan that the eye rays were chosen by.
-    pub plan: Plan,
-    /// At most one a pixel.
-    pub samples: Vec<SparseSample>,
-}
-
-/// What one eye ray saw of what was wanted from it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SparseSample {
-    /// Number of the pixel.
-    pub pixel: u32,
-    /// What it was asked for.
-    pub wanted: Wanted,
-    /// The fog before the first surface, which is filtered as the plan says.
-    pub volume: Vec3,
-    /// Surfaces, and all that is seen through and in them.
-    pub surfaces: Vec3,
-    /// As [`PassImage::gather`].
-    pub gather: [f32; 4],
-}
-
-impl SparseSample {
-    const NOTHING: Self = Self {
-        pixel: 0,
-        wanted: Wanted { volume: false, surfaces: false },
-        volume: Vec3::ZERO,
-        surfaces: Vec3::ZERO,
-        gather: [0.0; 4],
-    };
-
-    /// Adds what a piece of the eye path sees at its start.
-    pub(crate) fn add(&mut self, segment: &EyeSegment, radiance: Vec3) {
-        let radiance = segment.throughput * radiance;
-        if segment.is_first() {
-            self.volume += radiance;
-        } else {
-            self.surfaces += radiance;
-        }
-    }
-
-    /// Room for all samples of a pass: one block, which goes back to the system as a whole. (Small ones, a thread's each, leave holes that
-    /// the picture does not fit into.)
-    pub(crate) fn room(counts: &[usize]) -> Vec<Self> {
-        vec![Self::NOTHING; counts.iter().sum()]
-    }
-
-    /// The parts of that room, as many samples each as `counts` says.
-    pub(crate) fn parts<'a>(mut room: &'a mut [Self], counts: &[usize]) -> Vec<&'a mut [Self]> {
-        let part = |count: &usize| room.split_off_mut(..*count).expect("room for all");
-        counts.iter().map(part).collect()
-    }
-}
 
 /// A finished picture, row by row from the upper left pixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -125,6 +28,8 @@ pub struct Picture {
     pub layers: Option<Layers>,
     /// Where the eye rays were; None if every pixel had one in each pass.
     pub maps: Option<Maps>,
+    /// The picture's parts by kind of light, which add up to it; empty unless the film keeps them.
+    pub kinds: Vec<(Kind, Vec<Vec3>)>,
 }
 
 impl Picture {
@@ -161,6 +66,27 @@ pub struct Layers {
 pub struct Maps {
     /// The fog before the first surface, through the filters [W/(m² sr)].
     pub volume: Vec<Vec3>,
+    /// By layer of light.
+    pub layers: Vec<LayerMaps>,
+}
+
+impl Maps {
+    /// Eye rays a pixel in the latest pass, of the layer that has most: what another wants sees the same ray.
+    pub fn density(&self) -> Vec<f32> {
+        let mut most = Vec::new();
+        for layer in &self.layers {
+            most.resize(layer.density.len(), 0.0);
+            most.iter_mut().zip(&layer.density).for_each(|(most, density)| *most = density.max(*most));
+        }
+        most
+    }
+}
+
+/// The same of one layer: of all light, or of straight and of other light, ….
+#[derive(Clone, Debug, PartialEq)]
+pub struct LayerMaps {
+    /// Its light; None: all light.
+    pub kind: Option<Kind>,
     /// The filters of the latest pass, as far as the samples agree with them.
     pub filters: Vec<ImageFilter>,
     /// Eye rays a pixel in the latest pass.
@@ -209,7 +135,8 @@ pub enum FilmError {
 ///
 /// Every value is rounded once to a multiple of the film's unit and summed as a whole number, so the sum does not depend on
 /// the order of the passes ([`FilmUnit`]); because no term is negative, that holds for sums that stop at the largest number too.
-/// Costs 40 bytes a pixel, or 88 where not every pixel has an eye ray in each pass; and 32 more where passes have gather sums.
+/// Costs 40 bytes a pixel; where not every pixel has an eye ray in each pass, 48 more for each layer of light; 32 more where passes have
+/// gather sums, and 120 where it keeps the kinds of light apart.
 #[derive(Clone, Debug)]
 pub struct Film {
     width: u32,
@@ -219,12 +146,22 @@ pub struct Film {
     odd_passes: u32,
     /// What pixels keep to themselves: all of the light, or, with planned eye rays, that from beyond the first surface.
     own: Vec<FilmSums>,
-    /// With planned eye rays: the fog before the first surface.
-    volume: Vec<FilmSums>,
-    density: Vec<u64>,
+    /// With planned eye rays: the fog before the first surface, by layer.
+    fog: Vec<FogLayer>,
     gather: Vec<[i64; 4]>,
+    /// Some: the kinds of light are kept apart, of layers as this splits them.
+    split: Option<Split>,
+    /// `own` by kind.
+    kinds: Vec<[FilmSums; 3]>,
+}
+
+/// A layer of the fog before the first surface.
+#[derive(Clone, Debug)]
+struct FogLayer {
+    sums: Vec<FilmSums>,
+    density: Vec<u64>,
     /// Of the latest pass, in the order of their numbers.
-    plan: Option<Plan>,
+    plan: Plan,
 }
 
 /// Units of the sums of densities and of numbers of pairs in 1.
@@ -255,11 +192,17 @@ impl Film {
             passes: 0,
             odd_passes: 0,
             own: Vec::new(),
-            volume: Vec::new(),
-            density: Vec::new(),
+            fog: Vec::new(),
             gather: Vec::new(),
-            plan: None,
+            split: None,
+            kinds: Vec::new(),
         }
+    }
+
+    /// Keeps the kinds of light apart from now on, for passes of a renderer that does ([`crate::pass::Renderer::keep_kinds`]). Call it before
+    /// the first pass.
+    pub fn keep_kinds(&mut self, split: Split) {
+        self.split = Some(split);
     }
 
     fn pixels(&self) -> usize {
@@ -292,43 +235,74 @@ impl Film {
                 .zip(&pass.gather)
                 .for_each(|(sums, values)| add_gather(sums, values, &unit));
         }
-        if let Some(SparseSamples { plan, samples }) = &pass.sparse {
-            self.volume.resize(pixels, FilmSums::default());
-            self.density.resize(pixels, 0);
-            self.gather.resize(pixels, [0; 4]);
-            for SparseSample { pixel, wanted, volume, surfaces, gather } in samples {
-                let pixel = *pixel as usize;
-                if wanted.volume {
-                    self.volume[pixel].add(&unit, *volume, odd);
-                }
-                if wanted.surfaces {
-                    self.own[pixel].add(&unit, *surfaces, odd);
-                }
-                add_gather(&mut self.gather[pixel], gather, &unit);
+        if self.split.is_some() {
+            self.kinds.resize(pixels, [FilmSums::default(); 3]);
+            for (sums, light) in self.kinds.iter_mut().zip(&pass.kinds) {
+                add_kinds(sums, light, &unit, odd);
             }
-            for (sum, density) in self.density.iter_mut().zip(plan.density()) {
-                *sum += (f64::from(*density) * UNITS).round_ties_even() as u64;
-            }
-            if self.plan.as_ref().is_none_or(|latest| latest.pass() < plan.pass()) {
-                self.plan = Some(plan.clone());
-            }
+        }
+        if let Some(sparse) = &pass.sparse {
+            self.add_sparse(sparse, odd);
         }
         self.passes += 1;
         self.odd_passes += u32::from(odd);
         Ok(())
     }
 
+    fn add_sparse(&mut self, pass: &SparseSamples, odd: bool) {
+        let (pixels, unit) = (self.pixels(), self.unit);
+        self.gather.resize(pixels, [0; 4]);
+        for plan in pass.plans.iter().skip(self.fog.len()) {
+            let (sums, density) = (vec![FilmSums::default(); pixels], vec![0; pixels]);
+            self.fog.push(FogLayer { sums, density, plan: plan.clone() });
+        }
+        for (layer, plan) in self.fog.iter_mut().zip(&pass.plans) {
+            for (sum, density) in layer.density.iter_mut().zip(plan.density()) {
+                *sum += (f64::from(*density) * UNITS).round_ties_even() as u64;
+            }
+            if layer.plan.pass() < plan.pass() {
+                layer.plan = plan.clone();
+            }
+        }
+        for sample in &pass.fog {
+            let sums = &mut self.fog[sample.layer as usize].sums;
+            sums[sample.pixel as usize].add(&unit, sample.radiance, odd);
+        }
+        for SparseSample { pixel, has_surfaces, light, gather } in &pass.samples {
+            let pixel = *pixel as usize;
+            if *has_surfaces {
+                self.own[pixel].add(&unit, light.iter().sum(), odd);
+                if let Some(sums) = self.kinds.get_mut(pixel) {
+                    add_kinds(sums, light, &unit, odd);
+                }
+            }
+            add_gather(&mut self.gather[pixel], gather, &unit);
+        }
+    }
+
     /// The mean of the passes; black without any. Where not every pixel had an eye ray, the fog before the first surface is
     /// reconstructed with the filters of the latest pass, as far as the two halves of the passes agree with them.
     pub fn picture(&self) -> Picture {
         let passes = f64::from(self.passes.max(1));
-        let (mut pixels, verified) = match &self.plan {
-            Some(plan) => self.reconstruct(plan),
-            None => (vec![FilmPixel::default(); self.pixels()], Vec::new()),
-        };
         let radiance =
             |pixels: &[FilmPixel]| -> Vec<Vec3> { pixels.par_iter().map(|pixel| pixel.radiance).collect() };
-        let volume = self.plan.as_ref().map(|_| radiance(&pixels));
+        let mut pixels = vec![FilmPixel::default(); self.pixels()];
+        let mut kinds = self.own_kinds();
+        let mut layers = Vec::new();
+        for (number, layer) in self.fog.iter().enumerate() {
+            let (found, verified) = self.reconstruct(layer);
+            pixels.par_iter_mut().zip(&found).for_each(|(sum, pixel)| {
+                sum.radiance += pixel.radiance;
+                sum.variance += pixel.variance;
+                sum.difference += pixel.difference;
+            });
+            let of_layer = |kind: Kind| self.split.is_some_and(|split| split.of(kind) == number);
+            if let Some((_, sums)) = kinds.iter_mut().find(|(kind, _)| of_layer(*kind)) {
+                sums.par_iter_mut().zip(&found).for_each(|(sum, pixel)| *sum += pixel.radiance);
+            }
+            layers.push(self.maps(layer, &verified));
+        }
+        let maps = (!layers.is_empty()).then(|| Maps { volume: radiance(&pixels), layers });
         self.add_own(&mut pixels);
         let halves = self.odd_passes > 0 && self.odd_passes < self.passes;
         let error = halves.then(|| {
@@ -340,7 +314,7 @@ impl Film {
             error
         });
         let radiance = radiance(&pixels);
-        // Before the layers and maps take their place.
+        // Before the layers take their place.
         drop(pixels);
         let share = |sum: i64, whole: i64| if whole == 0 { 0.0 } else { (sum as f64 / whole as f64) as f32 };
         let layers = (!self.gather.is_empty()).then(|| Layers {
@@ -349,20 +323,24 @@ impl Film {
             samples: self.gather.par_iter().map(|s| (s[3] as f64 / UNITS / passes) as f32).collect(),
         });
         let (width, height) = (self.width, self.height);
-        let maps = self.plan.as_ref().zip(volume).map(|(plan, volume)| {
-            let surfaces = plan.surfaces();
-            let filters = FilmFilters::of(*surfaces.lattice(), surfaces.regions(), &verified).expect(FITS);
-            let all = (0..width * height).into_par_iter();
-            let filters = all.map(|pixel| filters.filter(pixel % width, pixel / width)).collect();
-            Maps { volume, filters, density: plan.density().to_vec() }
-        });
-        Picture { width, height, radiance, error, layers, maps }
+        Picture { width, height, radiance, error, layers, maps, kinds }
     }
 
-    /// The fog before the first surface, and its filters at the nodes of the lattice.
-    fn reconstruct(&self, plan: &Plan) -> (Vec<FilmPixel>, Vec<FilmFilterNode>) {
+    /// Where a layer's eye rays were, and the filters that were found.
+    fn maps(&self, layer: &FogLayer, verified: &[FilmFilterNode]) -> LayerMaps {
         let (width, height) = (self.width, self.height);
-        let sums = self.volume.par_iter().zip(&self.density);
+        let surfaces = layer.plan.surfaces();
+        let filters = FilmFilters::of(*surfaces.lattice(), surfaces.regions(), verified).expect(FITS);
+        let all = (0..width * height).into_par_iter();
+        let filters = all.map(|pixel| filters.filter(pixel % width, pixel / width)).collect();
+        LayerMaps { kind: layer.plan.kind(), filters, density: layer.plan.density().to_vec() }
+    }
+
+    /// A layer of the fog before the first surface, and its filters at the nodes of the lattice.
+    fn reconstruct(&self, layer: &FogLayer) -> (Vec<FilmPixel>, Vec<FilmFilterNode>) {
+        let (width, height) = (self.width, self.height);
+        let plan = &layer.plan;
+        let sums = layer.sums.par_iter().zip(&layer.density);
         let samples: Vec<FilmSample> =
             sums.map(|(sums, density)| sums.sample(&self.unit, *density as f64 / UNITS)).collect();
         let mut nodes = vec![FilmNode::default(); Reconstruction::node_count(width, height)];
@@ -393,51 +371,66 @@ impl Film {
         (pixels, verified)
     }
 
-    /// Adds the light that pixels keep to themselves. Pixels without an eye ray for it take that of the nearest ones as long as they have
-    /// none.
+    /// Adds the light that pixels keep to themselves.
     fn add_own(&self, pixels: &mut [FilmPixel]) {
         if self.own.is_empty() {
             return;
         }
-        let mean = |sums: &FilmSums| sums.sample(&self.unit, f64::from(sums.rays()));
-        let is_sparse = self.own.par_iter().any(|sums| sums.rays() == 0);
-        let around = self.plan.as_ref().filter(|_| is_sparse).map(|plan| {
-            let samples: Vec<FilmSample> = self.own.par_iter().map(mean).collect();
-            let nodes = vec![FilmNode::default(); Reconstruction::node_count(self.width, self.height)];
-            (samples, nodes, plan.surfaces().regions())
-        });
-        let add = |pixel: &mut FilmPixel, own: FilmSample| {
-            pixel.radiance += own.radiance / own.weight;
-            pixel.difference += own.halves().map_or(0.0, |[odd, even]| odd - even);
+        let samples = self.means(&self.own, |sums| sums);
+        pixels.par_iter_mut().zip(&samples).zip(self.filled(&samples)).for_each(
+            |((pixel, own), radiance)| {
+                pixel.radiance += radiance;
+                pixel.difference += own.halves().map_or(0.0, |[odd, even]| odd - even);
+            },
+        );
+    }
+
+    /// The same, a picture a kind.
+    fn own_kinds(&self) -> Vec<(Kind, Vec<Vec3>)> {
+        let of_kind = |kind: Kind| {
+            let samples = self.means(&self.kinds, |sums: &[FilmSums; 3]| &sums[kind as usize]);
+            (kind, self.filled(&samples))
         };
-        match around {
-            None => pixels.par_iter_mut().zip(&self.own).for_each(|(pixel, sums)| add(pixel, mean(sums))),
-            Some((samples, mut nodes, regions)) => {
-                let around =
-                    Reconstruction::new(self.width, self.height, &samples, regions, &mut nodes).expect(FITS);
-                pixels.par_iter_mut().enumerate().for_each(|(index, pixel)| {
-                    if samples[index].weight > 0.0 {
-                        add(pixel, samples[index]);
-                    } else {
-                        let (x, y) = (index as u32 % self.width, index as u32 / self.width);
-                        pixel.radiance += around.nearby(x, y);
-                    }
-                });
-            }
-        }
+        self.split.iter().flat_map(|split| split.kinds()).map(of_kind).collect()
+    }
+
+    fn means<T: Sync>(&self, all: &[T], sums: impl Fn(&T) -> &FilmSums + Sync) -> Vec<FilmSample> {
+        let mean = |sums: &FilmSums| sums.sample(&self.unit, f64::from(sums.rays()));
+        all.par_iter().map(|of_pixel| mean(sums(of_pixel))).collect()
+    }
+
+    /// Radiance of samples over their numbers of rays. Pixels without an eye ray take that of the nearest ones as long as they have none.
+    fn filled(&self, samples: &[FilmSample]) -> Vec<Vec3> {
+        let own = |sample: &FilmSample| sample.radiance / sample.weight;
+        let is_sparse = samples.par_iter().any(|sample| sample.weight == 0.0);
+        let Some(layer) = self.fog.first().filter(|_| is_sparse) else {
+            return samples.par_iter().map(own).collect();
+        };
+        let mut nodes = vec![FilmNode::default(); Reconstruction::node_count(self.width, self.height)];
+        let regions = layer.plan.surfaces().regions();
+        let around = Reconstruction::new(self.width, self.height, samples, regions, &mut nodes).expect(FITS);
+        let numbered = samples.par_iter().enumerate();
+        let filled = numbered.map(|(index, sample)| {
+            let (x, y) = (index as u32 % self.width, index as u32 / self.width);
+            if sample.weight > 0.0 { own(sample) } else { around.nearby(x, y) }
+        });
+        filled.collect()
     }
 
     fn check(&self, pass: &PassImage) -> Result<(), FilmError> {
         let pixels = self.pixels();
         let first = self.passes == 0;
-        let is_sparse = if first { pass.sparse.is_some() } else { self.plan.is_some() };
+        let plans = pass.sparse.as_ref().map_or(0, |sparse| sparse.plans.len());
+        let is_sparse = if first { plans > 0 } else { !self.fog.is_empty() };
         let has_gather = if first { !pass.gather.is_empty() } else { !is_sparse && !self.gather.is_empty() };
         let expected = |wanted: bool| if wanted { pixels } else { 0 };
-        let planned = pass.sparse.as_ref().map_or(0, |sparse| sparse.plan.density().len());
+        let of_plans = || pass.sparse.iter().flat_map(|sparse| &sparse.plans);
+        let planned = of_plans().map(|plan| plan.density().len()).max().unwrap_or(0);
         let fits = (pass.width, pass.height) == (self.width, self.height)
             && pass.radiance.len() == expected(!is_sparse)
-            && pass.sparse.is_some() == is_sparse
-            && planned == expected(is_sparse)
+            && (self.split.is_none() || pass.kinds.len() == expected(!is_sparse))
+            && (first || plans == self.fog.len())
+            && of_plans().all(|plan| plan.density().len() == expected(is_sparse))
             && pass.gather.len() == expected(has_gather);
         if !fits {
             return Err(FilmError::Size {
@@ -457,10 +450,16 @@ impl Film {
         for (index, gather) in pass.gather.iter().enumerate() {
             self.check_values(numbered(index), *gather, GATHER_NAMES)?;
         }
-        for sample in pass.sparse.iter().flat_map(|sparse| &sparse.samples) {
-            self.check_values(sample.pixel, sample.volume.to_array(), RADIANCE_NAMES)?;
-            self.check_values(sample.pixel, sample.surfaces.to_array(), RADIANCE_NAMES)?;
-            self.check_values(sample.pixel, sample.gather, GATHER_NAMES)?;
+        for sparse in pass.sparse.iter() {
+            for sample in &sparse.fog {
+                self.check_values(sample.pixel, sample.radiance.to_array(), RADIANCE_NAMES)?;
+            }
+            for sample in &sparse.samples {
+                for light in sample.light {
+                    self.check_values(sample.pixel, light.to_array(), RADIANCE_NAMES)?;
+                }
+                self.check_values(sample.pixel, sample.gather, GATHER_NAMES)?;
+            }
         }
         Ok(())
     }
@@ -478,6 +477,12 @@ impl Film {
             }
         }
         Ok(())
+    }
+}
+
+fn add_kinds(sums: &mut [FilmSums; 3], light: &ByKind, unit: &FilmUnit, odd: bool) {
+    for (sums, light) in sums.iter_mut().zip(light) {
+        sums.add(unit, *light, odd);
     }
 }
 
@@ -501,7 +506,7 @@ mod tests {
             height: 1,
             radiance: vec![Vec3::splat(value)],
             gather: vec![gather],
-            sparse: None,
+            ..PassImage::default()
         }
     }
 
@@ -548,7 +553,7 @@ mod tests {
             height: 1,
             radiance: vec![Vec3::ONE; 2],
             gather: vec![[1.0; 4]; 2],
-            sparse: None,
+            ..PassImage::default()
         };
         film.add(&wide).unwrap();
         assert!(matches!(film.add(&one_pixel(1.0, [1.0; 4])), Err(FilmError::Size { .. })));

@@ -14,6 +14,9 @@ const SCALE: u32 = 3;
 /// A filter is drawn for every twelfth pixel across and down.
 const SPACING: u32 = 12;
 
+/// Of the layers' filters.
+const COLORS: [[u8; 3]; 3] = [[255, 190, 60], [90, 160, 255], [110, 230, 120]];
+
 /// 8-bit sRGB, three bytes a pixel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Bitmap {
@@ -25,17 +28,18 @@ pub struct Bitmap {
     pub bytes: Vec<u8>,
 }
 
-/// Eye rays a pixel and pass: white is one, black one in 256 or fewer, each step of grey the same ratio.
+/// Eye rays a pixel and pass, of the layer that has most: white is one, black one in 256 or fewer, each step of grey the same ratio.
 pub fn density_map(picture: &Picture, maps: &Maps) -> Bitmap {
     let grey = |density: &f32| [(255.0 * (1.0 - density.max(DARKEST).ln() / DARKEST.ln()) + 0.5) as u8; 3];
     Bitmap {
         width: picture.width,
         height: picture.height,
-        bytes: maps.density.iter().flat_map(grey).collect(),
+        bytes: maps.density().iter().flat_map(grey).collect(),
     }
 }
 
-/// The filters over the darkened picture, three times as large: outlines at one standard deviation, a dot where there is none.
+/// The filters over the darkened picture, three times as large: outlines at one standard deviation, a dot where there is none. Those of
+/// the first layer of light, or of all light, are amber, the others blue and green.
 pub fn filter_map(picture: &Picture, maps: &Maps) -> Bitmap {
     let (width, height) = (picture.width * SCALE, picture.height * SCALE);
     let shown = preview(picture);
@@ -47,15 +51,16 @@ pub fn filter_map(picture: &Picture, maps: &Maps) -> Bitmap {
     let mut bitmap = Bitmap { width, height, bytes: dark.collect() };
     for y in (SPACING / 2..picture.height).step_by(SPACING as usize) {
         for x in (SPACING / 2..picture.width).step_by(SPACING as usize) {
-            bitmap.outline([x, y], &maps.filters[(y * picture.width + x) as usize]);
+            for (layer, color) in maps.layers.iter().zip(COLORS) {
+                bitmap.outline([x, y], &layer.filters[(y * picture.width + x) as usize], color);
+            }
         }
     }
     bitmap
 }
 
 impl Bitmap {
-    fn outline(&mut self, center: [u32; 2], filter: &ImageFilter) {
-        const COLOR: [u8; 3] = [255, 190, 60];
+    fn outline(&mut self, center: [u32; 2], filter: &ImageFilter, color: [u8; 3]) {
         // The Cholesky root of the covariance takes the unit circle to the outline.
         let a = filter.xx.sqrt();
         let b = if a > 0.0 { filter.xy / a } else { 0.0 };
@@ -68,7 +73,7 @@ impl Bitmap {
             let y = (center[1] as f32 + 0.5 + b * cos + c * sin) * scale;
             if x >= 0.0 && y >= 0.0 && x < self.width as f32 && y < self.height as f32 {
                 let at = (y as usize * self.width as usize + x as usize) * 3;
-                self.bytes[at..at + 3].copy_from_slice(&COLOR);
+                self.bytes[at..at + 3].copy_from_slice(&color);
             }
         }
     }
@@ -77,6 +82,7 @@ impl Bitmap {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::LayerMaps;
     use glam::Vec3;
 
     #[test]
@@ -88,9 +94,12 @@ mod tests {
             error: None,
             layers: None,
             maps: None,
+            kinds: Vec::new(),
         };
         let density = vec![1.0, 1.0 / 16.0, 1e-6];
-        let maps = Maps { volume: vec![Vec3::ONE; 3], filters: vec![ImageFilter::NONE; 3], density };
+        let layer = |density| LayerMaps { kind: None, filters: vec![ImageFilter::NONE; 3], density };
+        let layers = vec![layer(density), layer(vec![0.01, 1e-6, 0.0])];
+        let maps = Maps { volume: vec![Vec3::ONE; 3], layers };
         // 1/16 is half-way between 1 and 1/256.
         assert_eq!(density_map(&picture, &maps).bytes, [255, 255, 255, 128, 128, 128, 0, 0, 0]);
     }
@@ -99,11 +108,13 @@ mod tests {
     fn a_filter_is_outlined_at_one_standard_deviation() {
         let (width, height) = (48, 48);
         let radiance = vec![Vec3::ZERO; 48 * 48];
-        let picture = Picture { width, height, radiance, error: None, layers: None, maps: None };
+        let picture =
+            Picture { width, height, radiance, error: None, layers: None, maps: None, kinds: Vec::new() };
         let mut filters = vec![ImageFilter::NONE; 48 * 48];
         // Standard deviations 5 along (1, 1)/√2 and 1 across.
         filters[18 * 48 + 18] = ImageFilter { xx: 13.0, xy: 12.0, yy: 13.0 };
-        let maps = Maps { volume: Vec::new(), filters, density: Vec::new() };
+        let layer = LayerMaps { kind: None, filters, density: Vec::new() };
+        let maps = Maps { volume: Vec::new(), layers: vec![layer] };
         let bitmap = filter_map(&picture, &maps);
         assert_eq!((bitmap.width, bitmap.height), (144, 144));
         let lit = |x: f32, y: f32| bitmap.bytes[(y as usize * 144 + x as usize) * 3] > 0;

@@ -2,12 +2,13 @@
 
 use crate::compare::luminance;
 use crate::eye::{EyeSegment, EyeTracer};
-use crate::film::{PassImage, SparseSample};
 use crate::first_hits::FirstHits;
+use crate::kind::{ByKind, Kind};
 use crate::media;
 use crate::optics::Interior;
-use crate::plan::{Plan, Wanted};
+use crate::plan::Plan;
 use crate::random::{Random, spread};
+use crate::samples::{PassImage, Room, Seen, SparseSample};
 use crate::scene::{Light, MediumDensity, Scene};
 use crate::surface::SurfaceMap;
 use covbeam::{Column, FluenceGrid, Knot, MARCH_KNOTS, March, MarchCell, MarchKnot, MarchSample, Medium};
@@ -111,6 +112,15 @@ struct Stretch {
     error: f32,
 }
 
+/// An eye ray that a pass wants.
+struct Wanted {
+    x: u32,
+    /// The fog before the first surface, and whether that is filtered.
+    fog: bool,
+    filtered: bool,
+    surfaces: bool,
+}
+
 /// What a row of pixels cost.
 struct Cost {
     seconds: f64,
@@ -129,7 +139,7 @@ struct Scratch {
 }
 
 /// What a pixel's stretches are expected to need.
-struct Seen {
+struct Pieces {
     /// Of surfaces.
     radiance: Vec3,
     stretches: Vec<Stretch>,
@@ -148,20 +158,25 @@ impl Marcher<'_> {
         let start = Instant::now();
         let spread = self.spread(&tracer);
         let mut seconds = start.elapsed().as_secs_f64();
-        let counts: Vec<usize> = (0..height).into_par_iter().map(|y| self.wanted(y).count()).collect();
-        let mut samples = SparseSample::room(&counts);
-        let costs: Option<Vec<Cost>> = SparseSample::parts(&mut samples, &counts)
+        let count = |[rays, fog]: [usize; 2], wanted: Wanted| [rays + 1, fog + usize::from(wanted.filtered)];
+        let counts = (0..height).into_par_iter().map(|y| self.wanted(y).fold([0; 2], count)).collect();
+        let mut room = Room::new(counts);
+        let costs: Option<Vec<Cost>> = room
+            .parts()
             .into_par_iter()
             .zip(0..height)
-            .map_init(Scratch::default, |scratch, (row, y)| {
+            .map_init(Scratch::default, |scratch, (mut seen, y)| {
                 if cancelled() {
                     return None;
                 }
                 let start = Instant::now();
                 let mut shadow_rays = 0;
-                for (seen, (x, wanted)) in row.iter_mut().zip(self.wanted(y)) {
-                    let count;
-                    (*seen, count) = self.pixel(x, y, wanted, &tracer, &spread, scratch);
+                let mut fog = 0;
+                for (ray, wanted) in self.wanted(y).enumerate() {
+                    let filtered = wanted.filtered.then_some(fog);
+                    fog += usize::from(wanted.filtered);
+                    let numbers = (ray, filtered);
+                    let count = self.pixel(y, wanted, numbers, &tracer, &spread, &mut seen, scratch);
                     shadow_rays += u64::from(count);
                 }
                 Some(Cost { seconds: start.elapsed().as_secs_f64(), shadow_rays })
@@ -172,28 +187,34 @@ impl Marcher<'_> {
             seconds += cost.seconds;
             all_rays += cost.shadow_rays;
         }
-        let image = PassImage::of_samples(self.key[1], [width, height], self.plan.clone(), samples);
+        let image = room.image(self.key[1], [width, height], self.plan.clone().into_iter().collect());
         Some((image, seconds, all_rays))
     }
 
     /// The pixels of a row that get an eye ray, and what is wanted from it.
-    fn wanted(&self, y: u32) -> impl Iterator<Item = (u32, Wanted)> {
+    fn wanted(&self, y: u32) -> impl Iterator<Item = Wanted> {
+        let [seed, pass] = self.key;
         (0..self.scene.camera.width).filter_map(move |x| {
-            let wanted = self.plan.as_ref().map_or(Wanted::ALL, |plan| plan.wanted(x, y, self.key[0]));
-            (!wanted.is_nothing()).then_some((x, wanted))
+            let Some(plan) = &self.plan else {
+                return Some(Wanted { x, fog: true, surfaces: true, filtered: false });
+            };
+            let fog = plan.wants(x, y, seed);
+            let surfaces = plan.surfaces().are_wanted(x, y, pass, seed);
+            (fog || surfaces).then_some(Wanted { x, fog, surfaces, filtered: fog })
         })
     }
 
     /// The eye path through a pixel, and for the adaptive placement what it is expected to need.
-    fn look(&self, x: u32, y: u32, wanted: Wanted, tracer: &EyeTracer, scratch: &mut Scratch) -> Seen {
+    fn look(&self, [x, y]: [u32; 2], asked: [bool; 2], tracer: &EyeTracer, scratch: &mut Scratch) -> Pieces {
         let camera = &self.scene.camera;
         let number = y * camera.width + x;
         let [seed, pass] = if self.marching.centred { [0, 0] } else { self.key };
         let mut random = Random::new([seed, pass, number, 0xe7e]);
         let direction = camera.direction(x as f32 + self.offset[0], y as f32 + self.offset[1]);
         scratch.segments.clear();
-        let radiance = tracer.trace_wanted(direction, number, wanted, &mut random, &mut scratch.segments);
-        let mut seen = Seen { radiance, stretches: Vec::new(), expected: luminance(radiance) };
+        let light = tracer.trace_wanted(direction, number, asked, &mut random, &mut scratch.segments);
+        let radiance = light.iter().sum();
+        let mut seen = Pieces { radiance, stretches: Vec::new(), expected: luminance(radiance) };
         for segment in std::mem::take(&mut scratch.segments) {
             for light in 0..self.scene.lights.len() {
                 let Some(stretch) = self.stretch(segment, light, scratch) else { continue };
@@ -285,7 +306,7 @@ impl Marcher<'_> {
                 // In the middle of the squares, where there is one.
                 let middle = |index: u32, end: u32| (index * LATTICE + LATTICE / 2).min(end - 1);
                 let (x, y) = (middle(number % across, camera.width), middle(number / across, camera.height));
-                let seen = self.look(x, y, Wanted::ALL, tracer, scratch);
+                let seen = self.look([x, y], [true; 2], tracer, scratch);
                 (seen.expected, seen.stretches.iter().map(|stretch| stretch.error).collect())
             })
             .collect();
@@ -298,38 +319,42 @@ impl Marcher<'_> {
         Spread { floor, mean: if sum > 0.0 { sum / count as f32 } else { 1.0 } }
     }
 
-    /// What the eye ray of a pixel sees, and the number of shadow rays.
+    /// Adds what the eye ray of a pixel sees; returns the number of shadow rays.
+    #[allow(clippy::too_many_arguments)]
     fn pixel(
         &self,
-        x: u32,
         y: u32,
         wanted: Wanted,
+        (ray, fog): (usize, Option<usize>),
         tracer: &EyeTracer,
         spread: &Spread,
+        seen: &mut Seen,
         scratch: &mut Scratch,
-    ) -> (SparseSample, u32) {
+    ) -> u32 {
         let [seed, pass] = self.key;
+        let Wanted { x, surfaces, .. } = wanted;
         let pixel = y * self.scene.camera.width + x;
-        let seen = self.look(x, y, wanted, tracer, scratch);
-        let (mut volume, mut surfaces, mut shadow_rays) = (Vec3::ZERO, seen.radiance, 0);
+        let pieces = self.look([x, y], [wanted.fog, surfaces], tracer, scratch);
+        let mut light = ByKind::default();
+        light[Kind::Straight as usize] = pieces.radiance;
+        seen.rays[ray] = SparseSample { pixel, has_surfaces: surfaces, light, gather: [0.0; 4] };
+        if let Some(fog) = fog {
+            seen.fog[fog].pixel = pixel;
+        }
+        let mut shadow_rays = 0;
         let mut random = Random::new([seed, pass, pixel, MARCH_KEY]);
-        for stretch in &seen.stretches {
+        for stretch in &pieces.stretches {
             let mut samples = self.marching.samples as usize;
             if self.marching.placement == Placement::Adaptive {
-                let share = spread.need(stretch.error, seen.expected) / spread.mean;
+                let share = spread.need(stretch.error, pieces.expected) / spread.mean;
                 samples = ((self.marching.samples as f32 * share.min(MOST)).round() as usize).max(1);
             }
             let (scattered, count) = self.march(stretch, samples, &mut random, scratch);
-            let radiance = stretch.segment.throughput * scattered;
-            if stretch.segment.is_first() {
-                volume += radiance;
-            } else {
-                surfaces += radiance;
-            }
+            seen.add(ray, fog, &stretch.segment, Kind::Straight, scattered);
             shadow_rays += count;
         }
-        let gather = [0.0, 0.0, 0.0, shadow_rays as f32];
-        (SparseSample { pixel, wanted, volume, surfaces, gather }, shadow_rays)
+        seen.rays[ray].gather[3] = shadow_rays as f32;
+        shadow_rays
     }
 
     /// Light scattered once along a stretch, and the number of shadow rays.

@@ -135,8 +135,9 @@ fn write_error(path: &Path, source: io::Error) -> OutputError {
 
 /// Writes the picture as EXR: channels R, G, B (linear, Rec. 709 primaries, radiance in W/(m² sr)) and, where the
 /// picture has layers, `radius.Y`, `sigma.Y`, `samples.Y`; where its eye rays were planned, `volume.R`, `volume.G`, `volume.B`,
-/// `filter.xx`, `filter.xy`, `filter.yy` \[pixels²\] and `density.Y` \[eye rays a pixel and pass\]; all f32, bit for bit, ZIP-compressed. The same picture and
-/// `info` give the same bytes.
+/// `filter.xx`, `filter.xy`, `filter.yy` \[pixels²\] and `density.Y` \[eye rays a pixel and pass\], these four after the layer's kind of light and a dash
+/// where there are several, as in `straight-filter.xx`; where the film keeps the kinds of light apart, `straight.R` to `scattered.B`, whose sum
+/// is the picture. All f32, bit for bit, ZIP-compressed. The same picture and `info` give the same bytes.
 ///
 /// # Errors
 /// As [`replace_file`].
@@ -249,6 +250,7 @@ mod tests {
             error: None,
             layers: None,
             maps: None,
+            kinds: Vec::new(),
         }
     }
 

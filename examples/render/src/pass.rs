@@ -1,8 +1,9 @@
 //! Renders one pass: light paths, covariance grid, beams, eye rays.
 
 use crate::eye::EyeTracer;
-use crate::film::PassImage;
+use crate::grids::Grids;
 use crate::guidance::Guidance;
+use crate::kind::{Kind, Split};
 use crate::march::{Guide, Marcher, Marching, Placement};
 use crate::media;
 use crate::operators::Operator;
@@ -11,13 +12,12 @@ use crate::photon::{Energy, PathBeam, PhotonRecord, PhotonTracer, Record};
 use crate::plan::{FirstSurfaces, Plan};
 use crate::radius::{BeamVoxels, Radii, RadiusRule};
 use crate::random::Emission;
+use crate::samples::PassImage;
 use crate::scene::Scene;
 use crate::straight::{Straight, is_left_to_beams};
 use crate::surface::SurfaceMap;
-use crate::view::{View, pixel_offset};
-use covbeam::{
-    Beam, BeamMap, CovarianceGrid, FluenceCell, FluenceGrid, GridCell, ImageSpectrum, Medium, error_bound,
-};
+use crate::view::{LayerView, View, pixel_offset};
+use covbeam::{Beam, BeamMap, FluenceCell, FluenceGrid, GridLayout, Kernel, Medium, error_bound};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::AddAssign;
@@ -31,6 +31,9 @@ const FIELD_PASS_EVERY: u32 = 8;
 
 /// Light paths that one task traces.
 const CHUNK: u32 = 64;
+
+/// Of methods without spectra.
+const NO_GRID: GridLayout = GridLayout { min: Vec3::ZERO, max: Vec3::ONE, cells: [1; 3] };
 
 const FITS: &str = "as many cells as the grid has";
 
@@ -117,17 +120,10 @@ pub struct Renderer<'a> {
     surfaces: Option<Arc<FirstSurfaces>>,
     /// None: [`RadiusRule::Bias`].
     radii: Option<Radii>,
-    grid: Vec<GridCell>,
-    /// The last pass whose light fields are in the grid, and all before it.
-    deposited: u32,
-    resolved: Vec<FluenceCell>,
-    /// What `deposited` was when `resolved` was made; 0 = never.
-    resolved_pass: u32,
-    /// Of the picture, from `resolved`; None: not asked for yet.
-    spectra: Option<Vec<ImageSpectrum>>,
+    grids: Grids,
     energy: Energy,
-    /// Whether straight light comes from shadow rays, and photons go where the picture needs them.
-    by_kind: bool,
+    /// Some: each kind of light comes from what is best for it, in these layers.
+    split: Option<Split>,
     /// Core-seconds of the pilot, not yet said.
     pilot: f64,
 }
@@ -147,7 +143,7 @@ impl<'a> Renderer<'a> {
         emission: Emission,
     ) -> Self {
         let has_grid = matches!(method, Method::Adaptive | Method::March);
-        let cells = if has_grid { scene.grid.cell_count() } else { 0 };
+        let layout = if has_grid { scene.grid } else { NO_GRID };
         Self {
             scene,
             method,
@@ -159,13 +155,9 @@ impl<'a> Renderer<'a> {
             marching: Marching::default(),
             surfaces: None,
             radii: None,
-            grid: vec![GridCell::default(); cells],
-            deposited: 0,
-            resolved: vec![FluenceCell::default(); cells],
-            resolved_pass: 0,
-            spectra: None,
+            grids: Grids::new(layout, Split::TOGETHER),
             energy: Energy::default(),
-            by_kind: false,
+            split: None,
             pilot: 0.0,
         }
     }
@@ -191,8 +183,19 @@ impl<'a> Renderer<'a> {
         if let Some(guidance) = Guidance::new(self.scene, &self.fogs) {
             self.tracer.guide(guidance);
         }
-        self.by_kind = true;
+        let split = Split::STRAIGHT_APART;
+        self.grids = Grids::new(self.scene.grid, split);
+        self.split = Some(split);
         self.pilot = start.elapsed().as_secs_f64();
+    }
+
+    /// From now on each kind of light that the scene can have has spectra, eye rays and filters of its own, for a film that keeps them apart.
+    /// Call it before the first pass, after [`Renderer::light_by_kind`].
+    pub fn keep_kinds(&mut self) -> Split {
+        let split = Split::of_each_kind(self.scene);
+        self.grids = Grids::new(self.scene.grid, split);
+        self.split = Some(split);
+        split
     }
 
     /// What the adaptive method's kernel radii come from; other methods go on as they are. Call it before the first pass.
@@ -267,14 +270,6 @@ impl<'a> Renderer<'a> {
         Some((all, seconds))
     }
 
-    /// Adds a pass' light fields to the grid.
-    fn deposit(&mut self, pass: u32, record: &PhotonRecord) {
-        let mut grid =
-            CovarianceGrid::new(self.scene.grid, &mut self.grid).expect("the scene's grid was validated");
-        self.tracer.deposit_into(&mut grid, &record.deposits);
-        self.deposited = pass;
-    }
-
     /// Brings the grid to the state after pass `index`, whose own light fields, if it has any, are in `record`.
     fn update_grid(
         &mut self,
@@ -283,22 +278,18 @@ impl<'a> Renderer<'a> {
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Option<()> {
         let latest = latest_field_pass(index);
-        if self.deposited > latest {
-            self.grid.fill(GridCell::default());
-            self.deposited = 0;
+        if self.grids.deposited() > latest {
+            self.grids.clear();
         }
-        while self.deposited < latest {
-            let next = next_field_pass(self.deposited);
+        while self.grids.deposited() < latest {
+            let next = next_field_pass(self.grids.deposited());
             if next == index {
-                self.deposit(index, record);
+                self.grids.deposit(index, &self.tracer, &record.deposits);
             } else {
                 self.add_light_fields(cancelled)?;
             }
         }
-        // A pass that was cancelled before this leaves fields that are not resolved.
-        if self.resolved_pass != self.deposited {
-            self.resolve();
-        }
+        self.grids.resolve();
         Some(())
     }
 
@@ -312,7 +303,7 @@ impl<'a> Renderer<'a> {
         let Some(mut radii) = self.radii.take() else { return Some(()) };
         let counted = self.count_beams(index, record, &mut radii.beams, cancelled);
         let settings = &self.scene.settings;
-        radii.resolve(&self.resolved, settings.schedule.shape, settings.schedule.error);
+        radii.resolve(self.grids.cells(0), settings.schedule.shape, settings.schedule.error);
         self.radii = Some(radii);
         counted
     }
@@ -342,32 +333,24 @@ impl<'a> Renderer<'a> {
 
     /// Traces and deposits the light fields of the next pass that has any.
     fn add_light_fields(&mut self, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<()> {
-        let (next, count) = (next_field_pass(self.deposited), self.field_photons());
+        let (next, count) = (next_field_pass(self.grids.deposited()), self.field_photons());
         let record = if self.method == Method::March { Record::Direct } else { Record::Field };
         let (record, _) = self.trace(FIELD_SEQUENCE, next, count, record, cancelled)?;
-        self.deposit(next, &record);
+        self.grids.deposit(next, &self.tracer, &record.deposits);
         Some(())
-    }
-
-    fn resolve(&mut self) {
-        let grid =
-            CovarianceGrid::new(self.scene.grid, &mut self.grid).expect("the scene's grid was validated");
-        grid.resolve(&mut self.resolved).expect(FITS);
-        self.resolved_pass = self.deposited;
-        self.spectra = None;
     }
 
     /// The spectra that the adaptive method looks up in pass `passes`, without rendering. `report` is called with the number
     /// of light paths of each pass with light fields done; it answers false to give up, and then None is returned.
     pub fn spectra(mut self, passes: u32, report: &dyn Fn(u32) -> bool) -> Option<Vec<FluenceCell>> {
-        while self.deposited < latest_field_pass(passes) {
+        while self.grids.deposited() < latest_field_pass(passes) {
             self.add_light_fields(&|| false)?;
             if !report(self.field_photons()) {
                 return None;
             }
         }
-        self.resolve();
-        Some(self.resolved)
+        self.grids.resolve();
+        Some(self.grids.into_cells(0))
     }
 
     fn beams(&mut self, index: u32, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<(PassImage, PassTimes)> {
@@ -399,38 +382,34 @@ impl<'a> Renderer<'a> {
         }
         times.grid = start.elapsed().as_secs_f64();
         self.energy = record.energy;
-        let mut kernel = settings.schedule.kernel(index, None);
+        let kernel = settings.schedule.kernel(index, None);
         let start = Instant::now();
-        let plan = if has_spectra { self.plan(index, kernel.error, self.photons) } else { None };
+        let plans = if has_spectra { self.plans(index, kernel.error, self.photons) } else { Vec::new() };
         times.plan = start.elapsed().as_secs_f64() + std::mem::take(&mut self.pilot);
 
-        let layout = self.scene.grid;
-        let lookup = |cells| FluenceGrid::new(layout, cells).expect(FITS);
-        let wide_enough = kernel.max_radius > WORTH_LOOKING_UP * kernel.min_radius;
-        let widens = adaptive && (wide_enough || self.surfaces.is_none() || self.radii.is_some());
-        if widens {
-            kernel.grid = Some(lookup(self.radii.as_ref().map_or(&self.resolved, |radii| &radii.cells)));
-        } else {
-            kernel.max_radius = kernel.min_radius;
-        }
+        let kernel = |layer| if adaptive { self.kernel(kernel, layer) } else { kernel };
         let start = Instant::now();
-        let mut by_medium = vec![Vec::new(); self.scene.media.len()];
-        for PathBeam { medium, is_straight, beam } in record.beams.drain(..) {
-            if !(self.by_kind && is_straight) || is_left_to_beams(self.scene, medium) {
-                by_medium[medium as usize].push(beam);
+        let split = self.split.unwrap_or(Split::TOGETHER);
+        let mut beams = vec![vec![Vec::new(); self.scene.media.len()]; split.count()];
+        for PathBeam { medium, kind, beam } in record.beams.drain(..) {
+            let is_marched = self.split.is_some() && kind == Kind::Straight;
+            if !is_marched || is_left_to_beams(self.scene, medium) {
+                beams[split.of(kind)][medium as usize].push(beam);
             }
         }
-        let build = |beams: Vec<Vec<Beam>>| -> Vec<BeamMap> {
+        let build = |(layer, beams): (usize, Vec<Vec<Beam>>)| {
+            let (kernel, kind) = (kernel(layer), split.last_kind(layer));
             let beams = beams.into_iter().zip(&self.fogs);
-            beams.map(|(beams, fog)| BeamMap::build(beams, kernel.max_radius, fog)).collect()
+            let maps = beams.map(|(beams, fog)| BeamMap::build(beams, kernel.max_radius, fog)).collect();
+            LayerView { maps, kernel, kind }
         };
         // A photon's disk shrinks in area as a beam's kernel shrinks in width: r² ~ 1D schedule.
-        let shrink = (kernel.min_radius / settings.schedule.radius).sqrt();
+        let shrink = (kernel(0).min_radius / settings.schedule.radius).sqrt();
         let radius_on_surfaces = settings.schedule.radius * shrink;
         let photons = std::mem::take(&mut record.surface);
         times.build = start.elapsed().as_secs_f64();
-        let ((maps, of_beams), (surfaces, of_photons)) = rayon::join(
-            || timed(|| build(by_medium)),
+        let ((layers, of_beams), (surfaces, of_photons)) = rayon::join(
+            || timed(|| beams.into_iter().enumerate().map(build).collect::<Vec<LayerView>>()),
             || {
                 let [diffuse, caustic] =
                     [DIFFUSE_RADIUS_FACTOR, CAUSTIC_RADIUS_FACTOR].map(|factor| factor * radius_on_surfaces);
@@ -445,15 +424,15 @@ impl<'a> Renderer<'a> {
             scene: self.scene,
             fogs: &self.fogs,
             tracer,
-            maps: &maps,
-            kernel: &kernel,
+            layers: &layers,
             seed: self.seed,
             pass: index,
-            plan,
-            straight: self.by_kind.then(|| Straight {
+            plans,
+            straight: self.split.map(|_| Straight {
                 scene: self.scene,
                 fogs: &self.fogs,
                 lamps: self.tracer.lamps(),
+                places: self.tracer.places(),
                 seed: self.seed,
                 pass: index,
             }),
@@ -463,15 +442,29 @@ impl<'a> Renderer<'a> {
         Some((image, times))
     }
 
-    /// Where the pass needs eye rays; None: everywhere.
-    fn plan(&mut self, index: u32, error: f32, beams: u32) -> Option<Plan> {
-        let surfaces = Arc::clone(self.surfaces.as_ref()?);
-        let fog = &self.fogs[self.camera.medium(self.scene)? as usize];
-        let spectra = self.spectra.get_or_insert_with(|| {
-            let grid = FluenceGrid::new(self.scene.grid, &self.resolved).expect(FITS);
-            surfaces.spectra(&grid, fog)
-        });
-        Some(Plan::new(Arc::clone(&surfaces), index, error, beams, spectra))
+    /// The kernel of a layer's beams in a pass whose own is `plain`.
+    fn kernel<'k>(&'k self, plain: Kernel<'k>, layer: usize) -> Kernel<'k> {
+        let wide_enough = plain.max_radius > WORTH_LOOKING_UP * plain.min_radius;
+        if !(wide_enough || self.surfaces.is_none() || self.radii.is_some()) {
+            return Kernel { max_radius: plain.min_radius, ..plain };
+        }
+        let rule = self.radii.as_ref();
+        let by_rule = |radii: &'k Radii| FluenceGrid::new(self.scene.grid, &radii.cells).expect(FITS);
+        Kernel { grid: Some(rule.map_or_else(|| self.grids.look_up(layer), by_rule)), ..plain }
+    }
+
+    /// Where the pass needs eye rays for each layer; none: everywhere.
+    fn plans(&mut self, index: u32, error: f32, beams: u32) -> Vec<Plan> {
+        let Some(surfaces) = &self.surfaces else { return Vec::new() };
+        let Some(medium) = self.camera.medium(self.scene) else { return Vec::new() };
+        let fog = &self.fogs[medium as usize];
+        let (grids, split) = (&mut self.grids, self.split);
+        let plan = |layer| {
+            let spectra = grids.image(layer, surfaces, fog);
+            let kind = split.map(|split| split.last_kind(layer));
+            Plan::new(Arc::clone(surfaces), kind, index, error, beams, spectra)
+        };
+        (0..split.unwrap_or(Split::TOGETHER).count()).map(plan).collect()
     }
 
     fn march(&mut self, index: u32, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<(PassImage, PassTimes)> {
@@ -492,11 +485,8 @@ impl<'a> Renderer<'a> {
         let key = [self.seed, index];
         let start = Instant::now();
         let error = error_bound(scene.settings.schedule.error, index);
-        let plan = if adaptive { self.plan(index, error, 0) } else { None };
-        let guide = adaptive.then(|| {
-            let grid = FluenceGrid::new(scene.grid, &self.resolved).expect(FITS);
-            Guide::new(scene, grid, self.marching.samples, key)
-        });
+        let plan = if adaptive { self.plans(index, error, 0).pop() } else { None };
+        let guide = adaptive.then(|| Guide::new(scene, self.grids.look_up(0), self.marching.samples, key));
         times.plan = start.elapsed().as_secs_f64();
         let marcher = Marcher {
             scene,

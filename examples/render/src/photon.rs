@@ -3,6 +3,7 @@
 mod guided;
 
 use crate::guidance::{Guidance, mean};
+use crate::kind::Kind;
 use crate::light::{EmittedPhoton, cosine_direction};
 use crate::media;
 use crate::operators::Operator;
@@ -11,6 +12,7 @@ use crate::random::{Emission, PathSampler};
 use crate::record::add;
 pub use crate::record::{Energy, FieldSegment, PathBeam, PhotonRecord, Record, Splat};
 use crate::scene::{Material, Scene};
+use crate::straight::PLACES;
 use crate::surface::SurfacePhoton;
 use covbeam::{Beam, Column, CovarianceGrid, Curvature, Density, Edges, Knot, LightField, Medium};
 use covbeam_geometry::hit::Hit;
@@ -68,6 +70,17 @@ struct Photon {
     stands_for: f32,
 }
 
+impl Photon {
+    /// What its light has met.
+    fn kind(&self) -> Kind {
+        match self {
+            Self { direct: true, .. } => Kind::Straight,
+            Self { specular: true, .. } => Kind::Focused,
+            _ => Kind::Scattered,
+        }
+    }
+}
+
 impl<'a> PhotonTracer<'a> {
     /// Prepares `scene`.
     pub fn new(scene: &'a Scene, seed: u32, emission: Emission) -> Self {
@@ -120,6 +133,11 @@ impl<'a> PhotonTracer<'a> {
         self.guidance.as_ref().map_or(&self.lights.cumulative, Guidance::lamps)
     }
 
+    /// Places that straight light is to be looked for at along a piece of an eye path, for each lamp.
+    pub(crate) fn places(&self) -> f32 {
+        self.guidance.as_ref().map_or(PLACES, Guidance::places)
+    }
+
     fn acts(&self, operator: Operator) -> bool {
         self.left_out != Some(operator)
     }
@@ -131,7 +149,11 @@ impl<'a> PhotonTracer<'a> {
     }
 
     /// Adds deposits that this tracer made to a covariance grid, in their order.
-    pub fn deposit_into(&self, grid: &mut CovarianceGrid, deposits: &[(u32, FieldSegment)]) {
+    pub fn deposit_into<'d>(
+        &self,
+        grid: &mut CovarianceGrid,
+        deposits: impl IntoIterator<Item = &'d (u32, FieldSegment)>,
+    ) {
         let mut knots = Vec::new();
         for (medium, segment) in deposits {
             let fog = &self.fogs[*medium as usize];
@@ -388,7 +410,7 @@ impl<'a> PhotonTracer<'a> {
         };
         let power = photon.stands_for * photon.power.element_sum() / 3.0;
         let unscattered = photon.specular && self.acts(Operator::Spreading);
-        FieldSegment { origin: photon.origin, length, field, power, unscattered, edges }
+        FieldSegment { origin: photon.origin, length, field, power, unscattered, kind: photon.kind(), edges }
     }
 
     /// Connects one point of a segment with the pinhole.
@@ -471,10 +493,10 @@ fn beam_of(
         }
         _ => Vec3::ZERO,
     };
-    let Photon { origin, direction, power, normal: start_normal, direct: is_straight, .. } = *photon;
+    let Photon { origin, direction, power, normal: start_normal, .. } = *photon;
     let beam = Beam { origin, direction, length, power, start_normal, end_normal };
     let is_beam = length.is_finite() && fog.scattering.max_element() > 0.0;
-    is_beam.then_some(PathBeam { medium, is_straight, beam })
+    is_beam.then_some(PathBeam { medium, kind: photon.kind(), beam })
 }
 
 /// The column up to the next collision: one channel, chosen by its power, decides for all three.

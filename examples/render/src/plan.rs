@@ -1,7 +1,9 @@
 //! Where a pass needs eye rays, and how wide their light is filtered: the spectrum of the picture, from the covariance grid.
 
 use crate::camera::Camera;
+use crate::kind::Kind;
 use crate::media;
+use crate::optics::{Interior, facing_normal};
 use crate::random::mix;
 use crate::scene::{Material, Scene};
 use covbeam::{
@@ -12,33 +14,17 @@ use covbeam_geometry::hit::Hit;
 use rayon::prelude::*;
 use std::sync::Arc;
 
+/// A shadow's border crosses a pixel around which straight light varies by more than this.
+const EDGE: f32 = 0.5;
+
 const FITS: &str = "as many nodes and regions as the picture asks for";
 
 /// Share of the passes in which pixels with nothing to see look beyond the fog.
 const BLACK_DENSITY: f32 = 0.25;
 
 /// Keep the choices of pixels for both apart.
-const VOLUME_PURPOSE: u64 = 0x00f0_9000_0000;
+const FOG_PURPOSE: u64 = 0x00f0_9000_0000;
 const SURFACE_PURPOSE: u64 = 0x5afa_ce00_0000;
-
-/// What an eye ray through a pixel is asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Wanted {
-    /// The fog before the first surface.
-    pub volume: bool,
-    /// What is beyond it.
-    pub surfaces: bool,
-}
-
-impl Wanted {
-    /// Everything.
-    pub const ALL: Self = Self { volume: true, surfaces: true };
-
-    /// Whether there is no eye ray at all.
-    pub fn is_nothing(self) -> bool {
-        !(self.volume || self.surfaces)
-    }
-}
 
 /// The first surface behind each pixel.
 #[derive(Debug, PartialEq)]
@@ -48,6 +34,8 @@ pub struct FirstSurfaces {
     depth: Vec<f32>,
     /// Of each pixel: whether it is black, or there is none.
     black: Vec<bool>,
+    /// Of each pixel: straight light on it, seen from the camera.
+    lit: Vec<f32>,
     regions: Vec<u32>,
     lattice: FilmLattice,
 }
@@ -57,14 +45,18 @@ impl FirstSurfaces {
     pub fn new(scene: &Scene) -> Self {
         let camera = scene.camera;
         let pixels = camera.width * camera.height;
-        let (depth, black): (Vec<f32>, Vec<bool>) = (0..pixels)
+        let interior = Interior::at(scene, camera.position);
+        let fogs = media::all(scene);
+        let (depth, (black, lit)): (Vec<f32>, (Vec<bool>, Vec<f32>)) = (0..pixels)
             .into_par_iter()
             .map(|index| {
                 let direction = middle(&camera, index % camera.width, index / camera.width);
                 let hit = scene.intersect(camera.position, direction, f32::INFINITY);
                 let depth = hit.map_or(f32::INFINITY, |hit| hit.distance * direction.dot(camera.forward));
                 let is_black = |hit: Hit| scene.objects[hit.object as usize].material == Material::Black;
-                (depth, hit.is_none_or(is_black))
+                let fog = interior.medium(scene).map(|id| &fogs[id as usize]);
+                let lit = hit.map_or(0.0, |hit| lit(scene, fog, direction, &hit));
+                (depth, (hit.is_none_or(is_black), lit))
             })
             .unzip();
         let mut regions = vec![0; pixels as usize];
@@ -74,12 +66,31 @@ impl FirstSurfaces {
             FilmLattice::new(camera.width, camera.height).expect("a scene's picture is not too large");
         let at = |[x, y]: [u32; 2]| depth[(y * camera.width + x) as usize];
         let depth = (0..lattice.node_count()).map(|node| at(lattice.pixel(node))).collect();
-        Self { camera, depth, black, regions, lattice }
+        Self { camera, depth, black, lit, regions, lattice }
     }
 
     /// The region of each pixel, as [`film_regions`] numbers them.
     pub fn regions(&self) -> &[u32] {
         &self.regions
+    }
+
+    /// Whether a pass looks at what is beyond the fog in pixel (x, y): always where there is something to see, and at silhouettes, which
+    /// cross pixels; in a quarter of the passes, for what is smaller than a pixel, where the middle of the pixel sees black or nothing.
+    pub fn are_wanted(&self, x: u32, y: u32, pass: u32, seed: u32) -> bool {
+        let pixel = (y * self.camera.width + x) as usize;
+        let density = if self.black[pixel] && self.regions[pixel] != 0 { BLACK_DENSITY } else { 1.0 };
+        is_chosen(density, [x, y], pass, seed, SURFACE_PURPOSE)
+    }
+
+    /// Whether a silhouette or the border of a shadow on a surface crosses pixel (x, y).
+    pub fn has_edge(&self, x: u32, y: u32) -> bool {
+        let Camera { width, height, .. } = self.camera;
+        let at = |x: u32, y: u32| (y * width + x) as usize;
+        let near = |at: u32, end: u32| at.saturating_sub(1)..=(at + 1).min(end - 1);
+        let around = near(y, height).flat_map(|y| near(x, width).map(move |x| self.lit[at(x, y)]));
+        let [least, most] =
+            around.fold([f32::INFINITY, 0.0], |[least, most], lit| [lit.min(least), lit.max(most)]);
+        self.regions[at(x, y)] == 0 || least < EDGE * most
     }
 
     /// Where the picture's spectrum is found.
@@ -113,14 +124,32 @@ impl FirstSurfaces {
     }
 }
 
+/// Straight light on a surface, seen from where the ray to it starts, up to a factor.
+fn lit(scene: &Scene, fog: Option<&Medium>, direction: glam::Vec3, hit: &Hit) -> f32 {
+    let Material::Lambert { albedo } = scene.objects[hit.object as usize].material else { return 0.0 };
+    let normal = facing_normal(hit, direction);
+    let start = hit.leave(normal);
+    let mut sum = glam::Vec3::ZERO;
+    for light in &scene.lights {
+        let (density, from) = light.flux_density(start, [0.0; 2]);
+        let cosine = (from - start).normalize_or_zero().dot(normal);
+        if cosine > 0.0 && density.max_element() > 0.0 && !scene.occluded(start, from) {
+            sum +=
+                density * cosine * fog.map_or(glam::Vec3::ONE, |fog| media::transmittance(fog, start, from));
+        }
+    }
+    (albedo * sum).element_sum()
+}
+
 fn middle(camera: &Camera, x: u32, y: u32) -> glam::Vec3 {
     camera.direction(x as f32 + 0.5, y as f32 + 0.5)
 }
 
-/// The filters of the picture's first piece of fog, and the eye rays that it needs.
+/// The filters of a layer of the picture's first piece of fog, and the eye rays that it needs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     surfaces: Arc<FirstSurfaces>,
+    kind: Option<Kind>,
     pass: u32,
     /// One for each node of the lattice.
     nodes: Arc<Vec<FilmFilterNode>>,
@@ -131,10 +160,12 @@ pub struct Plan {
 impl Plan {
     /// Of pass `pass`.
     ///
+    /// - `kind`: the layer's light; None: all light.
     /// - `spectra`: of [`FirstSurfaces::spectra`], from that pass' grid; `error`: relative bias that a filter may cause in the pass.
     /// - `paths`: light paths of the pass.
     pub fn new(
         surfaces: Arc<FirstSurfaces>,
+        kind: Option<Kind>,
         pass: u32,
         error: f32,
         paths: u32,
@@ -149,7 +180,12 @@ impl Plan {
             .into_par_iter()
             .map(|pixel| filters.filter(pixel % camera.width, pixel / camera.width).density().max(least))
             .collect();
-        Self { pass, nodes: Arc::new(nodes), density: Arc::new(density), surfaces }
+        Self { kind, pass, nodes: Arc::new(nodes), density: Arc::new(density), surfaces }
+    }
+
+    /// The layer's light; None: all light.
+    pub fn kind(&self) -> Option<Kind> {
+        self.kind
     }
 
     /// The pass whose grid this was read from.
@@ -177,22 +213,15 @@ impl Plan {
         &self.density
     }
 
-    /// What the pass asks pixel (x, y) for: each pass of a seed asks others.
-    pub fn wanted(&self, x: u32, y: u32, seed: u32) -> Wanted {
+    /// Whether the pass asks pixel (x, y) for an eye ray. Plans of the same pass ask the same pixels, as far as their densities go; each
+    /// pass of a seed asks others.
+    pub fn wants(&self, x: u32, y: u32, seed: u32) -> bool {
         let pixel = (y * self.surfaces.camera.width + x) as usize;
-        let chosen = |density: f32, purpose: u64| {
-            let shift = mix(u64::from(seed) ^ purpose) as u32;
-            pixel_threshold(x, y, self.pass, shift) < density
-        };
-        Wanted {
-            volume: chosen(self.density[pixel], VOLUME_PURPOSE),
-            surfaces: chosen(self.surface_density(pixel), SURFACE_PURPOSE),
-        }
+        is_chosen(self.density[pixel], [x, y], self.pass, seed, FOG_PURPOSE)
     }
+}
 
-    /// How often a pass looks at what is beyond that fog, in (0, 1]: always where there is something to see, and at silhouettes, which
-    /// cross pixels; a quarter of the passes, for what is smaller than a pixel, where the middle of the pixel sees black or nothing.
-    fn surface_density(&self, pixel: usize) -> f32 {
-        if self.surfaces.black[pixel] && self.surfaces.regions[pixel] != 0 { BLACK_DENSITY } else { 1.0 }
-    }
+fn is_chosen(density: f32, [x, y]: [u32; 2], pass: u32, seed: u32, purpose: u64) -> bool {
+    let shift = mix(u64::from(seed) ^ purpose) as u32;
+    pixel_threshold(x, y, pass, shift) < density
 }

@@ -1,5 +1,6 @@
 //! What light paths leave behind: beams, photons on surfaces, segments of light fields, connections, and a balance.
 
+use crate::kind::Kind;
 use crate::surface::SurfacePhoton;
 use covbeam::{Beam, Column, Edges, LightField, Segment};
 use glam::Vec3;
@@ -18,6 +19,8 @@ pub struct FieldSegment {
     pub power: f32,
     /// Whether it has met neither medium nor diffuse surfaces since its light.
     pub unscattered: bool,
+    /// What it has met.
+    pub kind: Kind,
     /// The edges beside it.
     pub edges: Edges,
 }
@@ -25,7 +28,7 @@ pub struct FieldSegment {
 impl FieldSegment {
     /// The same with the column along it.
     pub fn with<'a>(&'a self, column: Column<'a>) -> Segment<'a> {
-        let Self { origin, length, field, power, unscattered, ref edges } = *self;
+        let Self { origin, length, field, power, unscattered, ref edges, .. } = *self;
         Segment { origin, length, power, unscattered, field, edges, column }
     }
 }
@@ -35,8 +38,8 @@ impl FieldSegment {
 pub struct PathBeam {
     /// Index of its medium.
     pub medium: u32,
-    /// Whether its light comes straight from the lamp.
-    pub is_straight: bool,
+    /// What its light has met.
+    pub kind: Kind,
     /// The beam.
     pub beam: Beam,
 }

@@ -1,7 +1,8 @@
 //! The loop over passes: how long it goes on, what it adds up, and that it can be stopped.
 
-use crate::film::{Film, FilmError, PassImage};
+use crate::film::{Film, FilmError};
 use crate::pass::PassTimes;
+use crate::samples::PassImage;
 use std::time::{Duration, Instant};
 
 /// When a render is finished: as soon as one of these is reached. One pass is always made.

@@ -67,9 +67,12 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
     if args.method.plans_eye_rays() && !args.every_pixel {
         pool.install(|| renderer.plan_eye_rays());
     }
+    let mut film = Film::of_scene(&scene);
+    if args.light_passes {
+        film.keep_kinds(renderer.keep_kinds());
+    }
     let marching = Marching::default();
     renderer.march_as(Marching { samples: args.samples.unwrap_or(marching.samples), ..marching });
-    let mut film = Film::of_scene(&scene);
     let mut display = Display::new();
     let mut autosave = Autosave::new();
     let rendered = render(
@@ -136,9 +139,11 @@ fn check_memory(scene: &Scene, photons: u32) -> Result<(), String> {
 fn check_flags(args: &RenderArgs) -> Result<(), String> {
     let planned = args.method.plans_eye_rays();
     let march = matches!(args.method, MethodName::March);
+    let adaptive = matches!(args.method, MethodName::Adaptive);
     for (given, flag, used, users) in [
         (args.maps, "--maps", planned, "adaptive and march"),
         (args.every_pixel, "--every-pixel", planned, "adaptive and march"),
+        (args.light_passes, "--light-passes", adaptive, "adaptive"),
         (args.samples.is_some(), "--samples", march, "march"),
     ] {
         if given && !used {
@@ -167,7 +172,8 @@ impl Files {
             write_bitmap(&self.beside("density"), &density_map(&picture, &maps))?;
             // The last map has nine pixels for one of the picture: what it does not show makes room.
             (picture.error, picture.layers) = (None, None);
-            (maps.volume, maps.density) = (Vec::new(), Vec::new());
+            maps.volume = Vec::new();
+            maps.layers.iter_mut().for_each(|layer| layer.density = Vec::new());
             write_bitmap(&self.beside("filters"), &filter_map(&picture, &maps))?;
         }
         Ok(())

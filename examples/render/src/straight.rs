@@ -8,9 +8,8 @@ use crate::scene::{Light, MediumDensity, Scene};
 use covbeam::{Column, Knot, Medium};
 use glam::Vec3;
 
-/// Places on a piece of an eye path, for each lamp, in a pass. With 4 the error of shadows' borders is 15 times that with 16, which cost a
-/// pass of simple light a third more than 8.
-const PLACES: f32 = 8.0;
+/// Places on a piece of an eye path, for each lamp, in a pass, where nothing is known of the light.
+pub(crate) const PLACES: f32 = 8.0;
 
 /// Most places, where few eye rays stand for many pixels.
 const MOST_PLACES: f32 = 64.0;
@@ -39,6 +38,8 @@ pub(crate) struct Straight<'a> {
     pub(crate) fogs: &'a [Medium<'a>],
     /// Cumulative shares of the lamps, for drawing some of many.
     pub(crate) lamps: &'a [f32],
+    /// Places on a piece of an eye path, for each lamp, where every pixel has one look at it.
+    pub(crate) places: f32,
     pub(crate) seed: u32,
     pub(crate) pass: u32,
 }
@@ -63,11 +64,13 @@ impl Straight<'_> {
     /// Radiance of straight light at the start of a piece of an eye path.
     ///
     /// - `pixel`: the piece's; `density`: eye rays a pixel and pass around it: fewer look at more places.
+    /// - `look` of `looks`: of rays through the same pixel, which share the places.
     pub(crate) fn radiance(
         &self,
         segment: &EyeSegment,
         pixel: u32,
         density: f32,
+        (look, looks): (u32, u32),
         knots: &mut Vec<Knot>,
     ) -> Vec3 {
         let fog = &self.fogs[segment.medium as usize];
@@ -78,12 +81,13 @@ impl Straight<'_> {
         let column = media::column(fog, ray.origin, ray.direction, ray.length, knots);
         let to = ray.length.min(media::opaque_distance(fog, ray.origin, ray.direction, &column));
         let piece = Piece { segment, fog, column, from: 0.0, to };
-        let places = (PLACES / density.sqrt()).round().clamp(1.0, MOST_PLACES) as u32;
+        let places = (self.places / (density * looks as f32).sqrt()).round().clamp(1.0, MOST_PLACES) as u32;
+        let fraction = look as f32 / looks as f32;
         let mut random = Random::new([self.seed, pixel, segment.signature as u32, KEY]);
         let mut sum = Vec3::ZERO;
         if self.scene.lights.len() <= LAMPS {
             for light in &self.scene.lights {
-                sum += self.of_lamp(&piece, light, places, &self.shifts(&mut random));
+                sum += self.of_lamp(&piece, light, places, &self.shifts(&mut random, fraction));
             }
             return sum;
         }
@@ -93,7 +97,7 @@ impl Straight<'_> {
             let lamp = self.lamps.partition_point(|&end| end <= u).min(self.lamps.len() - 1);
             let share = self.lamps[lamp] - if lamp == 0 { 0.0 } else { self.lamps[lamp - 1] };
             let light = &self.scene.lights[lamp];
-            let found = self.of_lamp(&piece, light, places, &self.shifts(&mut random));
+            let found = self.of_lamp(&piece, light, places, &self.shifts(&mut random, fraction));
             sum += found / (share * LAMPS as f32);
         }
         sum
@@ -104,10 +108,11 @@ impl Straight<'_> {
         ((f64::from(start) + step * f64::from(self.pass)).fract() as f32).min(1.0 - f32::EPSILON)
     }
 
-    fn shifts(&self, random: &mut Random) -> Shifts {
+    fn shifts(&self, random: &mut Random, fraction: f32) -> Shifts {
         let mut turn = |step| self.turn(random.uniform(), step);
-        let place = turn(PLACE_STEP);
-        Shifts { place, point: POINT_STEPS.map(turn) }
+        let place = (turn(PLACE_STEP) + fraction).fract();
+        let [a, b] = POINT_STEPS.map(turn);
+        Shifts { place, point: [a, (b + fraction).fract()] }
     }
 
     /// One place in each of equal steps of the angle seen from the lamp (C. Kulla and M. Fajardo 2012), all shifted alike.

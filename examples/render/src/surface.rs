@@ -1,6 +1,7 @@
 //! Photons on diffuse surfaces and the radiance that they make visible. Light straight from a lamp is looked
 //! up by shadow rays; lamps themselves are invisible.
 
+use crate::kind::{ByKind, Kind};
 use glam::{Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -60,8 +61,8 @@ impl SurfaceMap {
     }
 
     /// Irradiance \[W/m²\] at a point of a surface with this normal: 2D Epanechnikov kernel over the tangent plane.
-    pub fn irradiance(&self, point: Vec3, normal: Vec3) -> Vec3 {
-        let mut sum = Vec3::ZERO;
+    pub fn irradiance(&self, point: Vec3, normal: Vec3) -> ByKind {
+        let mut sum = ByKind::default();
         if self.photons.is_empty() {
             return sum;
         }
@@ -73,7 +74,8 @@ impl SurfaceMap {
                 let radius = if photon.caustic { self.caustic_radius } else { self.radius };
                 let q2 = photon.position.distance_squared(point) / (radius * radius);
                 if q2 < 1.0 && photon.normal.dot(normal) > 0.9 {
-                    sum += photon.power * (2.0 * (1.0 - q2) / (PI * radius * radius));
+                    let kind = if photon.caustic { Kind::Focused } else { Kind::Scattered };
+                    sum[kind as usize] += photon.power * (2.0 * (1.0 - q2) / (PI * radius * radius));
                 }
             }
             true

@@ -1,13 +1,14 @@
 //! The eye rays of one pass: through which pixels, and what they see.
 
 use crate::eye::{EyeSegment, EyeTracer};
-use crate::film::{PassImage, SparseSample};
-use crate::plan::{Plan, Wanted};
-use crate::random::Random;
+use crate::kind::{Kind, MOST_LAYERS};
+use crate::plan::Plan;
+use crate::random::{Random, spread};
+use crate::samples::{PassImage, Room, Seen, SparseSample};
 use crate::scene::Scene;
 use crate::straight::Straight;
+use crate::surface::SurfaceMap;
 use covbeam::{BeamMap, EyeRay, GatherScratch, Gathered, Kernel, Medium};
-use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::Mutex;
 use std::time::Instant;
@@ -20,23 +21,52 @@ const TILE: u32 = 32;
 const FAINT: f32 = 0.1;
 const LEAST: f32 = 0.01;
 
+/// Eye rays that look for straight light through a pixel that an edge crosses: such pixels have a third of the variance otherwise, and shadow
+/// rays cost less than beams.
+const LOOKS: u32 = 4;
+
 /// Purpose of random numbers.
 const FAINT_KEY: u32 = 0xfa17;
+const LOOK_KEY: u32 = 0x100c_0000;
+
+/// The beams of a layer of light, and how they are seen.
+pub(crate) struct LayerView<'a> {
+    /// By medium.
+    pub(crate) maps: Vec<BeamMap>,
+    pub(crate) kernel: Kernel<'a>,
+    /// The last of its kinds.
+    pub(crate) kind: Kind,
+}
 
 /// Which eye rays a pass traces, and through what.
 pub(crate) struct View<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) fogs: &'a [Medium<'a>],
     pub(crate) tracer: EyeTracer<'a>,
-    /// Beams by medium.
-    pub(crate) maps: &'a [BeamMap],
-    pub(crate) kernel: &'a Kernel<'a>,
+    pub(crate) layers: &'a [LayerView<'a>],
     pub(crate) seed: u32,
     pub(crate) pass: u32,
-    /// Eye rays where the plan wants them; None: one through every pixel.
-    pub(crate) plan: Option<Plan>,
-    /// Where straight light is not left to beams.
+    /// Eye rays where these want them, one a layer; none: one through every pixel.
+    pub(crate) plans: Vec<Plan>,
+    /// Where straight light is not left to beams; it is of the first layer.
     pub(crate) straight: Option<Straight<'a>>,
+}
+
+/// An eye ray that a pass wants.
+struct Wanted {
+    x: u32,
+    y: u32,
+    /// By layer: the fog before the first surface.
+    fog: [bool; MOST_LAYERS],
+    surfaces: bool,
+    /// Rays that look for its straight light, itself and others beside it.
+    looks: u32,
+}
+
+impl Wanted {
+    fn fog_count(&self) -> usize {
+        self.fog.iter().filter(|wanted| **wanted).count()
+    }
 }
 
 /// What the eye rays cost.
@@ -54,9 +84,13 @@ impl View<'_> {
         let idle = Mutex::new(Vec::new());
         let corner = |tile: usize| [tile as u32 % across * TILE, tile as u32 / across * TILE];
         let tiles = (0..(across * down) as usize).into_par_iter();
-        let counts: Vec<usize> = tiles.map(|tile| self.wanted(corner(tile)).count()).collect();
-        let mut samples = SparseSample::room(&counts);
-        let costs: Option<Vec<Cost>> = SparseSample::parts(&mut samples, &counts)
+        let counts = tiles.map(|tile| {
+            let wanted = self.wanted(corner(tile));
+            wanted.fold([0; 2], |[rays, fog], wanted| [rays + 1, fog + self.fog_count(&wanted)])
+        });
+        let mut room = Room::new(counts.collect());
+        let costs: Option<Vec<Cost>> = room
+            .parts()
             .into_par_iter()
             .enumerate()
             .with_max_len(1)
@@ -76,57 +110,107 @@ impl View<'_> {
             all.seconds += cost.seconds;
             all.pairs += cost.pairs;
         }
-        Some((PassImage::of_samples(self.pass, [width, height], self.plan, samples), all))
+        Some((room.image(self.pass, [width, height], self.plans), all))
+    }
+
+    /// The samples that a ray's fog before the first surface takes: without plans none, since nothing is filtered.
+    fn fog_count(&self, wanted: &Wanted) -> usize {
+        if self.plans.is_empty() { 0 } else { wanted.fog_count() }
     }
 
     /// The pixels of a tile that get an eye ray, and what is wanted from it.
-    fn wanted(&self, [x0, y0]: [u32; 2]) -> impl Iterator<Item = (u32, u32, Wanted)> {
+    fn wanted(&self, [x0, y0]: [u32; 2]) -> impl Iterator<Item = Wanted> {
         let (width, height) = (self.scene.camera.width, self.scene.camera.height);
         // Along a Z-shaped curve, so that rays that follow each other lie close together however few there are.
         let pixels = (0..TILE * TILE)
             .map(move |place| (x0 + every_second_bit(place), y0 + every_second_bit(place >> 1)));
         pixels.filter(move |(x, y)| *x < width && *y < height).filter_map(|(x, y)| {
-            let wanted = self.plan.as_ref().map_or(Wanted::ALL, |plan| plan.wanted(x, y, self.seed));
-            (!wanted.is_nothing()).then_some((x, y, wanted))
+            let mut wanted =
+                Wanted { x, y, fog: [self.plans.is_empty(); MOST_LAYERS], surfaces: true, looks: 1 };
+            if let Some(plan) = self.plans.first() {
+                wanted.surfaces = plan.surfaces().are_wanted(x, y, self.pass, self.seed);
+                if self.straight.is_some() && plan.surfaces().has_edge(x, y) {
+                    wanted.looks = LOOKS;
+                }
+            }
+            for (wanted, plan) in wanted.fog.iter_mut().zip(&self.plans) {
+                *wanted = plan.wants(x, y, self.seed);
+            }
+            (wanted.surfaces || wanted.fog_count() > 0).then_some(wanted)
         })
     }
 
     /// What the eye rays of a tile see.
-    fn tile(&self, corner: [u32; 2], seen: &mut [SparseSample], scratch: &mut Scratch) -> Cost {
+    fn tile(&self, corner: [u32; 2], mut seen: Seen, scratch: &mut Scratch) -> Cost {
         let start = Instant::now();
-        let camera = &self.scene.camera;
-        let [jx, jy] = pixel_offset(self.seed, self.pass);
-        let Scratch { segments, rays, gathered, gather } = scratch;
+        let Scratch { segments, wanted, .. } = scratch;
         segments.clear();
-        for ((number, seen), (x, y, wanted)) in (0..).zip(&mut *seen).zip(self.wanted(corner)) {
-            let direction = camera.direction(x as f32 + jx, y as f32 + jy);
-            let pixel = y * camera.width + x;
-            let mut random = Random::new([self.seed, self.pass, pixel, 0xe7e]);
-            let surfaces = self.tracer.trace_wanted(direction, number, wanted, &mut random, segments);
-            *seen = SparseSample { pixel, wanted, volume: Vec3::ZERO, surfaces, gather: [0.0; 4] };
+        wanted.clear();
+        let mut fog = 0;
+        for (number, ray) in self.wanted(corner).enumerate() {
+            let mut samples = [None; MOST_LAYERS];
+            for (layer, sample) in samples.iter_mut().enumerate() {
+                if ray.fog[layer] && !self.plans.is_empty() {
+                    *sample = Some(fog);
+                    seen.fog[fog].layer = layer as u32;
+                    seen.fog[fog].pixel = ray.y * self.scene.camera.width + ray.x;
+                    fog += 1;
+                }
+            }
+            self.trace(number, &ray, &mut seen, segments);
+            wanted.push((ray, samples));
         }
-        if let Some(straight) = &self.straight {
-            self.add_straight(straight, segments, seen);
-            self.thin_out(segments, seen);
+        self.add_straight(&mut seen, scratch);
+        if self.straight.is_some() {
+            self.thin_out(&mut scratch.segments, &seen);
         }
         // Paths that met the same surfaces run side by side.
-        segments.sort_by_key(|segment| (segment.medium, segment.signature, segment.pixel));
-        let narrow = Kernel { max_radius: self.kernel.min_radius, grid: None, ..*self.kernel };
+        scratch.segments.sort_by_key(|segment| (segment.medium, segment.signature, segment.pixel));
+        let pairs = (0..self.layers.len()).map(|layer| self.gather(layer, &mut seen, scratch)).sum();
+        Cost { seconds: start.elapsed().as_secs_f64(), pairs }
+    }
+
+    /// The eye path of a wanted ray.
+    fn trace(&self, number: usize, wanted: &Wanted, seen: &mut Seen, segments: &mut Vec<EyeSegment>) {
+        let camera = &self.scene.camera;
+        let [jx, jy] = pixel_offset(self.seed, self.pass);
+        let &Wanted { x, y, surfaces, .. } = wanted;
+        let direction = camera.direction(x as f32 + jx, y as f32 + jy);
+        let pixel = y * camera.width + x;
+        let mut random = Random::new([self.seed, self.pass, pixel, 0xe7e]);
+        let asked = [wanted.fog_count() > 0, surfaces];
+        let mut light = self.tracer.trace_wanted(direction, number as u32, asked, &mut random, segments);
+        light[Kind::Straight as usize] /= wanted.looks as f32;
+        seen.rays[number] = SparseSample { pixel, has_surfaces: surfaces, light, gather: [0.0; 4] };
+    }
+
+    /// The beams of a layer around the pieces of the eye paths.
+    fn gather(&self, layer: usize, seen: &mut Seen, scratch: &mut Scratch) -> u64 {
+        let Scratch { segments, wanted, rays, pieces, gathered, gather } = scratch;
+        let LayerView { maps, kernel, kind } = &self.layers[layer];
+        let narrow = Kernel { max_radius: kernel.min_radius, grid: None, ..*kernel };
         let mut pairs = 0;
         for group in segments.chunk_by(|a, b| (a.medium, a.signature) == (b.medium, b.signature)) {
             let medium = group[0].medium as usize;
+            if maps[medium].beams().is_empty() {
+                continue;
+            }
+            let is_wanted =
+                |segment: &&EyeSegment| !segment.is_first() || wanted[segment.pixel as usize].0.fog[layer];
+            pieces.clear();
+            pieces.extend(group.iter().filter(is_wanted).copied());
             rays.clear();
-            rays.extend(group.iter().map(|segment| segment.ray));
+            rays.extend(pieces.iter().map(|segment| segment.ray));
             gathered.clear();
-            gathered.resize(group.len(), Gathered::default());
+            gathered.resize(pieces.len(), Gathered::default());
             let fog = &self.fogs[medium];
             // Wide kernels cost more than they are worth to rays that no filter thins out.
-            let planned = self.plan.is_some() && !group[0].is_first();
-            let kernel = if planned { &narrow } else { self.kernel };
-            self.maps[medium].gather(fog, rays, kernel, gathered, gather).expect("its map was built in it");
-            for (segment, gathered) in group.iter().zip(gathered.iter()) {
-                let seen = &mut seen[segment.pixel as usize];
-                seen.add(segment, gathered.radiance);
+            let planned = !self.plans.is_empty() && !group[0].is_first();
+            let kernel = if planned { &narrow } else { kernel };
+            maps[medium].gather(fog, rays, kernel, gathered, gather).expect("its map was built in it");
+            for (segment, gathered) in pieces.iter().zip(gathered.iter()) {
+                let ray = segment.pixel as usize;
+                seen.add(ray, wanted[ray].1[layer], segment, *kind, gathered.radiance);
                 let share = segment.throughput.element_sum() / 3.0;
                 let add = [
                     share * gathered.weight,
@@ -134,29 +218,59 @@ impl View<'_> {
                     share * gathered.sigma,
                     gathered.pairs as f32,
                 ];
-                for (sum, add) in seen.gather.iter_mut().zip(add) {
+                for (sum, add) in seen.rays[ray].gather.iter_mut().zip(add) {
                     *sum += add;
                 }
                 pairs += u64::from(gathered.pairs);
             }
         }
-        Cost { seconds: start.elapsed().as_secs_f64(), pairs }
+        pairs
     }
 
     /// Straight light in all pieces of the eye paths.
-    fn add_straight(&self, straight: &Straight, segments: &[EyeSegment], seen: &mut [SparseSample]) {
+    fn add_straight(&self, seen: &mut Seen, scratch: &mut Scratch) {
+        let Some(straight) = &self.straight else { return };
         let mut knots = Vec::new();
-        for segment in segments {
-            let seen = &mut seen[segment.pixel as usize];
-            let planned = self.plan.as_ref().filter(|_| segment.is_first());
-            let density = planned.map_or(1.0, |plan| plan.density()[seen.pixel as usize]);
-            let radiance = straight.radiance(segment, seen.pixel, density, &mut knots);
-            seen.add(segment, radiance);
+        for segment in &scratch.segments {
+            let ray = segment.pixel as usize;
+            let (wanted, samples) = &scratch.wanted[ray];
+            if segment.is_first() && !wanted.fog[0] {
+                continue;
+            }
+            let pixel = seen.rays[ray].pixel;
+            let planned = self.plans.first().filter(|_| segment.is_first());
+            let density = planned.map_or(1.0, |plan| plan.density()[pixel as usize]);
+            let radiance = straight.radiance(segment, pixel, density, (0, wanted.looks), &mut knots)
+                / wanted.looks as f32;
+            seen.add(ray, samples[0], segment, Kind::Straight, radiance);
+        }
+        let no_photons = SurfaceMap::build(Vec::new(), 1.0, 1.0);
+        let tracer = EyeTracer { surfaces: &no_photons, ..self.tracer };
+        let camera = &self.scene.camera;
+        let [jx, jy] = pixel_offset(self.seed, self.pass);
+        for (ray, (wanted, samples)) in scratch.wanted.iter().enumerate() {
+            let pixel = seen.rays[ray].pixel;
+            for look in 1..wanted.looks {
+                let shift = spread([jx, jy], look as usize);
+                let direction = camera.direction(wanted.x as f32 + shift[0], wanted.y as f32 + shift[1]);
+                let mut random = Random::new([self.seed, self.pass, pixel, LOOK_KEY ^ look]);
+                let asked = [wanted.fog[0], wanted.surfaces];
+                let pieces = &mut scratch.pieces;
+                pieces.clear();
+                let light = tracer.trace_wanted(direction, pixel, asked, &mut random, pieces);
+                let share = 1.0 / wanted.looks as f32;
+                seen.rays[ray].light[Kind::Straight as usize] += light[Kind::Straight as usize] * share;
+                for segment in pieces.iter() {
+                    let radiance =
+                        straight.radiance(segment, pixel, 1.0, (look, wanted.looks), &mut knots) * share;
+                    seen.add(ray, samples[0], segment, Kind::Straight, radiance);
+                }
+            }
         }
     }
 
     /// Leaves pieces out that the camera hardly sees, and makes up for them.
-    fn thin_out(&self, segments: &mut Vec<EyeSegment>, seen: &[SparseSample]) {
+    fn thin_out(&self, segments: &mut Vec<EyeSegment>, seen: &Seen) {
         let mut number = 0_u32;
         segments.retain_mut(|segment| {
             number += 1;
@@ -166,7 +280,7 @@ impl View<'_> {
             }
             let chance = (share * share).max(LEAST);
             segment.throughput /= chance;
-            let pixel = seen[segment.pixel as usize].pixel;
+            let pixel = seen.rays[segment.pixel as usize].pixel;
             Random::new([self.seed, self.pass, pixel, FAINT_KEY ^ (number << 16)]).uniform() < chance
         });
     }
@@ -181,6 +295,9 @@ fn every_second_bit(number: u32) -> u32 {
 #[derive(Default)]
 struct Scratch {
     segments: Vec<EyeSegment>,
+    /// The eye rays, and the sample of each layer of their fog.
+    wanted: Vec<(Wanted, [Option<usize>; MOST_LAYERS])>,
+    pieces: Vec<EyeSegment>,
     rays: Vec<EyeRay>,
     gathered: Vec<Gathered>,
     gather: GatherScratch,

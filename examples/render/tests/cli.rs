@@ -4,6 +4,7 @@ mod common;
 
 use common::{assert_contains, said};
 use covbeam_render::film::Picture;
+use covbeam_render::kind::Kind;
 use covbeam_render::output::{RenderInfo, read_picture, write_exr};
 use glam::Vec3;
 use std::fs;
@@ -44,6 +45,7 @@ fn write_grey(path: &Path, width: u32, values: &[f32]) {
         error: None,
         layers: None,
         maps: None,
+        kinds: Vec::new(),
     };
     let info = RenderInfo { method: "ppb".into(), passes: 1, photons: 1, seed: 1, scene: "test".into() };
     write_exr(path, &picture, &info).unwrap();
@@ -79,10 +81,32 @@ fn maps_of_the_eye_rays_are_written_beside_the_picture() {
     assert_eq!(names(folder.path()), files);
     let maps =
         read_picture(&folder.path().join("ball-adaptive.exr")).unwrap().maps.expect("planned eye rays");
-    assert!(maps.density.iter().all(|density| *density > 0.0 && *density <= 1.0));
+    assert_eq!(maps.layers.len(), 2);
+    assert!(maps.density().iter().all(|density| *density > 0.0 && *density <= 1.0));
 
     said(folder.path(), &["render", "ball.toml", "--every-pixel", "--out", "all.exr"], 0);
     assert!(read_picture(&folder.path().join("all.exr")).unwrap().maps.is_none());
+}
+
+#[test]
+fn light_passes_add_up_to_the_picture() {
+    let folder = folder();
+    for every_pixel in [&[][..], &["--every-pixel"]] {
+        let flags = ["render", "ball.toml", "--light-passes", "--out", "kinds.exr"];
+        said(folder.path(), &[&flags[..], every_pixel].concat(), 0);
+        let picture = read_picture(&folder.path().join("kinds.exr")).unwrap();
+        let kinds: Vec<Kind> = picture.kinds.iter().map(|(kind, _)| *kind).collect();
+        // The ball is of glass.
+        assert_eq!(kinds, Kind::ALL);
+        for (pixel, all) in picture.radiance.iter().enumerate() {
+            let sum: Vec3 = picture.kinds.iter().map(|(_, light)| light[pixel]).sum();
+            // Each was rounded for itself.
+            assert!((sum - *all).abs().max_element() <= 1e-5 * all.max_element(), "{pixel}: {sum} {all}");
+        }
+        for (kind, light) in &picture.kinds {
+            assert!(light.iter().any(|light| light.max_element() > 0.0), "{kind:?}");
+        }
+    }
 }
 
 #[test]
@@ -95,6 +119,7 @@ fn flags_that_a_method_has_no_use_for_are_refused() {
     };
     refused(&["--method", "ppb", "--maps"], &["--maps", "ppb", "adaptive"]);
     refused(&["--method", "light-trace", "--every-pixel"], &["--every-pixel", "light-trace", "adaptive"]);
+    refused(&["--method", "ppb", "--light-passes"], &["--light-passes", "ppb", "adaptive"]);
     refused(&["--samples", "8"], &["--samples", "adaptive", "march"]);
 }
 

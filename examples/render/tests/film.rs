@@ -1,6 +1,7 @@
 //! The film's sums: exact, and the same bits in whatever order the passes come.
 
-use covbeam_render::film::{Film, PassImage, Picture};
+use covbeam_render::film::{Film, Picture};
+use covbeam_render::samples::PassImage;
 use glam::Vec3;
 use proptest::prelude::*;
 
@@ -20,7 +21,7 @@ fn pass() -> impl Strategy<Value = PassImage> {
         height: 1,
         radiance,
         gather,
-        sparse: None,
+        ..PassImage::default()
     })
 }
 

@@ -14,7 +14,15 @@ fn picture() -> Picture {
         (0..48).map(|i| Vec3::new(i as f32 * 0.1, 1e-20 * i as f32, 1e20 / (i + 1) as f32)).collect();
     let layer = |scale: f32| (0..48).map(|i| scale * (i as f32).sqrt()).collect();
     let layers = Layers { radius: layer(0.01), sigma: layer(3.0), samples: layer(100.0) };
-    Picture { width: 8, height: 6, radiance, error: None, layers: Some(layers), maps: None }
+    Picture {
+        width: 8,
+        height: 6,
+        radiance,
+        error: None,
+        layers: Some(layers),
+        maps: None,
+        kinds: Vec::new(),
+    }
 }
 
 fn info() -> RenderInfo {

@@ -43,7 +43,7 @@ fn noise(seed: u32) -> Picture {
     };
     let pixel = |i: u32| Vec3::new(0.5 + value(3 * i), 0.5 + value(3 * i + 1), 0.5 + value(3 * i + 2));
     let radiance = (0..SIZE * SIZE).map(pixel).collect();
-    Picture { width: SIZE, height: SIZE, radiance, error: None, layers: None, maps: None }
+    Picture { width: SIZE, height: SIZE, radiance, error: None, layers: None, maps: None, kinds: Vec::new() }
 }
 
 fn mean(a: &Picture, b: &Picture) -> Picture {
@@ -397,6 +397,7 @@ fn bad_input_is_refused_with_what_was_expected_and_nothing_is_written() {
             error: None,
             layers: None,
             maps: None,
+            kinds: Vec::new(),
         },
     );
     let mut broken = noise(1);

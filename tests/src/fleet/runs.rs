@@ -102,5 +102,6 @@ pub fn mean(pictures: &[Picture]) -> Picture {
         error: None,
         layers: None,
         maps: None,
+        kinds: Vec::new(),
     }
 }

@@ -130,7 +130,7 @@ pub(super) fn maps(scene: &SceneResult) -> String {
         }
     }
     if let Some((run, maps)) = first().find_map(|run| Some((run, run.picture.maps.as_ref()?))) {
-        figures.extend(logarithmic(scene, run.method, "eye rays a pixel and pass", &maps.density));
+        figures.extend(logarithmic(scene, run.method, "eye rays a pixel and pass", &maps.density()));
         figures.push(Figure {
             bitmap: filter_map(&run.picture, maps),
             alt: format!("{}, filters of the eye rays as ellipses over the picture", scene.name),

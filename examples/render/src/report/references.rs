@@ -265,6 +265,7 @@ impl Reference {
             error: None,
             layers: None,
             maps: None,
+            kinds: Vec::new(),
         };
         let origin = format!(
             "rendered for this report: two runs of {} and {} passes, {:.1} CPU-seconds in all, an eye ray through every pixel, radius × {RADIUS_SHARE}, \

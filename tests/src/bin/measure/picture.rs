@@ -25,10 +25,7 @@ pub(crate) fn run(path: &Path, sides: &[u32], passes: u32) -> Outcome<()> {
         let start = ProcessTime::now();
         for pass in 1..=passes {
             let (image, _) = renderer.pass(pass, &|| false).expect("never cancelled");
-            rays += image
-                .sparse
-                .as_ref()
-                .map_or(0, |sparse| sparse.samples.iter().filter(|sample| sample.wanted.volume).count());
+            rays += image.sparse.as_ref().map_or(0, |sparse| sparse.fog.len());
             film.add(&image)?;
         }
         let rendered = start.elapsed().as_secs_f64();

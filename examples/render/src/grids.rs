@@ -1,0 +1,111 @@
+//! The spectra of the light in the voxels, a layer each: grids that light fields are added to, and what is looked up in them.
+
+use crate::kind::Split;
+use crate::photon::PhotonTracer;
+use crate::plan::FirstSurfaces;
+use crate::record::FieldSegment;
+use covbeam::{CovarianceGrid, FluenceCell, FluenceGrid, GridCell, GridLayout, ImageSpectrum, Medium};
+
+const FITS: &str = "as many cells as the grid has";
+const VALID: &str = "the scene's grid was validated";
+
+/// One layer's spectra.
+struct Grid {
+    cells: Vec<GridCell>,
+    resolved: Vec<FluenceCell>,
+    /// Of the picture, from `resolved`; None: not asked for yet.
+    image: Option<Vec<ImageSpectrum>>,
+}
+
+/// The spectra of all layers.
+///
+/// Each bounds what a kernel or a filter may get wrong in its own light relative to all light: in a voxel, a layer's mean is over the
+/// fluence of all layers.
+pub(crate) struct Grids {
+    layout: GridLayout,
+    split: Split,
+    layers: Vec<Grid>,
+    /// The last pass whose light fields are in the grids, and all before it.
+    deposited: u32,
+    /// What `deposited` was when they were resolved; 0 = never.
+    resolved: u32,
+}
+
+impl Grids {
+    /// Empty ones.
+    pub(crate) fn new(layout: GridLayout, split: Split) -> Self {
+        let count = layout.cell_count();
+        let grid = || Grid {
+            cells: vec![GridCell::default(); count],
+            resolved: vec![FluenceCell::default(); count],
+            image: None,
+        };
+        let layers = (0..split.count()).map(|_| grid()).collect();
+        Self { layout, split, layers, deposited: 0, resolved: 0 }
+    }
+
+    /// The last pass whose light fields are in the grids, and all before it; 0 = none.
+    pub(crate) fn deposited(&self) -> u32 {
+        self.deposited
+    }
+
+    /// Forgets all light fields.
+    pub(crate) fn clear(&mut self) {
+        self.layers.iter_mut().for_each(|grid| grid.cells.fill(GridCell::default()));
+        self.deposited = 0;
+    }
+
+    /// Adds the light fields of pass `pass`.
+    pub(crate) fn deposit(&mut self, pass: u32, tracer: &PhotonTracer, deposits: &[(u32, FieldSegment)]) {
+        for (layer, grid) in self.layers.iter_mut().enumerate() {
+            let mut grid = CovarianceGrid::new(self.layout, &mut grid.cells).expect(VALID);
+            let of_layer = deposits.iter().filter(|(_, segment)| self.split.of(segment.kind) == layer);
+            tracer.deposit_into(&mut grid, of_layer);
+        }
+        self.deposited = pass;
+    }
+
+    /// Makes what was added ready to be looked up.
+    pub(crate) fn resolve(&mut self) {
+        // A pass that was cancelled before this leaves fields that are not resolved.
+        if self.resolved == self.deposited {
+            return;
+        }
+        self.resolved = self.deposited;
+        let count = self.layout.cell_count();
+        let weight = |cell: usize| self.layers.iter().map(|grid| grid.cells[cell].weight).sum();
+        let weights: Vec<f64> = (0..count).map(weight).collect();
+        for grid in &mut self.layers {
+            let cells = grid.cells.iter().zip(&weights);
+            let mut cells: Vec<GridCell> =
+                cells.map(|(cell, &weight)| GridCell { sum: cell.sum, weight }).collect();
+            let of_all = CovarianceGrid::new(self.layout, &mut cells).expect(VALID);
+            of_all.resolve(&mut grid.resolved).expect(FITS);
+            grid.image = None;
+        }
+    }
+
+    /// A layer's cells, resolved.
+    pub(crate) fn cells(&self, layer: usize) -> &[FluenceCell] {
+        &self.layers[layer].resolved
+    }
+
+    /// The same, to be looked up.
+    pub(crate) fn look_up(&self, layer: usize) -> FluenceGrid<'_> {
+        FluenceGrid::new(self.layout, self.cells(layer)).expect(FITS)
+    }
+
+    /// A layer's cells, resolved, and nothing else.
+    pub(crate) fn into_cells(mut self, layer: usize) -> Vec<FluenceCell> {
+        self.layers.swap_remove(layer).resolved
+    }
+
+    /// The spectrum of a layer of the picture's fog.
+    pub(crate) fn image(&mut self, layer: usize, surfaces: &FirstSurfaces, fog: &Medium) -> &[ImageSpectrum] {
+        let grid = &mut self.layers[layer];
+        grid.image.get_or_insert_with(|| {
+            let cells = FluenceGrid::new(self.layout, &grid.resolved).expect(FITS);
+            surfaces.spectra(&cells, fog)
+        })
+    }
+}
