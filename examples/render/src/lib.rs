@@ -3,6 +3,7 @@
 pub mod camera;
 pub mod compare;
 mod defaults;
+mod disk;
 mod exr_format;
 pub mod eye;
 mod fields;

@@ -1,10 +1,11 @@
 //! Lights: how photons leave them and what they send straight to a surface.
 
+use crate::disk;
 use crate::random::{PathSampler, Random};
 use crate::scene::Light;
 use covbeam::{EVEN_LAMP, LightField};
 use glam::Vec3;
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::{FRAC_1_SQRT_2, PI, TAU};
 
 /// Angular variance of a diffuse emitter: the relative curvature of cos θ/d² across the ray is 3/d², in the plane of the
 /// normal and across it alike.
@@ -128,7 +129,7 @@ impl Light {
 
     /// Light that arrives straight from this light on a small ball at `point`, over the ball's cross section \[W/m²\], without the
     /// medium's transmittance; and where it comes from. `xi`, uniform in [0, 1), chooses the point of a disk that stands for the
-    /// whole; (0, 0) is its centre.
+    /// whole, by solid angle; (0, 0) is the middle of what is seen of it.
     pub fn flux_density(&self, point: Vec3, xi: [f32; 2]) -> (Vec3, Vec3) {
         match *self {
             Light::Point { position, intensity } => {
@@ -141,13 +142,8 @@ impl Light {
                 (intensity * (falloff / d2), position)
             }
             Light::Disk { center, normal, radius, radiance } => {
-                let (e, f) = normal.any_orthonormal_pair();
-                let rho = radius * xi[0].sqrt();
-                let (sin_psi, cos_psi) = (TAU * xi[1]).sin_cos();
-                let position = center + rho * (cos_psi * e + sin_psi * f);
-                let offset = point - position;
-                let d2 = offset.length_squared();
-                (radiance * (PI * radius * radius * offset.dot(normal).max(0.0) / (d2 * d2.sqrt())), position)
+                let (solid_angle, position) = disk::sample(center, normal, radius, point, xi);
+                (radiance * solid_angle, position)
             }
         }
     }
@@ -196,16 +192,19 @@ impl Light {
                 let falloff = spot_falloff(-offset.dot(axis) / d, inner_angle, outer_angle);
                 (intensity * falloff * (offset.dot(normal) / (d2 * d)).max(0.0), position)
             }
-            Light::Disk { center, normal: disk_normal, radius, radiance } => {
-                let (e, f) = disk_normal.any_orthonormal_pair();
-                let rho = radius * random.uniform().sqrt();
-                let (sin_psi, cos_psi) = (TAU * random.uniform()).sin_cos();
-                let position = center + rho * (cos_psi * e + sin_psi * f);
-                let offset = position - point;
-                let d2 = offset.length_squared();
-                let cosines = offset.dot(normal).max(0.0) * (-offset.dot(disk_normal)).max(0.0);
-                (radiance * (PI * radius * radius * cosines / (d2 * d2)), position)
+            Light::Disk { .. } => {
+                let (density, from) = self.flux_density(point, [random.uniform(), random.uniform()]);
+                (density * (from - point).normalize_or_zero().dot(normal).max(0.0), from)
             }
+        }
+    }
+
+    /// The length h for which light arrives about as 1/(s² + h²), s being the distance from [`Light::position`]. For a disk seen along its
+    /// axis that is right at s = 0 and far away, and within 17 % between.
+    pub fn softening(&self) -> f32 {
+        match *self {
+            Light::Point { .. } | Light::Spot { .. } => 0.0,
+            Light::Disk { radius, .. } => FRAC_1_SQRT_2 * radius,
         }
     }
 }
@@ -265,6 +264,27 @@ mod tests {
             assert!(density.x > 0.0, "the point is in the light");
             // The disk is 10° wide: a sample varies by a tenth, its mean by 1e-3.
             assert!((sums[0] / sums[1] - 1.0).abs().max_element() < 5e-3, "{light:?}: {sums:?}");
+        }
+    }
+
+    #[test]
+    fn the_irradiance_of_a_disk_is_the_closed_form() {
+        let (radius, radiance) = (0.2, Vec3::new(3.0, 2.0, 1.0));
+        let disk = Light::Disk { center: Vec3::ZERO, normal: Vec3::Y, radius, radiance };
+        let mut random = Random::new([9, 10, 11, 12]);
+        for [aside, height] in [[0.0, 0.002], [0.19, 0.002], [0.21, 0.01], [0.3, 0.1], [0.1, 1.0], [2.0, 1.0]]
+        {
+            let count = 100_000;
+            let point = Vec3::new(0.0, height, aside);
+            let sum: f32 = (0..count).map(|_| disk.irradiance(point, -Vec3::Y, &mut random).0.x).sum();
+            // On a surface that lies as the disk does: π L (1 - (x² + h² - r²)/√((x² + h² + r²)² - 4 x² r²))/2.
+            let [x, h, r] = [aside, height, radius].map(f64::from);
+            let root = ((x * x + h * h + r * r).powi(2) - 4.0 * x * x * r * r).sqrt();
+            let exact = 3.0 * std::f64::consts::PI * (1.0 - (x * x + h * h - r * r) / root) / 2.0;
+            let ratio = f64::from(sum) / f64::from(count) / exact;
+            // Cosines vary by 60 % at most where the rim is near, 2e-3 of the mean.
+            assert!((ratio - 1.0).abs() < 0.01, "{aside} {height}: {ratio}");
+            assert_eq!(disk.irradiance(point, Vec3::Y, &mut random).0, Vec3::ZERO);
         }
     }
 

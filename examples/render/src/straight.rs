@@ -115,7 +115,8 @@ impl Straight<'_> {
         Shifts { place, point: [a, (b + fraction).fract()] }
     }
 
-    /// One place in each of equal steps of the angle seen from the lamp (C. Kulla and M. Fajardo 2012), all shifted alike.
+    /// One place in each of equal steps of the angle seen from the lamp (C. Kulla and M. Fajardo 2012), all shifted alike. A disk's light has a
+    /// bound where its middle's 1/d² has none: it is looked at from further away.
     fn of_lamp(&self, piece: &Piece, light: &Light, places: u32, shifts: &Shifts) -> Vec3 {
         let ray = &piece.segment.ray;
         let lit = light.lit_stretch(ray.origin, ray.direction, piece.from, piece.to);
@@ -124,7 +125,7 @@ impl Straight<'_> {
         let foot = to_lamp.dot(ray.direction);
         // A ray that runs into the lamp sees it from next to it.
         let least = (1e-6 * to_lamp.length()).max(f32::MIN_POSITIVE);
-        let height = (to_lamp - foot * ray.direction).length().max(least);
+        let height = (to_lamp - foot * ray.direction).length().hypot(light.softening()).max(least);
         let angle = |distance: f32| ((distance - foot) / height).atan();
         let start = angle(from);
         let step = (angle(to) - start) / places as f32;
