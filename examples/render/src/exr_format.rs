@@ -217,7 +217,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Picture, String> {
         let [xx, xy, yy, density] = map_channels(kind).map(|name| find(&name, layer));
         let (xx, xy, yy) = (xx?, xy?, yy?);
         let filters = (0..pixels).map(|i| ImageFilter { xx: xx[i], xy: xy[i], yy: yy[i] }).collect();
-        Some(LayerMaps { kind, filters, density: density? })
+        Some(LayerMaps { kind, filters, density: density?.into() })
     };
     let known = [None].into_iter().chain(Kind::ALL.map(Some));
     let maps =

@@ -11,6 +11,7 @@ use covbeam::{
 };
 use glam::Vec3;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// A finished picture, row by row from the upper left pixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,7 +77,7 @@ impl Maps {
         let mut most = Vec::new();
         for layer in &self.layers {
             most.resize(layer.density.len(), 0.0);
-            most.iter_mut().zip(&layer.density).for_each(|(most, density)| *most = density.max(*most));
+            most.iter_mut().zip(layer.density.iter()).for_each(|(most, density)| *most = density.max(*most));
         }
         most
     }
@@ -90,7 +91,7 @@ pub struct LayerMaps {
     /// The filters of the latest pass, as far as the samples agree with them.
     pub filters: Vec<ImageFilter>,
     /// Eye rays a pixel in the latest pass.
-    pub density: Vec<f32>,
+    pub density: Arc<Vec<f32>>,
 }
 
 /// Why a pass cannot be added; the film is unchanged.
@@ -257,7 +258,7 @@ impl Film {
             self.fog.push(FogLayer { sums, density, plan: plan.clone() });
         }
         for (layer, plan) in self.fog.iter_mut().zip(&pass.plans) {
-            for (sum, density) in layer.density.iter_mut().zip(plan.density()) {
+            for (sum, density) in layer.density.iter_mut().zip(plan.density().iter()) {
                 *sum += (f64::from(*density) * UNITS).round_ties_even() as u64;
             }
             if layer.plan.pass() < plan.pass() {
@@ -290,16 +291,10 @@ impl Film {
         let mut kinds = self.own_kinds();
         let mut layers = Vec::new();
         for (number, layer) in self.fog.iter().enumerate() {
-            let (found, verified) = self.reconstruct(layer);
-            pixels.par_iter_mut().zip(&found).for_each(|(sum, pixel)| {
-                sum.radiance += pixel.radiance;
-                sum.variance += pixel.variance;
-                sum.difference += pixel.difference;
-            });
             let of_layer = |kind: Kind| self.split.is_some_and(|split| split.of(kind) == number);
-            if let Some((_, sums)) = kinds.iter_mut().find(|(kind, _)| of_layer(*kind)) {
-                sums.par_iter_mut().zip(&found).for_each(|(sum, pixel)| *sum += pixel.radiance);
-            }
+            let kind =
+                kinds.iter_mut().find(|(kind, _)| of_layer(*kind)).map(|(_, light)| light.as_mut_slice());
+            let verified = self.reconstruct(layer, &mut pixels, kind);
             layers.push(self.maps(layer, &verified));
         }
         let maps = (!layers.is_empty()).then(|| Maps { volume: radiance(&pixels), layers });
@@ -333,11 +328,16 @@ impl Film {
         let filters = FilmFilters::of(*surfaces.lattice(), surfaces.regions(), verified).expect(FITS);
         let all = (0..width * height).into_par_iter();
         let filters = all.map(|pixel| filters.filter(pixel % width, pixel / width)).collect();
-        LayerMaps { kind: layer.plan.kind(), filters, density: layer.plan.density().to_vec() }
+        LayerMaps { kind: layer.plan.kind(), filters, density: Arc::clone(layer.plan.density()) }
     }
 
-    /// A layer of the fog before the first surface, and its filters at the nodes of the lattice.
-    fn reconstruct(&self, layer: &FogLayer) -> (Vec<FilmPixel>, Vec<FilmFilterNode>) {
+    /// Adds a layer of the fog before the first surface, also to a picture of its kind; returns its filters at the nodes of the lattice.
+    fn reconstruct(
+        &self,
+        layer: &FogLayer,
+        pixels: &mut [FilmPixel],
+        kind: Option<&mut [Vec3]>,
+    ) -> Vec<FilmFilterNode> {
         let (width, height) = (self.width, self.height);
         let plan = &layer.plan;
         let sums = layer.sums.par_iter().zip(&layer.density);
@@ -355,20 +355,34 @@ impl Film {
         verify_filters(lattice, &evidence, &mut verified).expect(FITS);
         let filters = FilmFilters::of(*lattice, regions, &verified).expect(FITS);
 
-        let mut pixels = vec![FilmPixel::default(); self.pixels()];
-        let rows = pixels.par_chunks_mut((width * FILM_TILE) as usize).enumerate();
-        rows.for_each(|(row, pixels)| {
+        let tiles = (width * FILM_TILE) as usize;
+        let add = |row: u32, pixels: &mut [FilmPixel], mut kind: Option<&mut [Vec3]>| {
             let mut tile = [FilmPixel::default(); FILM_TILE_PIXELS];
             for x in (0..width).step_by(FILM_TILE as usize) {
-                volume.tile(x, row as u32 * FILM_TILE, &filters, &mut tile);
-                for (line, tile) in pixels.chunks_mut(width as usize).zip(tile.chunks(FILM_TILE as usize)) {
-                    for (pixel, found) in line[x as usize..].iter_mut().zip(tile) {
-                        *pixel = *found;
+                volume.tile(x, row, &filters, &mut tile);
+                for (y, tile) in tile.chunks(FILM_TILE as usize).enumerate() {
+                    let line = y * width as usize;
+                    for (x, found) in (x as usize..width as usize).zip(tile) {
+                        let Some(pixel) = pixels.get_mut(line + x) else { continue };
+                        pixel.radiance += found.radiance;
+                        pixel.variance += found.variance;
+                        pixel.difference += found.difference;
+                        if let Some(kind) = &mut kind {
+                            kind[line + x] += found.radiance;
+                        }
                     }
                 }
             }
-        });
-        (pixels, verified)
+        };
+        let rows = pixels.par_chunks_mut(tiles).enumerate();
+        let first = |row: usize| row as u32 * FILM_TILE;
+        match kind {
+            None => rows.for_each(|(row, pixels)| add(first(row), pixels, None)),
+            Some(kind) => rows
+                .zip(kind.par_chunks_mut(tiles))
+                .for_each(|((row, pixels), kind)| add(first(row), pixels, Some(kind))),
+        }
+        verified
     }
 
     /// Adds the light that pixels keep to themselves.

@@ -22,7 +22,6 @@ pub(crate) struct Guidance {
     layout: GridLayout,
     cells: Vec<ImportanceCell>,
     lamps: lamps::Lamps,
-    places: f32,
 }
 
 impl Guidance {
@@ -30,7 +29,7 @@ impl Guidance {
     ///
     /// - `fogs`: the scene's media. Cost: 50 to 90 core-milliseconds in the scenes of the repository.
     pub(crate) fn new(scene: &Scene, fogs: &[Medium]) -> Option<Self> {
-        let look::Look { pixels, places } = look::look(scene, fogs)?;
+        let pixels = look::pixels(scene, fogs)?;
         let layout = scene.grid;
         let mut sums = vec![ImportanceSums::default(); layout.cell_count()];
         let mut grid = ImportanceGrid::new(layout, &mut sums).expect("the scene's grid was validated");
@@ -39,7 +38,7 @@ impl Guidance {
         grid.resolve(&mut cells).expect(FITS);
         let importance = Importance::new(layout, &cells).expect(FITS);
         let lamps = lamps::Lamps::new(scene, fogs, &importance)?;
-        Some(Self { layout, cells, lamps, places })
+        Some(Self { layout, cells, lamps })
     }
 
     /// Power x importance of all light, its straight part left out.
@@ -55,11 +54,6 @@ impl Guidance {
     /// Cumulative shares of the light paths that start from each lamp.
     pub(crate) fn lamps(&self) -> &[f32] {
         &self.lamps.cumulative
-    }
-
-    /// Places that straight light is to be looked for at along a piece of an eye path, for each lamp.
-    pub(crate) fn places(&self) -> f32 {
-        self.places
     }
 
     /// How a lamp's emission is warped.

@@ -84,6 +84,7 @@ mod tests {
     use super::*;
     use crate::film::LayerMaps;
     use glam::Vec3;
+    use std::sync::Arc;
 
     #[test]
     fn a_density_is_grey_by_its_logarithm() {
@@ -97,7 +98,11 @@ mod tests {
             kinds: Vec::new(),
         };
         let density = vec![1.0, 1.0 / 16.0, 1e-6];
-        let layer = |density| LayerMaps { kind: None, filters: vec![ImageFilter::NONE; 3], density };
+        let layer = |density| LayerMaps {
+            kind: None,
+            filters: vec![ImageFilter::NONE; 3],
+            density: Arc::new(density),
+        };
         let layers = vec![layer(density), layer(vec![0.01, 1e-6, 0.0])];
         let maps = Maps { volume: vec![Vec3::ONE; 3], layers };
         // 1/16 is half-way between 1 and 1/256.
@@ -113,7 +118,7 @@ mod tests {
         let mut filters = vec![ImageFilter::NONE; 48 * 48];
         // Standard deviations 5 along (1, 1)/√2 and 1 across.
         filters[18 * 48 + 18] = ImageFilter { xx: 13.0, xy: 12.0, yy: 13.0 };
-        let layer = LayerMaps { kind: None, filters, density: Vec::new() };
+        let layer = LayerMaps { kind: None, filters, density: Arc::default() };
         let maps = Maps { volume: Vec::new(), layers: vec![layer] };
         let bitmap = filter_map(&picture, &maps);
         assert_eq!((bitmap.width, bitmap.height), (144, 144));

@@ -2,23 +2,28 @@
 
 use crate::scene::Scene;
 
-/// Bytes a pixel of the film's sums (120) and of the plan (13), and what the allocator keeps for the next picture.
-const FILM_BYTES_A_PIXEL: u64 = 150;
-/// Bytes a pixel of a picture while it is made, 65, to which the allocator adds a few. (Measured, with those of the film, at 1920 x 1080 and
-/// 3840 x 2160.) The eye rays of a pass take 48 at most.
-const PICTURE_BYTES_A_PIXEL: u64 = 75;
+/// Bytes a pixel of the film's sums (168) and of the plans (21), and what the allocator keeps for the next picture.
+const FILM_BYTES_A_PIXEL: u64 = 210;
+/// Bytes a pixel of a picture while it is made, to which the allocator adds a few. (Measured, with those of the film, at 1920 x 1080 and
+/// 3840 x 2160.) The eye rays of a pass take 80 at most.
+const PICTURE_BYTES_A_PIXEL: u64 = 105;
+/// Bytes a pixel more of a film that keeps the kinds of light apart, and of its picture.
+const KINDS_BYTES_A_PIXEL: u64 = 230;
 
 /// Of a light path's beams while their hierarchy is built, and of the program itself.
 const BYTES_A_PATH: u64 = 2000;
 const BYTES_ALWAYS: u64 = 30_000_000;
 
-/// Bytes that rendering a scene is expected to take at most, with `photons` light paths a pass.
-pub fn needed(scene: &Scene, photons: u32) -> u64 {
+/// Bytes that rendering a scene is expected to take at most, with `photons` light paths a pass; `kinds`: whether the film keeps the kinds of
+/// light apart.
+pub fn needed(scene: &Scene, photons: u32, kinds: bool) -> u64 {
     let pixels = u64::from(scene.camera.width) * u64::from(scene.camera.height);
-    let cells = scene.grid.cell_count() as u64 * 84;
+    let layers = if kinds { 3 } else { 2 };
+    let cells = scene.grid.cell_count() as u64 * 84 * layers;
     // No beams are left when the picture is made.
     let most = (pixels * PICTURE_BYTES_A_PIXEL).max(u64::from(photons) * BYTES_A_PATH);
-    BYTES_ALWAYS + pixels * FILM_BYTES_A_PIXEL + most + cells
+    let film = pixels * (FILM_BYTES_A_PIXEL + if kinds { KINDS_BYTES_A_PIXEL } else { 0 });
+    BYTES_ALWAYS + film + most + cells
 }
 
 /// Bytes that this process may still take: what the system has available, within the limits of its control group and of its address space;

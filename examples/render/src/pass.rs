@@ -63,6 +63,22 @@ pub enum Method {
     March,
 }
 
+/// The parts of [`Renderer::light_by_kind`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parts {
+    /// Straight light from shadow rays.
+    pub straight: bool,
+    /// Light paths that go where the picture needs them.
+    pub guided: bool,
+    /// Spectra, eye rays and filters of its own for straight light.
+    pub apart: bool,
+}
+
+impl Parts {
+    /// All of them.
+    pub const ALL: Self = Self { straight: true, guided: true, apart: true };
+}
+
 /// Core-seconds by part, and what they bought.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PassTimes {
@@ -122,7 +138,9 @@ pub struct Renderer<'a> {
     radii: Option<Radii>,
     grids: Grids,
     energy: Energy,
-    /// Some: each kind of light comes from what is best for it, in these layers.
+    /// Whether straight light comes from shadow rays.
+    has_shadow_rays: bool,
+    /// Some: kinds of light are told apart, in these layers.
     split: Option<Split>,
     /// Core-seconds of the pilot, not yet said.
     pilot: f64,
@@ -157,6 +175,7 @@ impl<'a> Renderer<'a> {
             radii: None,
             grids: Grids::new(layout, Split::TOGETHER),
             energy: Energy::default(),
+            has_shadow_rays: false,
             split: None,
             pilot: 0.0,
         }
@@ -175,27 +194,37 @@ impl<'a> Renderer<'a> {
         self.surfaces = Some(Arc::new(FirstSurfaces::new(self.scene)));
     }
 
-    /// From now on each kind of light comes from what is best for it: light straight from the lamps from shadow rays, but for media of voxels;
-    /// all other light from light paths that go where the picture needs them, after a pilot that depends on scene and seed alone. Call it
-    /// before the first pass. For the method adaptive.
+    /// From now on each kind of light comes from what is best for it: light straight from the lamps from shadow rays, but for media of voxels,
+    /// with spectra, eye rays and filters of its own; all other light from light paths that go where the picture needs them, after a pilot
+    /// that depends on scene and seed alone. Call it before the first pass. For the method adaptive.
     pub fn light_by_kind(&mut self) {
+        self.light_by_parts(Parts::ALL);
+    }
+
+    /// The same with some parts only, to see what each buys.
+    pub fn light_by_parts(&mut self, parts: Parts) {
         let start = Instant::now();
-        if let Some(guidance) = Guidance::new(self.scene, &self.fogs) {
+        if parts.guided
+            && let Some(guidance) = Guidance::new(self.scene, &self.fogs)
+        {
             self.tracer.guide(guidance);
         }
-        let split = Split::STRAIGHT_APART;
-        self.grids = Grids::new(self.scene.grid, split);
-        self.split = Some(split);
         self.pilot = start.elapsed().as_secs_f64();
+        self.has_shadow_rays = parts.straight;
+        self.split_into(if parts.apart { Split::STRAIGHT_APART } else { Split::TOGETHER });
     }
 
     /// From now on each kind of light that the scene can have has spectra, eye rays and filters of its own, for a film that keeps them apart.
     /// Call it before the first pass, after [`Renderer::light_by_kind`].
     pub fn keep_kinds(&mut self) -> Split {
         let split = Split::of_each_kind(self.scene);
+        self.split_into(split);
+        split
+    }
+
+    fn split_into(&mut self, split: Split) {
         self.grids = Grids::new(self.scene.grid, split);
         self.split = Some(split);
-        split
     }
 
     /// What the adaptive method's kernel radii come from; other methods go on as they are. Call it before the first pass.
@@ -392,7 +421,7 @@ impl<'a> Renderer<'a> {
         let split = self.split.unwrap_or(Split::TOGETHER);
         let mut beams = vec![vec![Vec::new(); self.scene.media.len()]; split.count()];
         for PathBeam { medium, kind, beam } in record.beams.drain(..) {
-            let is_marched = self.split.is_some() && kind == Kind::Straight;
+            let is_marched = self.has_shadow_rays && kind == Kind::Straight;
             if !is_marched || is_left_to_beams(self.scene, medium) {
                 beams[split.of(kind)][medium as usize].push(beam);
             }
@@ -428,11 +457,10 @@ impl<'a> Renderer<'a> {
             seed: self.seed,
             pass: index,
             plans,
-            straight: self.split.map(|_| Straight {
+            straight: self.has_shadow_rays.then(|| Straight {
                 scene: self.scene,
                 fogs: &self.fogs,
                 lamps: self.tracer.lamps(),
-                places: self.tracer.places(),
                 seed: self.seed,
                 pass: index,
             }),

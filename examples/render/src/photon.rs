@@ -12,7 +12,6 @@ use crate::random::{Emission, PathSampler};
 use crate::record::add;
 pub use crate::record::{Energy, FieldSegment, PathBeam, PhotonRecord, Record, Splat};
 use crate::scene::{Material, Scene};
-use crate::straight::PLACES;
 use crate::surface::SurfacePhoton;
 use covbeam::{Beam, Column, CovarianceGrid, Curvature, Density, Edges, Knot, LightField, Medium};
 use covbeam_geometry::hit::Hit;
@@ -131,11 +130,6 @@ impl<'a> PhotonTracer<'a> {
     /// Cumulative shares of the paths that start from each light.
     pub(crate) fn lamps(&self) -> &[f32] {
         self.guidance.as_ref().map_or(&self.lights.cumulative, Guidance::lamps)
-    }
-
-    /// Places that straight light is to be looked for at along a piece of an eye path, for each lamp.
-    pub(crate) fn places(&self) -> f32 {
-        self.guidance.as_ref().map_or(PLACES, Guidance::places)
     }
 
     fn acts(&self, operator: Operator) -> bool {

@@ -209,7 +209,7 @@ impl Plan {
     }
 
     /// Eye rays a pixel and pass, row by row.
-    pub fn density(&self) -> &[f32] {
+    pub fn density(&self) -> &Arc<Vec<f32>> {
         &self.density
     }
 

@@ -46,7 +46,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
     let info = RenderInfo { method: method.to_owned(), passes: 0, photons, seed, scene: name };
     let files = Files { exr, info, maps: args.maps };
     files.all().iter().try_for_each(|path| check_writable(path))?;
-    check_memory(&scene, photons)?;
+    check_memory(&scene, photons, args.light_passes)?;
 
     let stop = Arc::new(AtomicBool::new(false));
     let handler_stop = Arc::clone(&stop);
@@ -122,8 +122,8 @@ fn verdict(end: End, progress: &Progress, args: &RenderArgs) -> String {
 }
 
 /// Refuses a picture that memory cannot hold, before the work begins.
-fn check_memory(scene: &Scene, photons: u32) -> Result<(), String> {
-    let (needed, available) = (memory::needed(scene, photons), memory::available());
+fn check_memory(scene: &Scene, photons: u32, kinds: bool) -> Result<(), String> {
+    let (needed, available) = (memory::needed(scene, photons, kinds), memory::available());
     let Some(available) = available.filter(|available| needed > *available) else { return Ok(()) };
     let (width, height) = (scene.camera.width, scene.camera.height);
     let gigabytes = |bytes: u64| bytes as f64 / 1e9;
@@ -173,7 +173,7 @@ impl Files {
             // The last map has nine pixels for one of the picture: what it does not show makes room.
             (picture.error, picture.layers) = (None, None);
             maps.volume = Vec::new();
-            maps.layers.iter_mut().for_each(|layer| layer.density = Vec::new());
+            maps.layers.iter_mut().for_each(|layer| layer.density = Arc::default());
             write_bitmap(&self.beside("filters"), &filter_map(&picture, &maps))?;
         }
         Ok(())

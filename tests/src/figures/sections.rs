@@ -60,6 +60,18 @@ pub fn sections(effort: f64) -> Vec<Section> {
             answer: Answer::Tables,
         },
         Section {
+            title: "What each part of light by kind buys, and what is left",
+            about: "Each part left out in turn, at equal CPU time; and the error budget: where the variance \
+                that is left comes from.",
+            command: measure(format!(
+                "parts examples/scenes/shaft.toml examples/scenes/rose-window.toml \
+                 examples/scenes/figurine.toml --width 128 --seeds 2 --seconds {} --reference {}",
+                2.0 * effort,
+                10.0 * effort
+            )),
+            answer: Answer::Tables,
+        },
+        Section {
             title: "Light scattered once: shadow rays",
             about: "`--method march`: relMSE over shadow rays a pixel. In a table's second part, values \
                 below 1 say that the adaptive placement needs fewer than the best other one.",

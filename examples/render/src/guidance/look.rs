@@ -7,7 +7,7 @@ use crate::optics::Interior;
 use crate::photon::{PhotonRecord, PhotonTracer, Record};
 use crate::random::{Emission, Random};
 use crate::scene::Scene;
-use crate::straight::{PLACES, Straight, is_left_to_beams};
+use crate::straight::{Straight, is_left_to_beams};
 use crate::surface::SurfaceMap;
 use covbeam::{Beam, BeamMap, GatherScratch, Gathered, Kernel, Medium};
 use glam::Vec3;
@@ -29,12 +29,6 @@ const LEAST_OF_NEIGHBOURS: f32 = 0.3;
 /// And for at least this share of the picture's: what is darker is as good as black.
 const LEAST_OF_PICTURE: f32 = 0.01;
 
-/// Relative variance that the choice of places may leave in an eye ray's straight light, and the places that it may ask for. Of jumps,
-/// n places leave a variance of n⁻².
-const PLACES_VARIANCE: f32 = 2e-3;
-const FEWEST_PLACES: f32 = 4.0;
-const MOST_PLACES: f32 = 32.0;
-
 /// Purpose of random numbers, and sequence of light paths.
 const KEY: u32 = 0x100c;
 
@@ -45,24 +39,8 @@ pub(super) struct Pixel {
     pub(super) weight: f32,
 }
 
-/// What the coarse picture says.
-pub(super) struct Look {
-    /// Its eye rays.
-    pub(super) pixels: Vec<Pixel>,
-    /// Places that straight light is to be looked for at along a piece of an eye path, for each lamp.
-    pub(super) places: f32,
-}
-
-/// What an eye ray of it sees.
-struct Seen {
-    direction: Vec3,
-    luminance: f32,
-    /// Difference of two looks for straight light.
-    difference: f32,
-}
-
-/// The coarse picture; None if it is black.
-pub(super) fn look(scene: &Scene, fogs: &[Medium]) -> Option<Look> {
+/// The coarse picture's eye rays; None if it is black.
+pub(super) fn pixels(scene: &Scene, fogs: &[Medium]) -> Option<Vec<Pixel>> {
     let tracer = PhotonTracer::new(scene, 0, Emission::LowDiscrepancy);
     let mut record = PhotonRecord::default();
     (0..PATHS).for_each(|index| tracer.trace(KEY, index, PATHS, Record::Beams, &mut record));
@@ -82,9 +60,8 @@ pub(super) fn look(scene: &Scene, fogs: &[Medium]) -> Option<Look> {
     let (min_radius, max_radius) = (radius, radius);
     let shape = scene.settings.schedule.shape;
     let kernel = Kernel { shape, min_radius, max_radius, error: 1.0, grid: None };
-    let (lamps, places) = (tracer.lamps(), PLACES);
-    let straight = [1, 2].map(|pass| Straight { scene, fogs, lamps, places, seed: 0, pass });
-    let seen: Vec<Seen> = (0..LATTICE * LATTICE)
+    let straight = Straight { scene, fogs, lamps: tracer.lamps(), seed: 0, pass: 1 };
+    let seen: Vec<(Vec3, f32)> = (0..LATTICE * LATTICE)
         .into_par_iter()
         .map_init(Default::default, |(scratch, knots, segments), node| {
             let scratch: &mut GatherScratch = scratch;
@@ -97,7 +74,6 @@ pub(super) fn look(scene: &Scene, fogs: &[Medium]) -> Option<Look> {
             let segments: &mut Vec<crate::eye::EyeSegment> = segments;
             segments.clear();
             let mut radiance: Vec3 = eye.trace(direction, node, &mut random, segments).iter().sum();
-            let mut difference = 0.0;
             for segment in segments.iter() {
                 let mut gathered = [Gathered::default()];
                 let medium = segment.medium as usize;
@@ -105,20 +81,18 @@ pub(super) fn look(scene: &Scene, fogs: &[Medium]) -> Option<Look> {
                 maps[medium]
                     .gather(&fogs[medium], &rays, &kernel, &mut gathered, scratch)
                     .expect("its map was built in it");
-                let [first, second] =
-                    straight.each_ref().map(|straight| straight.radiance(segment, node, 1.0, (0, 1), knots));
-                difference += luminance(segment.throughput * (first - second));
-                radiance += segment.throughput * (gathered[0].radiance + 0.5 * (first + second));
+                let straight = straight.radiance(segment, node, 1.0, (0, 1), knots);
+                radiance += segment.throughput * (gathered[0].radiance + straight);
             }
-            Seen { direction, luminance: luminance(radiance), difference }
+            (direction, luminance(radiance))
         })
         .collect();
     weigh(&seen)
 }
 
-fn weigh(seen: &[Seen]) -> Option<Look> {
+fn weigh(seen: &[(Vec3, f32)]) -> Option<Vec<Pixel>> {
     let count = seen.len() as f32;
-    let mean = seen.iter().map(|seen| seen.luminance).sum::<f32>() / count;
+    let mean = seen.iter().map(|(_, luminance)| luminance).sum::<f32>() / count;
     if !(mean > 0.0 && mean.is_finite()) {
         return None;
     }
@@ -126,21 +100,12 @@ fn weigh(seen: &[Seen]) -> Option<Look> {
         let (x, y) = (node % LATTICE, node / LATTICE);
         let near = |at: u32| at.saturating_sub(1)..=(at + 1).min(LATTICE - 1);
         let nodes = near(y).flat_map(|y| near(x).map(move |x| (y * LATTICE + x) as usize));
-        let (sum, count) =
-            nodes.fold((0.0, 0.0), |(sum, count), node| (sum + seen[node].luminance, count + 1.0_f32));
+        let (sum, count) = nodes.fold((0.0, 0.0), |(sum, count), node| (sum + seen[node].1, count + 1.0_f32));
         sum / count
     };
-    let brightness = |node: u32| {
+    let pixels = seen.iter().zip(0..).map(|(&(direction, luminance), node)| {
         let least = (LEAST_OF_NEIGHBOURS * around(node)).max(LEAST_OF_PICTURE * mean);
-        seen[node as usize].luminance.max(least)
-    };
-    let pixels = seen
-        .iter()
-        .zip(0..)
-        .map(|(&Seen { direction, .. }, node)| Pixel { direction, weight: 1.0 / (count * brightness(node)) });
-    // Half the squared difference of two looks is the variance of one.
-    let relative = seen.iter().zip(0..).map(|(seen, node)| seen.difference / brightness(node));
-    let variance = 0.5 * relative.map(|difference| difference * difference).sum::<f32>() / count;
-    let places = PLACES * (variance / PLACES_VARIANCE).sqrt();
-    Some(Look { pixels: pixels.collect(), places: places.clamp(FEWEST_PLACES, MOST_PLACES) })
+        Pixel { direction, weight: 1.0 / (count * luminance.max(least)) }
+    });
+    Some(pixels.collect())
 }

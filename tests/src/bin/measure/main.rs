@@ -1,11 +1,13 @@
 //! The long measurements behind the figures in the documents: run one, read its table.
 
 mod ablation;
+mod budget;
 mod emission;
 mod fleet;
 mod grids;
 mod marching;
 mod means;
+mod parts;
 mod picture;
 mod reference;
 mod rendering;
@@ -152,6 +154,24 @@ enum Measurement {
         #[arg(long)]
         out: Option<PathBuf>,
     },
+    /// Each part of light by kind left out in turn: error at equal CPU time. And how much of the error comes from which kind of light, and
+    /// from where in the picture.
+    Parts {
+        /// The scenes.
+        #[arg(required = true)]
+        scenes: Vec<PathBuf>,
+        /// CPU-seconds of a picture.
+        #[arg(long, default_value_t = 6.0)]
+        seconds: f64,
+        /// Independent runs to average over.
+        #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(2..))]
+        seeds: u32,
+        /// CPU-seconds of each of the two halves of the reference.
+        #[arg(long, default_value_t = 60.0)]
+        reference: f64,
+        #[command(flatten)]
+        size: Size,
+    },
     /// Each operator on light fields left out in turn: truth of the predicted spectra, image error, time.
     Ablation {
         /// The scene.
@@ -225,6 +245,9 @@ fn main() -> Outcome<()> {
         Measurement::Picture { scene, sides, passes } => picture::run(&scene, &sides, passes),
         Measurement::Speed => speed::run(),
         Measurement::Figures { effort, out } => figures::write(effort, out.as_deref()),
+        Measurement::Parts { scenes, seconds, seeds, reference, size } => {
+            parts::run(&scenes, seconds, seeds, reference, size)
+        }
         Measurement::Ablation { scene, reference, effort, size } => {
             ablation::run(&scene, reference.as_deref(), effort, size)
         }

@@ -1,6 +1,5 @@
 //! The default method on scenes that nobody tuned: is it right, and is it ever worse than simpler ones?
 
-mod budget;
 mod page;
 mod row;
 mod table;

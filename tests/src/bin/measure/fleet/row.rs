@@ -1,7 +1,7 @@
 //! What is measured of one scene.
 
-use super::budget::spend;
 use crate::Outcome;
+use crate::budget::spend;
 use covbeam_render::film::Picture;
 use covbeam_render::scene::Scene;
 use covbeam_tests::fleet::Member;

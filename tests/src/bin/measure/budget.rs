@@ -7,16 +7,16 @@ use covbeam_render::scene::Scene;
 use cpu_time::ProcessTime;
 
 /// What a budget bought.
-pub(super) struct Spent {
-    pub(super) passes: u32,
+pub(crate) struct Spent {
+    pub(crate) passes: u32,
     /// CPU-seconds, with making the picture.
-    pub(super) seconds: f64,
-    pub(super) picture: Picture,
+    pub(crate) seconds: f64,
+    pub(crate) picture: Picture,
 }
 
 /// Renders until the last of some rising budgets is spent; a pass is not begun that would end after a budget, if it took as long as
 /// the last. Making the renderer counts.
-pub(super) fn spend<'a>(
+pub(crate) fn spend<'a>(
     scene: &Scene,
     renderer: impl FnOnce() -> Renderer<'a>,
     budgets: &[f64],
