@@ -60,7 +60,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, conflicts_with = "every_pixel")]
     pub(crate) maps: bool,
     /// Write the light of each kind into the picture's file too, as layers that add up to it: straight (from lamps), focused (by mirrors and
-    /// glass), scattered (by fog and surfaces). Needs 230 bytes a pixel more memory
+    /// glass), scattered (by fog and surfaces). Needs 310 bytes a pixel more memory
     #[arg(long)]
     pub(crate) light_passes: bool,
     /// Stop after this many passes [default: the scene's, unless --time or --until says when to stop]

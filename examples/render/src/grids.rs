@@ -1,6 +1,6 @@
 //! The spectra of the light in the voxels, a layer each: grids that light fields are added to, and what is looked up in them.
 
-use crate::kind::Split;
+use crate::kind::{Kind, Split};
 use crate::photon::PhotonTracer;
 use crate::plan::FirstSurfaces;
 use crate::record::FieldSegment;
@@ -19,8 +19,9 @@ struct Grid {
 
 /// The spectra of all layers.
 ///
-/// Each bounds what a kernel or a filter may get wrong in its own light relative to all light: in a voxel, a layer's mean is over the
-/// fluence of all layers.
+/// Scattered light has spectra of its own. Those of the other layers are of all light: they have voxels without any light of theirs, where
+/// nothing would be known of the borders nearby. (Means over the fluence of all layers, for what a kernel or a filter gets wrong relative
+/// to all light, leak light into the dark beside a cone that shines through a slit: 1.5 times its light.)
 pub(crate) struct Grids {
     layout: GridLayout,
     split: Split,
@@ -72,15 +73,17 @@ impl Grids {
             return;
         }
         self.resolved = self.deposited;
-        let count = self.layout.cell_count();
-        let weight = |cell: usize| self.layers.iter().map(|grid| grid.cells[cell].weight).sum();
-        let weights: Vec<f64> = (0..count).map(weight).collect();
-        for grid in &mut self.layers {
-            let cells = grid.cells.iter().zip(&weights);
-            let mut cells: Vec<GridCell> =
-                cells.map(|(cell, &weight)| GridCell { sum: cell.sum, weight }).collect();
-            let of_all = CovarianceGrid::new(self.layout, &mut cells).expect(VALID);
-            of_all.resolve(&mut grid.resolved).expect(FITS);
+        let mut all = vec![GridCell::default(); self.layout.cell_count()];
+        let mut all = CovarianceGrid::new(self.layout, &mut all).expect(VALID);
+        self.layers.iter().for_each(|grid| all.merge(&grid.cells).expect(FITS));
+        let scattered = self.split.of(Kind::Scattered);
+        for (layer, grid) in self.layers.iter_mut().enumerate() {
+            if layer == scattered {
+                let own = CovarianceGrid::new(self.layout, &mut grid.cells).expect(VALID);
+                own.resolve(&mut grid.resolved).expect(FITS);
+            } else {
+                all.resolve(&mut grid.resolved).expect(FITS);
+            }
             grid.image = None;
         }
     }

@@ -74,23 +74,30 @@ impl FirstSurfaces {
         &self.regions
     }
 
-    /// Whether a pass looks at what is beyond the fog in pixel (x, y): always where there is something to see, and at silhouettes, which
-    /// cross pixels; in a quarter of the passes, for what is smaller than a pixel, where the middle of the pixel sees black or nothing.
+    /// Whether a pass looks at what is beyond the fog in pixel (x, y): always where there is something to see in it or beside it, and at
+    /// silhouettes, which cross pixels; else in a quarter of the passes, for what is smaller than a pixel.
     pub fn are_wanted(&self, x: u32, y: u32, pass: u32, seed: u32) -> bool {
-        let pixel = (y * self.camera.width + x) as usize;
-        let density = if self.black[pixel] && self.regions[pixel] != 0 { BLACK_DENSITY } else { 1.0 };
-        is_chosen(density, [x, y], pass, seed, SURFACE_PURPOSE)
+        let is_black = self.around(x, y).all(|pixel| self.black[pixel]) && !self.has_silhouette(x, y);
+        is_chosen(if is_black { BLACK_DENSITY } else { 1.0 }, [x, y], pass, seed, SURFACE_PURPOSE)
     }
 
     /// Whether a silhouette or the border of a shadow on a surface crosses pixel (x, y).
     pub fn has_edge(&self, x: u32, y: u32) -> bool {
-        let Camera { width, height, .. } = self.camera;
-        let at = |x: u32, y: u32| (y * width + x) as usize;
-        let near = |at: u32, end: u32| at.saturating_sub(1)..=(at + 1).min(end - 1);
-        let around = near(y, height).flat_map(|y| near(x, width).map(move |x| self.lit[at(x, y)]));
+        let lit = self.around(x, y).map(|pixel| self.lit[pixel]);
         let [least, most] =
-            around.fold([f32::INFINITY, 0.0], |[least, most], lit| [lit.min(least), lit.max(most)]);
-        self.regions[at(x, y)] == 0 || least < EDGE * most
+            lit.fold([f32::INFINITY, 0.0], |[least, most], lit| [lit.min(least), lit.max(most)]);
+        self.has_silhouette(x, y) || least < EDGE * most
+    }
+
+    fn has_silhouette(&self, x: u32, y: u32) -> bool {
+        self.regions[(y * self.camera.width + x) as usize] == 0
+    }
+
+    /// The numbers of a pixel and of the eight around it.
+    fn around(&self, x: u32, y: u32) -> impl Iterator<Item = usize> {
+        let Camera { width, height, .. } = self.camera;
+        let near = |at: u32, end: u32| at.saturating_sub(1)..=(at + 1).min(end - 1);
+        near(y, height).flat_map(move |y| near(x, width).map(move |x| (y * width + x) as usize))
     }
 
     /// Where the picture's spectrum is found.

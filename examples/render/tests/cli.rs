@@ -81,7 +81,7 @@ fn maps_of_the_eye_rays_are_written_beside_the_picture() {
     assert_eq!(names(folder.path()), files);
     let maps =
         read_picture(&folder.path().join("ball-adaptive.exr")).unwrap().maps.expect("planned eye rays");
-    assert_eq!(maps.layers.len(), 2);
+    assert_eq!(maps.layers.len(), 1);
     assert!(maps.density().iter().all(|density| *density > 0.0 && *density <= 1.0));
 
     said(folder.path(), &["render", "ball.toml", "--every-pixel", "--out", "all.exr"], 0);

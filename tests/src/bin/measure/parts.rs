@@ -24,16 +24,28 @@ struct Variant {
     planned: bool,
 }
 
-const ALL: Variant =
-    Variant { name: "all", method: Method::Adaptive, parts: Some(Parts::ALL), planned: true };
+const DEFAULT: Variant =
+    Variant { name: "default", method: Method::Adaptive, parts: Some(Parts::DEFAULT), planned: true };
 
 const VARIANTS: [Variant; 7] = [
-    ALL,
-    Variant { name: "straight light by beams", parts: Some(Parts { straight: false, ..Parts::ALL }), ..ALL },
-    Variant { name: "paths as power goes", parts: Some(Parts { guided: false, ..Parts::ALL }), ..ALL },
-    Variant { name: "one layer for all light", parts: Some(Parts { apart: false, ..Parts::ALL }), ..ALL },
-    Variant { name: "an eye ray in every pixel", planned: false, ..ALL },
-    Variant { name: "adaptive kernels alone (thesis)", parts: None, planned: false, ..ALL },
+    DEFAULT,
+    Variant {
+        name: "straight light by beams",
+        parts: Some(Parts { straight: false, ..Parts::DEFAULT }),
+        ..DEFAULT
+    },
+    Variant {
+        name: "paths as power goes",
+        parts: Some(Parts { guided: false, ..Parts::DEFAULT }),
+        ..DEFAULT
+    },
+    Variant {
+        name: "straight light in a layer of its own",
+        parts: Some(Parts { apart: true, ..Parts::DEFAULT }),
+        ..DEFAULT
+    },
+    Variant { name: "an eye ray in every pixel", planned: false, ..DEFAULT },
+    Variant { name: "adaptive kernels alone (thesis)", parts: None, planned: false, ..DEFAULT },
     Variant { name: "plain beams", method: Method::Ppb, parts: None, planned: false },
 ];
 
@@ -75,7 +87,7 @@ pub(crate) fn run(paths: &[PathBuf], seconds: f64, seeds: u32, reference: f64, s
         println!("| {} | {} |", variant.name, cells.collect::<Vec<_>>().join(" | "));
     }
     println!(
-        "\nVariance of that of all parts, over the squared brightness: share of each kind of light, at silhouettes and shadows' borders on \
+        "\nVariance of the default, with a layer for each kind of light, over the squared brightness: share of each kind of light, at silhouettes and shadows' borders on \
          surfaces and elsewhere; and of light of all kinds from the fog before the first surface\n"
     );
     let heads = ["scene", "relative variance", "kind of light", "at edges [%]", "elsewhere [%]", "fog [%]"];
@@ -115,7 +127,7 @@ fn budget(name: &str, scene: &Scene, passes: u32, seeds: u32) -> Outcome<()> {
     let mut pictures = Vec::new();
     for seed in 1..=seeds {
         eprintln!("{name}: kinds of light, seed {seed}");
-        let mut renderer = ALL.renderer(scene, seed);
+        let mut renderer = DEFAULT.renderer(scene, seed);
         let mut film = Film::of_scene(scene);
         film.keep_kinds(renderer.keep_kinds());
         for pass in 1..=passes {
