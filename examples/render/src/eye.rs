@@ -5,7 +5,7 @@ use crate::media;
 use crate::optics::{Boundary, Interior, facing_normal, reflect};
 use crate::photon::{GOING_ON, LONG_PATH};
 use crate::random::{Random, mix};
-use crate::scene::{Material, Scene};
+use crate::scene::{Light, Material, Scene};
 use crate::surface::SurfaceMap;
 use covbeam::{EyeRay, Medium};
 use covbeam_geometry::hit::Hit;
@@ -202,15 +202,30 @@ impl EyeTracer<'_> {
         let start = hit.leave(normal);
         let fog = branch.interior.medium(self.scene).map(|id| &self.fogs[id as usize]);
         let mut irradiance = self.surfaces.irradiance(hit.position, normal);
-        for light in &self.scene.lights {
-            let (direct, from) = light.irradiance(hit.position, normal, random);
-            if direct.max_element() > 0.0 && !self.scene.occluded(start, from) {
-                irradiance[Kind::Straight as usize] +=
-                    direct * fog.map_or(Vec3::ONE, |fog| media::transmittance(fog, start, from));
-            }
-        }
+        irradiance[Kind::Straight as usize] = straight_irradiance(self.scene, fog, start, |light| {
+            light.irradiance(hit.position, normal, random)
+        });
         irradiance.map(|irradiance| albedo * irradiance * FRAC_1_PI)
     }
+}
+
+/// Irradiance that arrives straight from the lamps at a point next to a surface.
+///
+/// - `unshadowed`: of a lamp, and where its light comes from.
+pub(crate) fn straight_irradiance(
+    scene: &Scene,
+    fog: Option<&Medium>,
+    start: Vec3,
+    mut unshadowed: impl FnMut(&Light) -> (Vec3, Vec3),
+) -> Vec3 {
+    let mut sum = Vec3::ZERO;
+    for light in &scene.lights {
+        let (direct, from) = unshadowed(light);
+        if direct.max_element() > 0.0 && !scene.occluded(start, from) {
+            sum += direct * fog.map_or(Vec3::ONE, |fog| media::transmittance(fog, start, from));
+        }
+    }
+    sum
 }
 
 impl Branch {

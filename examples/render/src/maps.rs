@@ -88,15 +88,7 @@ mod tests {
 
     #[test]
     fn a_density_is_grey_by_its_logarithm() {
-        let picture = Picture {
-            width: 3,
-            height: 1,
-            radiance: vec![Vec3::ONE; 3],
-            error: None,
-            layers: None,
-            maps: None,
-            kinds: Vec::new(),
-        };
+        let picture = Picture { width: 3, height: 1, radiance: vec![Vec3::ONE; 3], ..Picture::default() };
         let density = vec![1.0, 1.0 / 16.0, 1e-6];
         let layer = |density| LayerMaps {
             kind: None,
@@ -113,8 +105,7 @@ mod tests {
     fn a_filter_is_outlined_at_one_standard_deviation() {
         let (width, height) = (48, 48);
         let radiance = vec![Vec3::ZERO; 48 * 48];
-        let picture =
-            Picture { width, height, radiance, error: None, layers: None, maps: None, kinds: Vec::new() };
+        let picture = Picture { width, height, radiance, ..Picture::default() };
         let mut filters = vec![ImageFilter::NONE; 48 * 48];
         // Standard deviations 5 along (1, 1)/√2 and 1 across.
         filters[18 * 48 + 18] = ImageFilter { xx: 13.0, xy: 12.0, yy: 13.0 };

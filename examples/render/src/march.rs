@@ -115,9 +115,8 @@ struct Stretch {
 /// An eye ray that a pass wants.
 struct Wanted {
     x: u32,
-    /// The fog before the first surface, and whether that is filtered.
+    /// The fog before the first surface.
     fog: bool,
-    filtered: bool,
     surfaces: bool,
 }
 
@@ -158,7 +157,9 @@ impl Marcher<'_> {
         let start = Instant::now();
         let spread = self.spread(&tracer);
         let mut seconds = start.elapsed().as_secs_f64();
-        let count = |[rays, fog]: [usize; 2], wanted: Wanted| [rays + 1, fog + usize::from(wanted.filtered)];
+        let is_filtered = |wanted: &Wanted| wanted.fog && self.plan.is_some();
+        let count =
+            |[rays, fog]: [usize; 2], wanted: Wanted| [rays + 1, fog + usize::from(is_filtered(&wanted))];
         let counts = (0..height).into_par_iter().map(|y| self.wanted(y).fold([0; 2], count)).collect();
         let mut room = Room::new(counts);
         let costs: Option<Vec<Cost>> = room
@@ -173,8 +174,8 @@ impl Marcher<'_> {
                 let mut shadow_rays = 0;
                 let mut fog = 0;
                 for (ray, wanted) in self.wanted(y).enumerate() {
-                    let filtered = wanted.filtered.then_some(fog);
-                    fog += usize::from(wanted.filtered);
+                    let filtered = is_filtered(&wanted).then_some(fog);
+                    fog += usize::from(filtered.is_some());
                     let numbers = (ray, filtered);
                     let count = self.pixel(y, wanted, numbers, &tracer, &spread, &mut seen, scratch);
                     shadow_rays += u64::from(count);
@@ -196,11 +197,11 @@ impl Marcher<'_> {
         let [seed, pass] = self.key;
         (0..self.scene.camera.width).filter_map(move |x| {
             let Some(plan) = &self.plan else {
-                return Some(Wanted { x, fog: true, surfaces: true, filtered: false });
+                return Some(Wanted { x, fog: true, surfaces: true });
             };
             let fog = plan.wants(x, y, seed);
             let surfaces = plan.surfaces().are_wanted(x, y, pass, seed);
-            (fog || surfaces).then_some(Wanted { x, fog, surfaces, filtered: fog })
+            (fog || surfaces).then_some(Wanted { x, fog, surfaces })
         })
     }
 

@@ -243,15 +243,7 @@ mod tests {
     use glam::Vec3;
 
     fn picture(width: u32, radiance: Vec<Vec3>) -> Picture {
-        Picture {
-            width,
-            height: radiance.len() as u32 / width,
-            radiance,
-            error: None,
-            layers: None,
-            maps: None,
-            kinds: Vec::new(),
-        }
+        Picture { width, height: radiance.len() as u32 / width, radiance, ..Picture::default() }
     }
 
     #[test]

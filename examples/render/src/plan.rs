@@ -1,6 +1,7 @@
 //! Where a pass needs eye rays, and how wide their light is filtered: the spectrum of the picture, from the covariance grid.
 
 use crate::camera::Camera;
+use crate::eye::straight_irradiance;
 use crate::kind::Kind;
 use crate::media;
 use crate::optics::{Interior, facing_normal};
@@ -32,10 +33,10 @@ pub struct FirstSurfaces {
     camera: Camera,
     /// Along the viewing axis, at the nodes of the lattice; infinite where there is none.
     depth: Vec<f32>,
-    /// Of each pixel: whether it is black, or there is none.
+    /// Of each pixel: whether it and those around it are black, or there is none, and no silhouette crosses it.
     black: Vec<bool>,
-    /// Of each pixel: straight light on it, seen from the camera.
-    lit: Vec<f32>,
+    /// Of each pixel: whether a silhouette or the border of a shadow on it crosses it.
+    edge: Vec<bool>,
     regions: Vec<u32>,
     lattice: FilmLattice,
 }
@@ -66,7 +67,19 @@ impl FirstSurfaces {
             FilmLattice::new(camera.width, camera.height).expect("a scene's picture is not too large");
         let at = |[x, y]: [u32; 2]| depth[(y * camera.width + x) as usize];
         let depth = (0..lattice.node_count()).map(|node| at(lattice.pixel(node))).collect();
-        Self { camera, depth, black, lit, regions, lattice }
+        let (black, edge) = (0..pixels)
+            .into_par_iter()
+            .map(|index| {
+                let has_silhouette = regions[index as usize] == 0;
+                let around = || around(&camera, index % camera.width, index / camera.width);
+                let [least, most] = around().fold([f32::INFINITY, 0.0], |[least, most], pixel| {
+                    [lit[pixel].min(least), lit[pixel].max(most)]
+                });
+                let is_black = !has_silhouette && around().all(|pixel| black[pixel]);
+                (is_black, has_silhouette || least < EDGE * most)
+            })
+            .unzip();
+        Self { camera, depth, black, edge, regions, lattice }
     }
 
     /// The region of each pixel, as [`film_regions`] numbers them.
@@ -77,27 +90,17 @@ impl FirstSurfaces {
     /// Whether a pass looks at what is beyond the fog in pixel (x, y): always where there is something to see in it or beside it, and at
     /// silhouettes, which cross pixels; else in a quarter of the passes, for what is smaller than a pixel.
     pub fn are_wanted(&self, x: u32, y: u32, pass: u32, seed: u32) -> bool {
-        let is_black = self.around(x, y).all(|pixel| self.black[pixel]) && !self.has_silhouette(x, y);
-        is_chosen(if is_black { BLACK_DENSITY } else { 1.0 }, [x, y], pass, seed, SURFACE_PURPOSE)
+        let density = if self.black[self.index(x, y)] { BLACK_DENSITY } else { 1.0 };
+        is_chosen(density, [x, y], pass, seed, SURFACE_PURPOSE)
     }
 
     /// Whether a silhouette or the border of a shadow on a surface crosses pixel (x, y).
     pub fn has_edge(&self, x: u32, y: u32) -> bool {
-        let lit = self.around(x, y).map(|pixel| self.lit[pixel]);
-        let [least, most] =
-            lit.fold([f32::INFINITY, 0.0], |[least, most], lit| [lit.min(least), lit.max(most)]);
-        self.has_silhouette(x, y) || least < EDGE * most
+        self.edge[self.index(x, y)]
     }
 
-    fn has_silhouette(&self, x: u32, y: u32) -> bool {
-        self.regions[(y * self.camera.width + x) as usize] == 0
-    }
-
-    /// The numbers of a pixel and of the eight around it.
-    fn around(&self, x: u32, y: u32) -> impl Iterator<Item = usize> {
-        let Camera { width, height, .. } = self.camera;
-        let near = |at: u32, end: u32| at.saturating_sub(1)..=(at + 1).min(end - 1);
-        near(y, height).flat_map(move |y| near(x, width).map(move |x| (y * width + x) as usize))
+    fn index(&self, x: u32, y: u32) -> usize {
+        (y * self.camera.width + x) as usize
     }
 
     /// Where the picture's spectrum is found.
@@ -136,16 +139,18 @@ fn lit(scene: &Scene, fog: Option<&Medium>, direction: glam::Vec3, hit: &Hit) ->
     let Material::Lambert { albedo } = scene.objects[hit.object as usize].material else { return 0.0 };
     let normal = facing_normal(hit, direction);
     let start = hit.leave(normal);
-    let mut sum = glam::Vec3::ZERO;
-    for light in &scene.lights {
+    let sum = straight_irradiance(scene, fog, start, |light| {
         let (density, from) = light.flux_density(start, [0.0; 2]);
-        let cosine = (from - start).normalize_or_zero().dot(normal);
-        if cosine > 0.0 && density.max_element() > 0.0 && !scene.occluded(start, from) {
-            sum +=
-                density * cosine * fog.map_or(glam::Vec3::ONE, |fog| media::transmittance(fog, start, from));
-        }
-    }
+        (density * (from - start).normalize_or_zero().dot(normal).max(0.0), from)
+    });
     (albedo * sum).element_sum()
+}
+
+/// The numbers of a pixel and of the eight around it.
+fn around(camera: &Camera, x: u32, y: u32) -> impl Iterator<Item = usize> {
+    let Camera { width, height, .. } = *camera;
+    let near = |at: u32, end: u32| at.saturating_sub(1)..=(at + 1).min(end - 1);
+    near(y, height).flat_map(move |y| near(x, width).map(move |x| (y * width + x) as usize))
 }
 
 fn middle(camera: &Camera, x: u32, y: u32) -> glam::Vec3 {

@@ -138,15 +138,7 @@ mod tests {
 
     fn picture(width: u32, height: u32, value: impl Fn(u32, u32) -> f32) -> Picture {
         let pixels = (0..width * height).map(|i| Vec3::splat(value(i % width, i / width)));
-        Picture {
-            width,
-            height,
-            radiance: pixels.collect(),
-            error: None,
-            layers: None,
-            maps: None,
-            kinds: Vec::new(),
-        }
+        Picture { width, height, radiance: pixels.collect(), ..Picture::default() }
     }
 
     #[test]

@@ -38,15 +38,7 @@ fn names(folder: &Path) -> Vec<String> {
 
 fn write_grey(path: &Path, width: u32, values: &[f32]) {
     let radiance = values.iter().map(|v| Vec3::splat(*v)).collect();
-    let picture = Picture {
-        width,
-        height: values.len() as u32 / width,
-        radiance,
-        error: None,
-        layers: None,
-        maps: None,
-        kinds: Vec::new(),
-    };
+    let picture = Picture { width, height: values.len() as u32 / width, radiance, ..Picture::default() };
     let info = RenderInfo { method: "ppb".into(), passes: 1, photons: 1, seed: 1, scene: "test".into() };
     write_exr(path, &picture, &info).unwrap();
 }

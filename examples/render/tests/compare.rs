@@ -6,15 +6,7 @@ use glam::Vec3;
 
 fn grey(width: u32, values: &[f32]) -> Picture {
     let radiance = values.iter().map(|v| Vec3::splat(*v)).collect();
-    Picture {
-        width,
-        height: values.len() as u32 / width,
-        radiance,
-        error: None,
-        layers: None,
-        maps: None,
-        kinds: Vec::new(),
-    }
+    Picture { width, height: values.len() as u32 / width, radiance, ..Picture::default() }
 }
 
 /// Luminance of grey is grey to a few f32 roundings (6e-8 each).

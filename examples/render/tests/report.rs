@@ -43,7 +43,7 @@ fn noise(seed: u32) -> Picture {
     };
     let pixel = |i: u32| Vec3::new(0.5 + value(3 * i), 0.5 + value(3 * i + 1), 0.5 + value(3 * i + 2));
     let radiance = (0..SIZE * SIZE).map(pixel).collect();
-    Picture { width: SIZE, height: SIZE, radiance, error: None, layers: None, maps: None, kinds: Vec::new() }
+    Picture { width: SIZE, height: SIZE, radiance, ..Picture::default() }
 }
 
 fn mean(a: &Picture, b: &Picture) -> Picture {
@@ -390,15 +390,7 @@ fn bad_input_is_refused_with_what_was_expected_and_nothing_is_written() {
     }
     write(
         path.join("small/ball.exr"),
-        &Picture {
-            width: SIZE,
-            height: 1,
-            radiance: vec![Vec3::ONE; 24],
-            error: None,
-            layers: None,
-            maps: None,
-            kinds: Vec::new(),
-        },
+        &Picture { width: SIZE, height: 1, radiance: vec![Vec3::ONE; 24], ..Picture::default() },
     );
     let mut broken = noise(1);
     broken.radiance[30] = Vec3::NAN;

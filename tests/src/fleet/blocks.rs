@@ -90,7 +90,7 @@ mod tests {
 
     fn picture(width: u32, height: u32, value: impl FnMut(u32) -> f32) -> Picture {
         let radiance = (0..width * height).map(value).map(Vec3::splat).collect();
-        Picture { width, height, radiance, error: None, layers: None, maps: None, kinds: Vec::new() }
+        Picture { width, height, radiance, ..Picture::default() }
     }
 
     #[test]

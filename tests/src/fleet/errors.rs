@@ -92,15 +92,7 @@ mod tests {
             // Uniform with a standard deviation of 1.
             let mut value = || 1.0 + noise * 12_f64.sqrt() * (stream.uniform() - 0.5);
             let radiance = (0..128 * 128).map(|_| Vec3::splat(value() as f32)).collect();
-            Picture {
-                width: 128,
-                height: 128,
-                radiance,
-                error: None,
-                layers: None,
-                maps: None,
-                kinds: Vec::new(),
-            }
+            Picture { width: 128, height: 128, radiance, ..Picture::default() }
         };
         let (a, b) = (picture(0.1), picture(0.1));
         let [ten, twenty] = [0.1, 0.2].map(|noise| Errors::new(&picture(noise), [&a, &b]));

@@ -83,15 +83,7 @@ mod tests {
                 })
             });
             let radiance: Vec<Vec3> = radiance.collect();
-            Picture {
-                width: 80,
-                height: 10,
-                radiance,
-                error: None,
-                layers: None,
-                maps: None,
-                kinds: Vec::new(),
-            }
+            Picture { width: 80, height: 10, radiance, ..Picture::default() }
         };
         let (sound, halo) = ([picture(1.0), picture(1.0)], [picture(1.5), picture(1.5)]);
         let rings = rings(&sound[0]);

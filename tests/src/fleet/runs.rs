@@ -95,13 +95,5 @@ pub fn mean(pictures: &[Picture]) -> Picture {
             *sum += share * *value;
         }
     }
-    Picture {
-        width: pictures[0].width,
-        height: pictures[0].height,
-        radiance,
-        error: None,
-        layers: None,
-        maps: None,
-        kinds: Vec::new(),
-    }
+    Picture { width: pictures[0].width, height: pictures[0].height, radiance, ..Picture::default() }
 }

@@ -258,15 +258,7 @@ impl Reference {
         }
         let [(first, spent), (second, other)] = &runs[..] else { unreachable!("two seeds") };
         let radiance = first.radiance.iter().zip(&second.radiance).map(|(a, b)| 0.5 * (*a + *b)).collect();
-        let mean = Picture {
-            width: first.width,
-            height: first.height,
-            radiance,
-            error: None,
-            layers: None,
-            maps: None,
-            kinds: Vec::new(),
-        };
+        let mean = Picture { width: first.width, height: first.height, radiance, ..Picture::default() };
         let origin = format!(
             "rendered for this report: two runs of {} and {} passes, {:.1} CPU-seconds in all, an eye ray through every pixel, radius × {RADIUS_SHARE}, \
              accepted bias × {ERROR_SHARE}",
