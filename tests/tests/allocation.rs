@@ -5,9 +5,9 @@ use std::hint::black_box;
 use allocation_counter::measure;
 use covbeam::{
     Beam, BeamBlock, Column, CovarianceGrid, Curvature, Density, DensityGrid, EmissionGuide,
-    ExponentialDensity, EyeRay, FILM_TILE_PIXELS, FilmFilterNode, FilmFilters, FilmLattice, FilmNode,
-    FilmPixel, FilmSample, FilmSums, FilmUnit, FluenceCell, FluenceGrid, FluenceSpectrum, Gathered, GridCell,
-    GridError, GridLayout, ImageFilter, ImageSpectrum, Importance, ImportanceCell, ImportanceGrid,
+    ExponentialDensity, EyeRay, FILM_TILE_PIXELS, FilmEvidence, FilmFilterNode, FilmFilters, FilmLattice,
+    FilmNode, FilmPixel, FilmSample, FilmSums, FilmUnit, FluenceCell, FluenceGrid, FluenceSpectrum, Gathered,
+    GridCell, GridError, GridLayout, ImageFilter, ImageSpectrum, Importance, ImportanceCell, ImportanceGrid,
     ImportanceSums, Kernel, KernelShape, Knot, LightField, March, MarchCell, MarchKnot, MarchSample, Medium,
     PhaseFunction, PhaseKind, PixelStep, ProbeHit, Reconstruction, Schedule, Segment, Vec2, Vec3, cross,
     error_bound, film_regions, find_edges, gather_pair, path_number, pixel_threshold, progressive_radius,
@@ -233,7 +233,7 @@ fn the_film_does_not_allocate() {
     let (mut filters, mut verified) = (vec![FilmFilterNode::default(); count], Vec::with_capacity(count));
     let (mut samples, regions) = (vec![FilmSample::default(); 33 * 17], vec![1; 33 * 17]);
     let mut blocks = vec![FilmNode::default(); Reconstruction::node_count(33, 17)];
-    let mut evidence = Vec::with_capacity(count);
+    let mut evidence: Vec<FilmEvidence> = Vec::with_capacity(count);
     let (mut pixels, mut errors) = (vec![FilmPixel::default(); 33 * 17], vec![0.0; 33 * 17]);
     let count = allocations(|| {
         black_box((FilmLattice::new(5, 5).is_ok(), lattice.node_count(), lattice.pixel(3), lattice.widest()));
@@ -250,7 +250,7 @@ fn the_film_does_not_allocate() {
             black_box(sample.halves());
         }
         let picture = Reconstruction::new(33, 17, &samples, &regions, &mut blocks).unwrap();
-        evidence.extend((0..lattice.node_count()).map(|node| found.evidence(node, &picture)));
+        evidence.extend((0..lattice.node_count()).map(|node| found.evidence(node, &picture).beside(0.1)));
         verified.extend_from_slice(&filters);
         verify_filters(&lattice, &evidence, &mut verified).unwrap();
         let found = FilmFilters::of(lattice, &regions, &verified).unwrap();

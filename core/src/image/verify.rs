@@ -22,11 +22,30 @@ pub struct FilmEvidence {
     pub first: [f32; SCALES],
     /// Of the even passes.
     pub second: [f32; SCALES],
-    /// Of all, through the widest filter; 0 = one of the halves has no rays there.
+    /// What errors count relative to: of all passes, through the widest filter, and of other layers
+    /// ([`FilmEvidence::beside`]); 0 = one of the halves has no rays there.
     pub brightness: f32,
 }
 
 impl FilmEvidence {
+    /// The same in a picture that keeps its light in several layers, each with filters of its own, which add
+    /// up: an error counts relative to what is seen. Relative to the light of a layer that has next to none
+    /// there, the few rays that meet some would seem as uncertain as filters that leak are wrong.
+    ///
+    /// - `others`: luminance at the node of the other layers, finite, >= 0; taken as 0 if it is negative.
+    #[must_use]
+    pub fn beside(mut self, others: f32) -> Self {
+        if self.brightness > 0.0 {
+            self.brightness += others.max(0.0);
+        }
+        self
+    }
+
+    /// Luminance through a filter and of other layers.
+    fn seen(&self, scale: usize) -> f32 {
+        self.both(scale) + (self.brightness - self.both(0))
+    }
+
     fn both(&self, scale: usize) -> f32 {
         0.5 * (self.first[scale] + self.second[scale])
     }
@@ -74,7 +93,7 @@ pub fn verify_filters(
         let node = &mut nodes[index];
         let finer = (1_u32 << (2 * scale)) as f32;
         node.inverse = node.inverse.map(|value| value * finer);
-        node.variance = variance * evidence[index].both(scale) * evidence[index].both(scale);
+        node.variance = variance * evidence[index].seen(scale) * evidence[index].seen(scale);
     }
     Ok(())
 }

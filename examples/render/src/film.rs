@@ -290,11 +290,12 @@ impl Film {
         let mut pixels = vec![FilmPixel::default(); self.pixels()];
         let mut kinds = self.own_kinds();
         let mut layers = Vec::new();
+        let brightness = self.brightness();
         for (number, layer) in self.fog.iter().enumerate() {
             let of_layer = |kind: Kind| self.split.is_some_and(|split| split.of(kind) == number);
             let kind =
                 kinds.iter_mut().find(|(kind, _)| of_layer(*kind)).map(|(_, light)| light.as_mut_slice());
-            let verified = self.reconstruct(layer, &mut pixels, kind);
+            let verified = self.reconstruct(layer, &brightness, &mut pixels, kind);
             layers.push(self.maps(layer, &verified));
         }
         let maps = (!layers.is_empty()).then(|| Maps { volume: radiance(&pixels), layers });
@@ -331,27 +332,59 @@ impl Film {
         LayerMaps { kind: layer.plan.kind(), filters, density: Arc::clone(layer.plan.density()) }
     }
 
+    /// A layer's samples, means over the passes.
+    fn samples(&self, layer: &FogLayer) -> Vec<FilmSample> {
+        let sums = layer.sums.par_iter().zip(&layer.density);
+        sums.map(|(sums, density)| sums.sample(&self.unit, *density as f64 / UNITS)).collect()
+    }
+
+    /// The same, to be filtered.
+    fn volume<'a>(
+        &self,
+        layer: &'a FogLayer,
+        samples: &'a [FilmSample],
+        nodes: &'a mut Vec<FilmNode>,
+    ) -> Reconstruction<'a> {
+        nodes.resize(Reconstruction::node_count(self.width, self.height), FilmNode::default());
+        let regions = layer.plan.surfaces().regions();
+        Reconstruction::new(self.width, self.height, samples, regions, nodes).expect(FITS)
+    }
+
+    /// Of the fog's light of all layers at the nodes of the lattice, where there is more than one.
+    fn brightness(&self) -> Vec<f32> {
+        let mut brightness = Vec::new();
+        for layer in self.fog.iter().filter(|_| self.fog.len() > 1) {
+            let (samples, mut nodes) = (self.samples(layer), Vec::new());
+            let volume = self.volume(layer, &samples, &mut nodes);
+            let predicted = layer.plan.filters();
+            brightness.resize(layer.plan.nodes().len(), 0.0);
+            let numbered = brightness.par_iter_mut().enumerate();
+            numbered.for_each(|(node, sum)| *sum += predicted.evidence(node, &volume).brightness);
+        }
+        brightness
+    }
+
     /// Adds a layer of the fog before the first surface, also to a picture of its kind; returns its filters at the nodes of the lattice.
     fn reconstruct(
         &self,
         layer: &FogLayer,
+        brightness: &[f32],
         pixels: &mut [FilmPixel],
         kind: Option<&mut [Vec3]>,
     ) -> Vec<FilmFilterNode> {
-        let (width, height) = (self.width, self.height);
+        let width = self.width;
         let plan = &layer.plan;
-        let sums = layer.sums.par_iter().zip(&layer.density);
-        let samples: Vec<FilmSample> =
-            sums.map(|(sums, density)| sums.sample(&self.unit, *density as f64 / UNITS)).collect();
-        let mut nodes = vec![FilmNode::default(); Reconstruction::node_count(width, height)];
-        let regions = plan.surfaces().regions();
-        let volume = Reconstruction::new(width, height, &samples, regions, &mut nodes).expect(FITS);
+        let (samples, mut nodes) = (self.samples(layer), Vec::new());
+        let volume = self.volume(layer, &samples, &mut nodes);
 
-        let lattice = plan.surfaces().lattice();
+        let (lattice, regions) = (plan.surfaces().lattice(), plan.surfaces().regions());
         let mut verified = plan.nodes().to_vec();
         let predicted = plan.filters();
-        let evidence: Vec<FilmEvidence> =
-            (0..verified.len()).into_par_iter().map(|node| predicted.evidence(node, &volume)).collect();
+        let evidence = (0..verified.len()).into_par_iter().map(|node| {
+            let own = predicted.evidence(node, &volume);
+            own.beside(brightness.get(node).map_or(0.0, |all| all - own.brightness))
+        });
+        let evidence: Vec<FilmEvidence> = evidence.collect();
         verify_filters(lattice, &evidence, &mut verified).expect(FITS);
         let filters = FilmFilters::of(*lattice, regions, &verified).expect(FITS);
 

@@ -75,7 +75,7 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// What a render gets. A layer of its own has a third of the error in a shaft, but its filters leak across the silhouettes of a slit.
+    /// What a render gets. A layer of its own for straight light costs a tenth of a pass, and has .7 to 1.3 times the error.
     pub const DEFAULT: Self = Self { straight: true, guided: true, apart: false };
 }
 

@@ -193,6 +193,57 @@ fn beside_a_step_filters_narrow_until_they_see_no_more_than_noise() {
     assert!(worst_before > 0.5 && worst_after < 0.05, "{worst_before}, {worst_after}");
 }
 
+/// Straight light of a picture in two layers that ends at a border, beyond which one ray in 300 meets some; other light is everywhere.
+#[test]
+fn a_layer_of_next_to_no_light_does_not_leak_into_that_of_others() {
+    const OTHERS: f64 = 0.05;
+    let edge = SIDE / 2;
+    let (mut alone, mut beside) = (0.0, 0.0);
+    let seeds = 8;
+    for seed in 0..seeds {
+        let mut stream = Stream::new(400 + seed);
+        let film = Film::new(6, |x, _| match x >= edge {
+            true => 0.2 * (1.0 + 0.1 * normal(&mut stream)).max(0.0),
+            false => 0.5 * f64::from(u8::from(stream.uniform() < 1.0 / 300.0)),
+        });
+        // Of the light seen from 4 to 12 pixels beyond the border, that which filters bring there.
+        let leak = |evidence: &[FilmEvidence]| {
+            let mut nodes = film.nodes.clone();
+            verify_filters(&film.lattice, evidence, &mut nodes).unwrap();
+            let picture = film.picture(&nodes);
+            let columns = (edge - 12..edge - 4).flat_map(|x| (0..SIDE).map(move |y| (y * SIDE + x) as usize));
+            let excess =
+                columns.map(|pixel| f64::from(picture[pixel].radiance.x - film.samples[pixel].radiance.x));
+            excess.sum::<f64>() / f64::from(8 * SIDE) / OTHERS / seeds as f64
+        };
+        let evidence = film.evidence();
+        alone += leak(&evidence);
+        beside += leak(&evidence.iter().map(|found| found.beside(OTHERS as f32)).collect::<Vec<_>>());
+    }
+    println!(
+        "leaked, over the light there: {alone:.3} by evidence of its own, {beside:.3} beside the others"
+    );
+    assert!(alone > 0.02 && beside < 0.002, "{alone}, {beside}");
+}
+
+#[test]
+fn a_layer_beside_others_states_the_same_variance() {
+    let mut stream = Stream::new(11);
+    let film = Film::new(6, |_, _| 1.0 + 0.3 * normal(&mut stream));
+    let variance = |others: f32| {
+        let evidence: Vec<_> = film.evidence().iter().map(|found| found.beside(others)).collect();
+        let mut nodes = film.nodes.clone();
+        verify_filters(&film.lattice, &evidence, &mut nodes).unwrap();
+        film.picture(&nodes).iter().map(|pixel| f64::from(pixel.variance)).sum::<f64>()
+    };
+    // A variance is of a layer's light, whatever else is seen there; a negative light is none.
+    let [alone, dim, bright, negative] = [0.0, 0.3, 30.0, -30.0].map(variance);
+    println!("variance {alone:.4} alone, {dim:.4}, {bright:.4} beside others");
+    assert!((dim / alone - 1.0).abs() < 0.05 && (bright / alone - 1.0).abs() < 0.05);
+    assert_eq!(alone, negative);
+    assert_eq!(FilmEvidence::default().beside(1.0), FilmEvidence::default());
+}
+
 #[test]
 fn the_halves_may_be_exchanged() {
     let mut stream = Stream::new(8);
