@@ -153,7 +153,8 @@ fn around(camera: &Camera, x: u32, y: u32) -> impl Iterator<Item = usize> {
     near(y, height).flat_map(move |y| near(x, width).map(move |x| (y * width + x) as usize))
 }
 
-fn middle(camera: &Camera, x: u32, y: u32) -> glam::Vec3 {
+/// Towards the middle of pixel (x, y).
+pub(crate) fn middle(camera: &Camera, x: u32, y: u32) -> glam::Vec3 {
     camera.direction(x as f32 + 0.5, y as f32 + 0.5)
 }
 

@@ -111,7 +111,7 @@ fn it_writes_a_page_numbers_and_a_figure_that_agree() {
     assert_eq!(json["stopped"], Value::Null);
     assert_eq!(json["scenes"].as_array().unwrap().len(), 2);
     assert_eq!(json["scenes"][1]["name"], "a,<b>");
-    assert_eq!(json["features"].as_array().unwrap().len(), 9);
+    assert_eq!(json["features"].as_array().unwrap().len(), 14);
 
     // A line of the table is a point and region of the numbers, in the same order.
     let csv = read("results.csv");

@@ -2,7 +2,7 @@
 
 use super::measure::Parts;
 use crate::media;
-use crate::pass::{Method, Renderer};
+use crate::pass::{Method, Parts as LightParts, Renderer};
 use crate::photon::{PhotonRecord, PhotonTracer, Record};
 use crate::random::Emission;
 use crate::scene::{Material, MediumDensity, Scene};
@@ -29,52 +29,145 @@ pub struct Feature {
     pub ratio: f64,
 }
 
-type Change = fn(&mut Scene);
+/// A row of the table.
+struct Variant {
+    name: &'static str,
+    about: &'static str,
+    method: Method,
+    /// None: all light alike.
+    parts: Option<LightParts>,
+    planned: bool,
+    change: fn(&mut Scene),
+}
 
-/// Variants in the order of the table: name, about, method, whether eye rays are planned, what is changed in the scene.
-const VARIANTS: [(&str, &str, Method, bool, Change); 9] = [
-    ("plain", "the glass ball with plain beams", Method::Ppb, false, |_| {}),
-    (
-        "+ light fields and grid",
-        "a tenth of the light paths carry a light field into the grid; each pair looks it up, but no kernel grows",
-        Method::Adaptive,
-        false,
-        |scene| scene.settings.schedule.max_radius = 0.0,
-    ),
-    (
-        "+ adaptive kernels",
-        "kernels grow where the grid says that the light is smooth",
-        Method::Adaptive,
-        false,
-        |_| {},
-    ),
-    ("+ planned eye rays", "few eye rays where the picture is smooth", Method::Adaptive, true, |_| {}),
-    ("exponential density", "plain, in fog that thins with height", Method::Ppb, false, |scene| {
-        let density = ExponentialDensity { origin: scene.grid.min, up: Vec3::Y, scale_height: 4.0 };
-        fill(scene, &MediumDensity::Exponential(density));
-    }),
-    ("voxel density", "plain, in fog given by 32³ voxels", Method::Ppb, false, |scene| {
-        let layout = GridLayout { cells: [32; 3], ..scene.grid };
-        // Waves between 0.5 and 1.5, so that no voxel is like its neighbours.
-        let wave = |i: u32| {
-            1.0 + 0.5 * ((i % 32) as f32).sin() * ((i / 32 % 32) as f32).sin() * ((i / 1024) as f32).sin()
-        };
-        fill(scene, &MediumDensity::Grid(Volume { layout, values: (0..32 * 32 * 32).map(wave).collect() }));
-    }),
-    ("coloured extinction", "plain, with another extinction for each channel", Method::Ppb, false, |scene| {
-        for medium in &mut scene.media {
-            medium.medium.absorption += medium.medium.scattering * Vec3::new(0.0, 0.1, 0.2);
-        }
-    }),
-    ("Henyey-Greenstein", "plain, with a phase function of asymmetry 0.7", Method::Ppb, false, |scene| {
-        for medium in &mut scene.media {
-            medium.medium.phase = PhaseFunction { kind: PhaseKind::HenyeyGreenstein, asymmetry: 0.7 };
-        }
-    }),
-    ("without the glass", "plain, the ball taken away", Method::Ppb, false, |scene| {
-        scene.objects.retain(|object| !matches!(object.material, Material::Dielectric { .. }));
-    }),
+const PLAIN: Variant = Variant {
+    name: "plain",
+    about: "the glass ball with plain beams",
+    method: Method::Ppb,
+    parts: None,
+    planned: false,
+    change: |_| {},
+};
+
+const DEFAULT: Variant = Variant {
+    name: "+ guided light paths",
+    about: "light paths go where the picture needs them: what covbeam render does",
+    method: Method::Adaptive,
+    parts: Some(LightParts::DEFAULT),
+    planned: true,
+    change: |_| {},
+};
+
+/// In the order of the table.
+const VARIANTS: [Variant; 14] = [
+    PLAIN,
+    Variant {
+        name: "+ light fields and grid",
+        about: "a tenth of the light paths carry a light field into the grid; each pair looks it up, but no kernel grows",
+        method: Method::Adaptive,
+        change: |scene| scene.settings.schedule.max_radius = 0.0,
+        ..PLAIN
+    },
+    Variant {
+        name: "+ adaptive kernels",
+        about: "kernels grow where the grid says that the light is smooth",
+        method: Method::Adaptive,
+        ..PLAIN
+    },
+    Variant {
+        name: "+ planned eye rays",
+        about: "few eye rays where the picture is smooth",
+        parts: None,
+        ..DEFAULT
+    },
+    Variant {
+        name: "+ straight light",
+        about: "light that comes straight from the lamps by shadow rays, not by beams",
+        parts: Some(LightParts { guided: false, ..LightParts::DEFAULT }),
+        ..DEFAULT
+    },
+    DEFAULT,
+    Variant {
+        name: "default, no glass",
+        about: "what covbeam render does, the ball taken away",
+        change: without_glass,
+        ..DEFAULT
+    },
+    Variant {
+        name: "default, black walls",
+        about: "what covbeam render does, all surfaces black and no glass",
+        change: |scene| {
+            without_glass(scene);
+            scene.objects.iter_mut().for_each(|object| object.material = Material::Black);
+        },
+        ..DEFAULT
+    },
+    Variant {
+        name: "default, no fog",
+        about: "what covbeam render does, the ball and its walls in a vacuum",
+        change: |scene| {
+            scene.outside = None;
+            scene.media.clear();
+            scene.objects.iter_mut().for_each(|object| object.inside = None);
+        },
+        ..DEFAULT
+    },
+    Variant {
+        name: "exponential density",
+        about: "plain, in fog that thins with height",
+        change: |scene| {
+            let density = ExponentialDensity { origin: scene.grid.min, up: Vec3::Y, scale_height: 4.0 };
+            fill(scene, &MediumDensity::Exponential(density));
+        },
+        ..PLAIN
+    },
+    Variant {
+        name: "voxel density",
+        about: "plain, in fog given by 32³ voxels",
+        change: |scene| {
+            let layout = GridLayout { cells: [32; 3], ..scene.grid };
+            // Waves between 0.5 and 1.5, so that no voxel is like its neighbours.
+            let wave = |i: u32| {
+                1.0 + 0.5 * ((i % 32) as f32).sin() * ((i / 32 % 32) as f32).sin() * ((i / 1024) as f32).sin()
+            };
+            fill(
+                scene,
+                &MediumDensity::Grid(Volume { layout, values: (0..32 * 32 * 32).map(wave).collect() }),
+            );
+        },
+        ..PLAIN
+    },
+    Variant {
+        name: "coloured extinction",
+        about: "plain, with another extinction for each channel",
+        change: |scene| {
+            for medium in &mut scene.media {
+                medium.medium.absorption += medium.medium.scattering * Vec3::new(0.0, 0.1, 0.2);
+            }
+        },
+        ..PLAIN
+    },
+    Variant {
+        name: "Henyey-Greenstein",
+        about: "plain, with a phase function of asymmetry 0.7",
+        change: |scene| {
+            for medium in &mut scene.media {
+                medium.medium.phase = PhaseFunction { kind: PhaseKind::HenyeyGreenstein, asymmetry: 0.7 };
+            }
+        },
+        ..PLAIN
+    },
+    Variant {
+        name: "without the glass",
+        about: "plain, the ball taken away",
+        change: without_glass,
+        ..PLAIN
+    },
 ];
+
+fn without_glass(scene: &mut Scene) {
+    scene.objects.retain(|object| !matches!(object.material, Material::Dielectric { .. }));
+}
 
 fn fill(scene: &mut Scene, density: &MediumDensity) {
     scene.media.iter_mut().for_each(|medium| medium.density = density.clone());
@@ -88,11 +181,14 @@ pub(super) fn features(
 ) -> Option<Vec<Feature>> {
     let mut best = [None::<Parts>; VARIANTS.len()];
     for _ in 0..REPEATS {
-        for ((_, _, method, planned, change), best) in VARIANTS.into_iter().zip(&mut best) {
+        for (variant, best) in VARIANTS.iter().zip(&mut best) {
             let mut scene = scene.clone();
-            change(&mut scene);
-            let mut renderer = Renderer::new(&scene, method, scene.settings.photons, 1);
-            if planned {
+            (variant.change)(&mut scene);
+            let mut renderer = Renderer::new(&scene, variant.method, scene.settings.photons, 1);
+            if let Some(parts) = variant.parts {
+                renderer.light_by_parts(parts);
+            }
+            if variant.planned {
                 renderer.plan_eye_rays();
             }
             let mut times = crate::pass::PassTimes::default();
@@ -104,11 +200,11 @@ pub(super) fn features(
         }
     }
     let plain = best[0]?.total();
-    let feature = |((name, about, ..), parts): ((&'static str, &'static str, _, _, _), Option<Parts>)| {
+    let feature = |(variant, parts): (&Variant, Option<Parts>)| {
         let parts = parts?;
-        Some(Feature { name, about, parts, ratio: parts.total() / plain })
+        Some(Feature { name: variant.name, about: variant.about, parts, ratio: parts.total() / plain })
     };
-    VARIANTS.into_iter().zip(best).map(feature).collect()
+    VARIANTS.iter().zip(best).map(feature).collect()
 }
 
 /// Bytes that one pass of a scene keeps.

@@ -1,6 +1,7 @@
 //! Error against time and passes of all methods on chosen scenes, with what else a user wants to know before choosing: one page.
 
 mod curves;
+mod error_budget;
 mod features;
 mod files;
 pub mod fit;
@@ -15,6 +16,7 @@ mod references;
 mod scene_section;
 mod tables;
 
+pub use error_budget::{ErrorBudget, KindShare, PLACES, error_budget};
 pub use features::{Feature, Memory};
 pub use files::{csv, json};
 pub use machine::Machine;
@@ -28,6 +30,12 @@ use crate::film::{FilmError, Picture};
 use crate::scene::Scene;
 use serde::Serialize;
 use std::path::PathBuf;
+
+/// The method whose error is split by kind of light.
+pub const LIGHT_BY_KIND: &str = "covbeam";
+
+/// Pictures that its variance is found from, which together have as many passes as one run, two each at least.
+const BUDGET_PICTURES: u32 = 4;
 
 /// What is measured.
 #[derive(Clone, Debug)]
@@ -91,6 +99,8 @@ pub struct SceneResult {
     pub runs: Vec<Run>,
     /// Of a pass.
     pub memory: Memory,
+    /// Of [`LIGHT_BY_KIND`]; None if it is not among the methods.
+    pub error_budget: Option<ErrorBudget>,
     /// The reference.
     #[serde(skip)]
     pub reference_picture: Picture,
@@ -146,9 +156,11 @@ impl Options {
     /// CPU-seconds that a report of some scenes is allowed, each with the reference that [`Options::prepare`] found for it.
     pub fn cpu_seconds(&self, subjects: &[(Subject, Option<Reference>)]) -> f64 {
         let runs = self.methods.len() as f64 * f64::from(self.seeds) * self.budget;
+        let budgets =
+            if self.methods.iter().any(|method| method.name == LIGHT_BY_KIND) { self.budget } else { 0.0 };
         let missing = subjects.iter().filter(|(_, reference)| reference.is_none()).count() as f64;
         let features = if self.features { self.features_seconds() } else { 0.0 };
-        subjects.len() as f64 * runs + missing * 2.0 * self.reference_budget + features
+        subjects.len() as f64 * (runs + budgets) + missing * 2.0 * self.reference_budget + features
     }
 
     /// About what the features take.
@@ -264,6 +276,18 @@ fn measure_scene(
     if runs.is_empty() {
         return Ok((None, false));
     }
+    let mut error_budget = None;
+    let of_kinds = |run: &&Run| run.method == LIGHT_BY_KIND;
+    if let Some(run) = runs.iter().find(of_kinds).filter(|_| is_whole) {
+        watch.begin(format!("{name}: error budget"), Budget::CpuSeconds(options.budget));
+        let all = run.points.last().map_or(1, |point| point.passes);
+        let passes = all.div_ceil(BUDGET_PICTURES).max(2);
+        let method = Method::named(run.method).expect("a run's method is in the table");
+        error_budget =
+            error_budget::error_budget(&scene, method, passes, BUDGET_PICTURES, &|| watch.is_cancelled())
+                .map_err(|source| ReportError::Pass { scene: name.clone(), method: method.name, source })?;
+        is_whole = error_budget.is_some();
+    }
     let region = |(index, region): (usize, &crate::regions::Region)| RegionInfo {
         name: region.name,
         pixels: region.count(),
@@ -278,6 +302,7 @@ fn measure_scene(
         regions,
         runs,
         memory: features::memory(&scene),
+        error_budget,
         reference_picture: reference.picture,
         relative_errors,
         name,

@@ -39,6 +39,7 @@ pub(super) fn section(scene: &SceneResult, id: &str) -> Result<String, PlotError
     }
     html += &tables::equal_time(scene);
     html += &tables::time_to_error(scene);
+    html += &tables::error_budget(scene);
     let _ = write!(
         html,
         "<h3>Pictures at the end of the first runs</h3>\n{}\

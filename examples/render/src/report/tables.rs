@@ -2,7 +2,7 @@
 
 use super::curves::{Value, common_time, curves};
 use super::palette::{PART_COLORS, hex};
-use super::{Feature, METHODS, Method, PARTS, Report, SceneResult};
+use super::{Feature, LIGHT_BY_KIND, METHODS, Method, PARTS, PLACES, Report, SceneResult};
 use std::fmt::Write;
 
 /// Text as HTML shows it.
@@ -234,6 +234,31 @@ fn milliseconds(seconds: f64) -> String {
 
 fn megabytes(bytes: f64) -> String {
     format!("{:.1} MB", bytes / 1e6)
+}
+
+/// Where the error that is left comes from; empty if that was not measured.
+pub(super) fn error_budget(scene: &SceneResult) -> String {
+    let Some(budget) = &scene.error_budget else { return String::new() };
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    let mut columns = vec!["kind of light".to_owned()];
+    columns.extend(PLACES.map(str::to_owned));
+    let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
+    let mut table = Table::new("Error budget", &columns);
+    for kind in &budget.kinds {
+        let mut cells = vec![kind.kind.to_owned()];
+        cells.extend(kind.places.map(percent));
+        table.row(&cells);
+    }
+    format!(
+        "<h3>Error budget of {}</h3>\n<p class=\"note\">Where the variance of a picture of {} passes comes from, {} of its squared \
+         brightness: shares of each kind of light in pixels that a silhouette or the border of a shadow crosses, in those that see a mirror \
+         or glass first, and in others. {} of it is in the fog before the first surface.</p>\n{}",
+        method_label(LIGHT_BY_KIND),
+        budget.passes,
+        number(budget.variance),
+        percent(budget.fog),
+        table.end()
+    )
 }
 
 /// Core-milliseconds a pass of each variant.

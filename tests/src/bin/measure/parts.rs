@@ -3,10 +3,8 @@
 use crate::budget::spend;
 use crate::rendering::{load, name, print_heads};
 use crate::{Outcome, Size};
-use covbeam_render::compare::luminance;
-use covbeam_render::film::{Film, Picture};
-use covbeam_render::pass::{Method, Parts, Renderer};
-use covbeam_render::plan::FirstSurfaces;
+use covbeam_render::pass::{Method as Gather, Parts, Renderer};
+use covbeam_render::report::{LIGHT_BY_KIND, Method, PLACES, error_budget};
 use covbeam_render::scene::Scene;
 use covbeam_tests::fleet::errors::Errors;
 use covbeam_tests::fleet::runs::{Estimator, narrow};
@@ -18,14 +16,14 @@ const REFERENCE_SEEDS: [u32; 2] = [5000, 6000];
 /// A way to make a picture.
 struct Variant {
     name: &'static str,
-    method: Method,
+    method: Gather,
     /// None: all light alike.
     parts: Option<Parts>,
     planned: bool,
 }
 
 const DEFAULT: Variant =
-    Variant { name: "default", method: Method::Adaptive, parts: Some(Parts::DEFAULT), planned: true };
+    Variant { name: "default", method: Gather::Adaptive, parts: Some(Parts::DEFAULT), planned: true };
 
 const VARIANTS: [Variant; 7] = [
     DEFAULT,
@@ -46,7 +44,7 @@ const VARIANTS: [Variant; 7] = [
     },
     Variant { name: "an eye ray in every pixel", planned: false, ..DEFAULT },
     Variant { name: "adaptive kernels alone (thesis)", parts: None, planned: false, ..DEFAULT },
-    Variant { name: "plain beams", method: Method::Ppb, parts: None, planned: false },
+    Variant { name: "plain beams", method: Gather::Ppb, parts: None, planned: false },
 ];
 
 impl Variant {
@@ -87,13 +85,16 @@ pub(crate) fn run(paths: &[PathBuf], seconds: f64, seeds: u32, reference: f64, s
         println!("| {} | {} |", variant.name, cells.collect::<Vec<_>>().join(" | "));
     }
     println!(
-        "\nVariance of the default, with a layer for each kind of light, over the squared brightness: share of each kind of light, at silhouettes and shadows' borders on \
-         surfaces and elsewhere; and of light of all kinds from the fog before the first surface\n"
+        "\nVariance of the default, with a layer for each kind of light, over the squared brightness; shares of each kind of light, at \
+         silhouettes and shadows' borders on surfaces, in pixels that see glass or a mirror first, and elsewhere; and of light of all kinds \
+         from the fog before the first surface\n"
     );
-    let heads = ["scene", "relative variance", "kind of light", "at edges [%]", "elsewhere [%]", "fog [%]"];
-    print_heads(&heads.map(str::to_owned));
+    let mut heads = vec!["scene", "passes", "relative variance", "kind of light"];
+    heads.extend(PLACES);
+    heads.push("fog");
+    print_heads(&heads.iter().map(|head| (*head).to_owned()).collect::<Vec<_>>());
     for (path, column) in paths.iter().zip(&columns) {
-        budget(&name(path), &load(path, size)?, column[0].passes, seeds)?;
+        print_budget(&name(path), &load(path, size)?, column[0].passes, seeds)?;
     }
     Ok(())
 }
@@ -122,50 +123,21 @@ fn errors(path: &Path, scene: &Scene, seconds: f64, seeds: u32, reference: f64) 
     VARIANTS.iter().map(found).collect()
 }
 
-/// Where the variance comes from.
-fn budget(name: &str, scene: &Scene, passes: u32, seeds: u32) -> Outcome<()> {
-    let mut pictures = Vec::new();
-    for seed in 1..=seeds {
-        eprintln!("{name}: kinds of light, seed {seed}");
-        let mut renderer = DEFAULT.renderer(scene, seed);
-        let mut film = Film::of_scene(scene);
-        film.keep_kinds(renderer.keep_kinds());
-        for pass in 1..=passes {
-            film.add(&renderer.pass(pass, &|| false).expect("never cancelled").0)?;
+fn print_budget(name: &str, scene: &Scene, passes: u32, seeds: u32) -> Outcome<()> {
+    eprintln!("{name}: kinds of light");
+    let method = Method::named(LIGHT_BY_KIND).expect("a method of the table");
+    let budget = error_budget(scene, method, passes, seeds, &|| false)?.expect("never cancelled");
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    for (row, kind) in budget.kinds.iter().enumerate() {
+        let mut cells = vec![name.to_owned(), passes.to_string(), format!("{:.1e}", budget.variance)];
+        let mut fog = percent(budget.fog);
+        if row > 0 {
+            cells.fill(String::new());
+            fog.clear();
         }
-        pictures.push(film.picture());
-    }
-    let surfaces = FirstSurfaces::new(scene);
-    let width = scene.camera.width;
-    let has_edge = |pixel: usize| surfaces.has_edge(pixel as u32 % width, pixel as u32 / width);
-    let light = |picture: &Picture, pixel: usize| f64::from(luminance(picture.radiance[pixel]));
-    let pixels = pictures[0].radiance.len();
-    let mean = |pixel: usize| pictures.iter().map(|p| light(p, pixel)).sum::<f64>() / pictures.len() as f64;
-    let floor = (0..pixels).map(mean).sum::<f64>() / pixels as f64 * 0.01;
-    // Of what `part` finds in each picture, at edges and elsewhere.
-    let variance = |part: &dyn Fn(&Picture, usize) -> f64| {
-        let mut sums = [0.0; 2];
-        for pixel in 0..pixels {
-            let values: Vec<f64> = pictures.iter().map(|picture| part(picture, pixel)).collect();
-            let middle = values.iter().sum::<f64>() / values.len() as f64;
-            let square = values.iter().map(|value| (value - middle).powi(2)).sum::<f64>();
-            let variance = square / (values.len() - 1) as f64;
-            sums[usize::from(!has_edge(pixel))] += variance / (mean(pixel).powi(2) + floor * floor);
-        }
-        sums.map(|sum| sum / pixels as f64)
-    };
-    let all: f64 = variance(&light).iter().sum();
-    let fog = |picture: &Picture, pixel: usize| {
-        picture.maps.as_ref().map_or(0.0, |maps| f64::from(luminance(maps.volume[pixel])))
-    };
-    let fog: f64 = variance(&fog).iter().sum();
-    for (row, (kind, _)) in pictures[0].kinds.iter().enumerate() {
-        let of_kind = |picture: &Picture, pixel: usize| f64::from(luminance(picture.kinds[row].1[pixel]));
-        let [edges, elsewhere] = variance(&of_kind).map(|part| 100.0 * part / all);
-        let first =
-            if row == 0 { [name.to_owned(), format!("{all:.1e}")] } else { [String::new(), String::new()] };
-        let fog = if row == 0 { format!("{:.0}", 100.0 * fog / all) } else { String::new() };
-        println!("| {} | {} | {edges:.0} | {elsewhere:.0} | {fog} |", first.join(" | "), kind.name());
+        cells.push(kind.kind.to_owned());
+        cells.extend(kind.places.map(percent));
+        println!("| {} | {fog} |", cells.join(" | "));
     }
     Ok(())
 }
