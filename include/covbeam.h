@@ -51,8 +51,8 @@
  * newer header adds are 0 for an older host; an older library refuses new fields that are not 0.
  *
  * Failure: every function that can fail returns a covbeam_status. All but COVBEAM_OK leave the outputs
- * unwritten and the objects as they were, and covbeam_last_error() says which parameter it was and what to
- * do. NaN, infinities without a meaning, and vectors that should have a direction but do not are refused.
+ * unwritten and the objects as they were, and covbeam_last_error() names the parameter, the element and the
+ * field, "beams[12].direction: …", and what to do. NaN, infinities without a meaning, and vectors that should have a direction but do not are refused.
  * Nothing is ever printed. A defect of the library that ends in a panic returns COVBEAM_PANICKED; the
  * object that the call was changing then answers COVBEAM_POISONED until it is freed.
  *

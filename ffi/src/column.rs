@@ -3,7 +3,7 @@
 use crate::arrays::write;
 use crate::check::{finite_not_negative, not_negative, positive_or_infinite, unit, vector};
 use crate::medium::{self, covbeam_density_kind, covbeam_medium};
-use crate::memory::{Element, Inputs, Outputs, Slot, inputs, outputs, read};
+use crate::memory::{Element, Inputs, Outputs, Slot, field, inputs, outputs, read};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
 use crate::types::covbeam_knot;
 use core::{ptr, slice};
@@ -73,10 +73,10 @@ pub(crate) unsafe fn column<'a>(e: Element<covbeam_column>) -> Result<Column<'a>
     match e.value.kind {
         k if k == COVBEAM_DENSITY_UNIFORM as u32 => Ok(Column::Uniform),
         k if k == COVBEAM_DENSITY_EXPONENTIAL as u32 => {
-            let density = finite_not_negative(e.part(|c| c.density))?;
+            let density = finite_not_negative(field!(e, density))?;
             let rate = e.value.rate;
             if rate.is_nan() {
-                return Err(e.is(format_args!("a rate of NaN")));
+                return Err(field!(e, rate).is(format_args!("is NaN")));
             }
             Ok(Column::Exponential { density, rate })
         }
@@ -84,7 +84,7 @@ pub(crate) unsafe fn column<'a>(e: Element<covbeam_column>) -> Result<Column<'a>
             // SAFETY: by the caller's promise.
             Ok(Column::Knots(unsafe { table(e.value.knots, e.value.knot_count, "knots of the column") }?))
         }
-        unknown => Err(e.is(format_args!("{unknown} is no covbeam_density_kind"))),
+        unknown => Err(field!(e, kind).is(format_args!("{unknown} is no covbeam_density_kind"))),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Edges beside a ray, found by probes that the host casts.
 
 use crate::check::{direction, finite_not_negative, positive_or_infinite, unit};
-use crate::memory::{Element, Outputs, Slot, read};
+use crate::memory::{Element, Outputs, Slot, field, read};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
 use crate::types::*;
 use core::ffi::c_void;
@@ -19,12 +19,12 @@ const NOTHING: covbeam_probe_hit =
 
 /// What a host says that a ray meets, if it is sound.
 fn probe_hit(e: Element<covbeam_probe_hit>) -> Result<Option<ProbeHit>, Failure> {
-    let distance = positive_or_infinite(e.part(|hit| hit.distance))?;
+    let distance = positive_or_infinite(field!(e, distance))?;
     if distance == f32::INFINITY {
         return Ok(None);
     }
-    let normal = direction(e.part(|hit| hit.normal))?;
-    Ok(Some(ProbeHit { distance, normal, offset: finite_not_negative(e.part(|hit| hit.offset))? }))
+    let normal = direction(field!(e, normal))?;
+    Ok(Some(ProbeHit { distance, normal, offset: finite_not_negative(field!(e, offset))? }))
 }
 
 /// Edges of occluders beside a ray, from nothing but rays that the host casts: those up to four that mask its

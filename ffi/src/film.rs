@@ -8,7 +8,7 @@ use crate::beam_map::{covbeam_poll, go_on};
 use crate::check::{finite_not_negative, positive};
 use crate::density::reserved;
 use crate::handle::{Opaque, free, handle_to, run_on, shared};
-use crate::memory::{Element, Inputs, Slot, inputs, outputs};
+use crate::memory::{Element, Inputs, Slot, field, inputs, outputs};
 use crate::picture::{Film, Seen};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
 use crate::types::*;
@@ -307,22 +307,28 @@ pub unsafe extern "C" fn covbeam_film_add(
 
 fn film_ray(rays: &Inputs<covbeam_film_ray>, i: usize, [width, height]: [u32; 2]) -> Result<Seen, Failure> {
     let ray = rays.get(i);
-    let covbeam_film_ray { pixel: [x, y], has_volume, has_rest, volume, rest } = ray.value;
+    let [x, y] = ray.value.pixel;
     if x >= width || y >= height {
-        return Err(ray.is(format_args!("({x}, {y}) is outside of the picture, {width} x {height}")));
+        return Err(
+            field!(ray, pixel).is(format_args!("({x}, {y}) is outside of the picture, {width} x {height}"))
+        );
     }
-    let seen = |has: u32, light: [f32; 3]| {
-        for value in light {
-            finite_not_negative(ray.part(|_| value))?;
+    let seen = |has: Element<u32>, light: Element<[f32; 3]>| {
+        for value in light.value {
+            finite_not_negative(light.part(|_| value))?;
         }
-        match has {
+        match has.value {
             0 => Ok(None),
-            1 => Ok(Some(Vec3::from_array(light))),
-            _ => Err(ray.is(format_args!("has_volume and has_rest are 0 or 1, not {has}"))),
+            1 => Ok(Some(Vec3::from_array(light.value))),
+            other => Err(has.is(format_args!("{other} is neither 0 nor 1"))),
         }
     };
     let pixel = y as usize * width as usize + x as usize;
-    Ok(Seen { pixel, volume: seen(has_volume, volume)?, rest: seen(has_rest, rest)? })
+    Ok(Seen {
+        pixel,
+        volume: seen(field!(ray, has_volume), field!(ray, volume))?,
+        rest: seen(field!(ray, has_rest), field!(ray, rest))?,
+    })
 }
 
 /// Makes a film ready for covbeam_film_picture: where a filter of the latest pass disagrees with narrower ones by more

@@ -12,6 +12,8 @@ mod column;
 mod density;
 mod edges;
 mod emission;
+#[cfg(test)]
+mod field_tests;
 mod film;
 mod grid;
 mod handle;

@@ -3,7 +3,7 @@
 use crate::check::{finite, random, unit, vector};
 use crate::density::reserved;
 use crate::handle::{Opaque, free, handle_to, run_on, shared};
-use crate::memory::{Element, Inputs, Outputs, Slot, inputs, outputs, read};
+use crate::memory::{Element, Inputs, Outputs, Slot, field, inputs, outputs, read};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
 use crate::types::*;
 use core::slice;
@@ -165,9 +165,11 @@ pub unsafe extern "C" fn covbeam_march_update(
         let mut before = f32::MIN;
         for i in 0..count {
             let knot = knots.get(i);
-            let distance = finite(knot.part(|knot| knot.distance))?;
+            let distance = finite(field!(knot, distance))?;
             if distance < before {
-                return Err(knot.is(format_args!("a distance of {distance} is below that before, {before}")));
+                return Err(
+                    field!(knot, distance).is(format_args!("{distance} is below that before, {before}"))
+                );
             }
             before = distance;
         }

@@ -3,7 +3,7 @@
 use crate::check::{direction, finite_not_negative, positive, vector};
 use crate::density::{Volume, covbeam_density};
 use crate::handle::shared;
-use crate::memory::{Element, read_options};
+use crate::memory::{Element, field, read_options};
 use crate::phase::phase;
 use crate::status::Failure;
 use crate::types::covbeam_phase;
@@ -76,13 +76,15 @@ unsafe fn read_with_voxels<'a>(
     // SAFETY: by this function's contract.
     let options = unsafe { read_options(pointer, offset_of!(covbeam_medium, density), name) }?;
     let whole = Element::single(options, name);
-    for coefficient in options.scattering.into_iter().chain(options.absorption) {
-        finite_not_negative(whole.part(|_| coefficient))?;
+    for coefficients in [field!(whole, scattering), field!(whole, absorption)] {
+        for coefficient in coefficients.value {
+            finite_not_negative(coefficients.part(|_| coefficient))?;
+        }
     }
     let mut medium = Medium {
         scattering: options.scattering.into(),
         absorption: options.absorption.into(),
-        phase: phase(whole.part(|m| m.phase))?,
+        phase: phase(field!(whole, phase))?,
         density: Density::Uniform,
     };
     if !medium.extinction().element_sum().is_finite() {
@@ -93,9 +95,9 @@ unsafe fn read_with_voxels<'a>(
         d if d == covbeam_density_kind::COVBEAM_DENSITY_UNIFORM as u32 => Density::Uniform,
         d if d == covbeam_density_kind::COVBEAM_DENSITY_EXPONENTIAL as u32 => {
             Density::Exponential(ExponentialDensity {
-                origin: vector(whole.part(|m| m.origin))?,
-                up: normalized(direction(whole.part(|m| m.up))?),
-                scale_height: positive(whole.part(|m| m.scale_height))?,
+                origin: vector(field!(whole, origin))?,
+                up: normalized(direction(field!(whole, up))?),
+                scale_height: positive(field!(whole, scale_height))?,
             })
         }
         d if d == covbeam_density_kind::COVBEAM_DENSITY_VOXELS as u32 => {
@@ -104,7 +106,9 @@ unsafe fn read_with_voxels<'a>(
             voxels = Some(volume);
             volume.density()
         }
-        unknown => return Err(whole.is(format_args!("{unknown} is no covbeam_density_kind"))),
+        unknown => {
+            return Err(field!(whole, density).is(format_args!("{unknown} is no covbeam_density_kind")));
+        }
     };
     Ok((medium, voxels))
 }

@@ -1,6 +1,7 @@
 //! The host's memory: pointers and strided arrays, checked before they are touched.
 
 use crate::status::{Failure, covbeam_status::*, fail};
+use core::fmt;
 use core::marker::PhantomData;
 use core::mem::MaybeUninit;
 
@@ -123,7 +124,12 @@ impl<'a, T: Copy> Inputs<'a, T> {
         assert!(index < self.count);
         // SAFETY: inside the array that `new` checked, readable by its contract; a plain struct.
         let value = unsafe { self.first.byte_add(index * self.stride).read() };
-        Element { value, name: self.name, index: (self.count > 1).then_some(index) }
+        Element {
+            value,
+            name: self.name,
+            index: (self.count > 1).then_some(index),
+            parts: [Part::default(); 2],
+        }
     }
 }
 
@@ -131,30 +137,75 @@ impl<'a, T: Copy> Inputs<'a, T> {
 #[derive(Clone, Copy)]
 pub(crate) struct Element<'a, T> {
     pub(crate) value: T,
-    pub(crate) name: &'a str,
+    name: &'a str,
     /// None for the only one.
-    pub(crate) index: Option<usize>,
+    index: Option<usize>,
+    /// The part of it, and the part of that; an empty name is no part.
+    parts: [Part; 2],
+}
+
+/// A field of a struct, or an element of an array in one.
+#[derive(Clone, Copy, Default)]
+struct Part {
+    name: &'static str,
+    index: Option<usize>,
 }
 
 impl<'a, T: Copy> Element<'a, T> {
     /// A parameter that is no array.
     pub(crate) fn single(value: T, name: &'a str) -> Self {
-        Self { value, name, index: None }
+        Self { value, name, index: None, parts: [Part::default(); 2] }
     }
 
     /// A part of this element, under the same name.
     pub(crate) fn part<U>(&self, part: impl FnOnce(T) -> U) -> Element<'a, U> {
-        Element { value: part(self.value), name: self.name, index: self.index }
+        Element { value: part(self.value), name: self.name, index: self.index, parts: self.parts }
+    }
+
+    /// A field of this element, under its own name: see [`field!`]. Of fields of fields of fields the outer two are named.
+    pub(crate) fn field<U>(
+        &self,
+        name: &'static str,
+        index: Option<usize>,
+        field: impl FnOnce(T) -> U,
+    ) -> Element<'a, U> {
+        let mut found = self.part(field);
+        if let Some(free) = found.parts.iter_mut().find(|part| part.name.is_empty()) {
+            *free = Part { name, index };
+        }
+        found
     }
 
     /// The failure that says of this element that it is `what`.
     pub(crate) fn is(&self, what: core::fmt::Arguments) -> Failure {
-        match self.index {
-            Some(index) => fail(COVBEAM_INVALID_VALUE, format_args!("{}[{index}]: {what}", self.name)),
-            None => fail(COVBEAM_INVALID_VALUE, format_args!("{}: {what}", self.name)),
-        }
+        fail(COVBEAM_INVALID_VALUE, format_args!("{self}: {what}"))
     }
 }
+
+impl<T> fmt::Display for Element<'_, T> {
+    /// As C names it, but for the dot: `segments[3].edges[1].distance`.
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(self.name)?;
+        self.index.map_or(Ok(()), |index| write!(f, "[{index}]"))?;
+        for part in self.parts.iter().filter(|part| !part.name.is_empty()) {
+            write!(f, ".{}", part.name)?;
+            part.index.map_or(Ok(()), |index| write!(f, "[{index}]"))?;
+        }
+        Ok(())
+    }
+}
+
+/// A field of an element, or an element of such an array: `field!(beam, direction)` is "beams[12].direction" in a message,
+/// `field!(segment, edges[1])` "segments[3].edges[1]".
+macro_rules! field {
+    ($element:expr, $name:ident) => {
+        $element.field(stringify!($name), None, |value| value.$name)
+    };
+    ($element:expr, $name:ident[$index:expr]) => {
+        $element.field(stringify!($name), Some($index), |value| value.$name[$index])
+    };
+}
+pub(crate) use field;
 
 /// An array that is written, or read and written.
 pub(crate) struct Outputs<'a, T> {
@@ -193,7 +244,12 @@ impl<'a, T: Copy> Outputs<'a, T> {
         assert!(index < self.count);
         // SAFETY: inside the array that `new` checked, readable by its contract; a plain struct.
         let value = unsafe { self.first.byte_add(index * self.stride).read() };
-        Element { value, name: self.name, index: (self.count > 1).then_some(index) }
+        Element {
+            value,
+            name: self.name,
+            index: (self.count > 1).then_some(index),
+            parts: [Part::default(); 2],
+        }
     }
 
     pub(crate) fn set(&mut self, index: usize, value: T) {

@@ -2,7 +2,7 @@
 
 use crate::arrays::write;
 use crate::check::{cosine, finite, random, random_pair, unit};
-use crate::memory::{Element, Slot, inputs, outputs, read};
+use crate::memory::{Element, Slot, field, inputs, outputs, read};
 use crate::status::{Failure, covbeam_status, run};
 use crate::types::{covbeam_phase, covbeam_phase_kind};
 use covbeam_core::{PhaseFunction, PhaseKind};
@@ -13,12 +13,12 @@ pub(crate) fn phase(e: Element<covbeam_phase>) -> Result<PhaseFunction, Failure>
         k if k == COVBEAM_PHASE_ISOTROPIC as u32 => PhaseKind::Isotropic,
         k if k == COVBEAM_PHASE_HENYEY_GREENSTEIN as u32 => PhaseKind::HenyeyGreenstein,
         k if k == COVBEAM_PHASE_RAYLEIGH as u32 => PhaseKind::Rayleigh,
-        unknown => return Err(e.is(format_args!("{unknown} is no covbeam_phase_kind"))),
+        unknown => return Err(field!(e, kind).is(format_args!("{unknown} is no covbeam_phase_kind"))),
     };
     let asymmetry = if kind == PhaseKind::HenyeyGreenstein {
-        let g = finite(e.part(|phase| phase.asymmetry))?;
+        let g = finite(field!(e, asymmetry))?;
         if g.abs() >= 1.0 {
-            return Err(e.is(format_args!("an asymmetry of {g} is not in (-1, 1)")));
+            return Err(field!(e, asymmetry).is(format_args!("{g} is not in (-1, 1)")));
         }
         g
     } else {

@@ -6,7 +6,7 @@ use crate::check::{
 };
 use crate::column::ordered_table;
 use crate::medium::{self, covbeam_medium};
-use crate::memory::{Element, inputs, outputs};
+use crate::memory::{Element, field, inputs, outputs};
 use crate::status::{Failure, covbeam_status, run};
 use crate::types::*;
 use covbeam_core::{Column, Edge, Knot, LightField, MOST_EDGES, Segment};
@@ -33,26 +33,27 @@ impl Way {
 fn way(e: Element<covbeam_segment>) -> Result<Way, Failure> {
     let edge_count = e.value.edge_count as usize;
     if edge_count > MOST_EDGES {
-        return Err(e.is(format_args!("edge_count is {edge_count}, more than {MOST_EDGES}")));
+        return Err(field!(e, edge_count).is(format_args!("{edge_count} is more than {MOST_EDGES}")));
     }
     for i in 0..edge_count {
-        finite(e.part(|s| s.edges[i].depth))?;
-        not_negative(e.part(|s| s.edges[i].distance))?;
-        direction(e.part(|s| s.edges[i].towards))?;
+        let edge = field!(e, edges[i]);
+        finite(field!(edge, depth))?;
+        not_negative(field!(edge, distance))?;
+        direction(field!(edge, towards))?;
         if i > 0 && e.value.edges[i].depth < e.value.edges[i - 1].depth {
-            return Err(e.is(format_args!("edges are not sorted by depth")));
+            return Err(field!(edge, depth).is(format_args!("edges are not sorted by depth")));
         }
     }
-    let (origin, field) = (vector(e.part(|s| s.origin))?, light_field(e.part(|s| s.field))?);
+    let (origin, field) = (vector(field!(e, origin))?, light_field(field!(e, field))?);
     Ok(Way { origin, field, edges: e.value.edges.map(Edge::from), edge_count })
 }
 
 /// The way along a segment and the host's columns, if all of it is sound.
 pub(crate) fn whole<'a>(e: Element<covbeam_segment>) -> Result<(Way, Option<&'a [Knot]>), Failure> {
-    positive_or_infinite(e.part(|s| s.length))?;
-    positive(e.part(|s| s.power))?;
+    positive_or_infinite(field!(e, length))?;
+    positive(field!(e, power))?;
     if e.value.unscattered > 1 {
-        return Err(e.is(format_args!("unscattered is {}, neither 0 nor 1", e.value.unscattered)));
+        return Err(field!(e, unscattered).is(format_args!("{} is neither 0 nor 1", e.value.unscattered)));
     }
     Ok((way(e)?, host_knots(e)?))
 }
@@ -64,7 +65,7 @@ fn host_knots<'a>(e: Element<covbeam_segment>) -> Result<Option<&'a [Knot]>, Fai
         return if knot_count == 0 {
             Ok(None)
         } else {
-            Err(e.is(format_args!("knots is NULL, knot_count is not 0")))
+            Err(field!(e, knots).is(format_args!("NULL, but knot_count is not 0")))
         };
     }
     // SAFETY: by the promise of the caller of `covbeam_grid_deposit`.

@@ -1,7 +1,7 @@
 //! The plain structs of the ABI, and their way to and from the core's.
 
 use crate::check::{finite, finite_each, finite_not_negative, not_negative, unit, unit_or_zero, vector};
-use crate::memory::Element;
+use crate::memory::{Element, field};
 use crate::status::Failure;
 use covbeam_core as core_types;
 use glam::Vec3;
@@ -406,14 +406,14 @@ impl From<core_types::LightField> for covbeam_light_field {
 
 /// A light field as only the library writes them, up to the rounding of its frame.
 pub(crate) fn light_field(e: Element<covbeam_light_field>) -> Result<core_types::LightField, Failure> {
-    finite_each(e.part(|field| field.root))?;
-    let x = unit(e.part(|field| field.x_axis))?;
-    let z = unit(e.part(|field| field.direction))?;
+    finite_each(field!(e, root))?;
+    let x = unit(field!(e, x_axis))?;
+    let z = unit(field!(e, direction))?;
     // Rounded axes are across each other to 1e-7.
     if x.dot(z).abs() <= 1e-4 {
         Ok(e.value.into())
     } else {
-        Err(e.is(format_args!("x_axis {x} is not across direction {z}")))
+        Err(field!(e, x_axis).is(format_args!("{x} is not across direction {z}")))
     }
 }
 
@@ -436,8 +436,10 @@ impl From<covbeam_curvature> for core_types::Curvature {
 }
 
 pub(crate) fn curvature(e: Element<covbeam_curvature>) -> Result<core_types::Curvature, Failure> {
-    vector(e.part(|c| c.tangent))?;
-    finite_each(e.part(|c| [c.along, c.across, c.twist]))?;
+    vector(field!(e, tangent))?;
+    for bend in [field!(e, along), field!(e, across), field!(e, twist)] {
+        finite(bend)?;
+    }
     Ok(e.value.into())
 }
 
@@ -455,7 +457,10 @@ impl From<covbeam_spectrum> for core_types::FluenceSpectrum {
 }
 
 pub(crate) fn spectrum(e: Element<covbeam_spectrum>) -> Result<core_types::FluenceSpectrum, Failure> {
-    finite_each(e.part(|s| [s.xx, s.yy, s.zz, s.xy, s.xz, s.yz]))?;
+    let diagonal = [field!(e, xx), field!(e, yy), field!(e, zz)];
+    for variance in diagonal.into_iter().chain([field!(e, xy), field!(e, xz), field!(e, yz)]) {
+        finite(variance)?;
+    }
     Ok(e.value.into())
 }
 
@@ -491,20 +496,20 @@ impl From<core_types::Derivatives> for covbeam_derivatives {
 
 pub(crate) fn beam(e: Element<covbeam_beam>) -> Result<core_types::Beam, Failure> {
     Ok(core_types::Beam {
-        origin: vector(e.part(|b| b.origin))?,
-        direction: unit(e.part(|b| b.direction))?,
-        length: finite_not_negative(e.part(|b| b.length))?,
-        power: vector(e.part(|b| b.power))?,
-        start_normal: unit_or_zero(e.part(|b| b.start_normal))?,
-        end_normal: unit_or_zero(e.part(|b| b.end_normal))?,
+        origin: vector(field!(e, origin))?,
+        direction: unit(field!(e, direction))?,
+        length: finite_not_negative(field!(e, length))?,
+        power: vector(field!(e, power))?,
+        start_normal: unit_or_zero(field!(e, start_normal))?,
+        end_normal: unit_or_zero(field!(e, end_normal))?,
     })
 }
 
 pub(crate) fn eye_ray(e: Element<covbeam_eye_ray>) -> Result<core_types::EyeRay, Failure> {
     Ok(core_types::EyeRay {
-        origin: vector(e.part(|r| r.origin))?,
-        direction: unit(e.part(|r| r.direction))?,
-        length: not_negative(e.part(|r| r.length))?,
+        origin: vector(field!(e, origin))?,
+        direction: unit(field!(e, direction))?,
+        length: not_negative(field!(e, length))?,
     })
 }
 
@@ -534,8 +539,10 @@ impl From<covbeam_gathered> for core_types::Gathered {
 
 /// What an eye ray has gathered so far.
 pub(crate) fn gathered(e: Element<covbeam_gathered>) -> Result<core_types::Gathered, Failure> {
-    finite_each(e.part(|g| g.radiance))?;
-    finite_each(e.part(|g| [g.weight, g.radius, g.sigma]))?;
+    finite_each(field!(e, radiance))?;
+    for sum in [field!(e, weight), field!(e, radius), field!(e, sigma)] {
+        finite(sum)?;
+    }
     Ok(e.value.into())
 }
 
@@ -552,10 +559,7 @@ impl From<core_types::Crossing> for covbeam_crossing {
 }
 
 pub(crate) fn pixel_step(e: Element<covbeam_pixel_step>) -> Result<core_types::PixelStep, Failure> {
-    Ok(core_types::PixelStep {
-        origin: vector(e.part(|step| step.origin))?,
-        direction: vector(e.part(|step| step.direction))?,
-    })
+    Ok(core_types::PixelStep { origin: vector(field!(e, origin))?, direction: vector(field!(e, direction))? })
 }
 
 impl From<core_types::ImageSpectrum> for covbeam_image_spectrum {
@@ -568,8 +572,10 @@ pub(crate) fn image_spectrum(
     e: Element<covbeam_image_spectrum>,
 ) -> Result<core_types::ImageSpectrum, Failure> {
     let covbeam_image_spectrum { xx, xy, yy, weight } = e.value;
-    finite_each(e.part(|_| [xx, xy, yy]))?;
-    finite_not_negative(e.part(|_| weight))?;
+    for variance in [field!(e, xx), field!(e, xy), field!(e, yy)] {
+        finite(variance)?;
+    }
+    finite_not_negative(field!(e, weight))?;
     Ok(core_types::ImageSpectrum { xx, xy, yy, weight })
 }
 
@@ -581,9 +587,9 @@ impl From<core_types::ImageFilter> for covbeam_image_filter {
 
 pub(crate) fn image_filter(e: Element<covbeam_image_filter>) -> Result<core_types::ImageFilter, Failure> {
     let covbeam_image_filter { xx, xy, yy } = e.value;
-    finite(e.part(|_| xy))?;
-    for variance in [xx, yy] {
-        finite_not_negative(e.part(|_| variance))?;
+    finite(field!(e, xy))?;
+    for variance in [field!(e, xx), field!(e, yy)] {
+        finite_not_negative(variance)?;
     }
     Ok(core_types::ImageFilter { xx, xy, yy })
 }
@@ -597,8 +603,8 @@ pub(crate) fn film_pixel(pixel: core_types::FilmPixel, volume: Vec3) -> covbeam_
 /// What the error of a pixel is found from.
 pub(crate) fn film_pixel_of(e: Element<covbeam_film_pixel>) -> Result<core_types::FilmPixel, Failure> {
     let covbeam_film_pixel { variance, difference, .. } = e.value;
-    finite_not_negative(e.part(|_| variance))?;
-    finite(e.part(|_| difference))?;
+    finite_not_negative(field!(e, variance))?;
+    finite(field!(e, difference))?;
     Ok(core_types::FilmPixel { radiance: Vec3::ZERO, variance, difference })
 }
 
@@ -626,13 +632,13 @@ impl From<core_types::MarchSample> for covbeam_march_sample {
 /// A sample of a first round, with what its shadow ray found; NaN is nothing.
 pub(crate) fn march_sample(e: Element<covbeam_march_sample>) -> Result<core_types::MarchSample, Failure> {
     let covbeam_march_sample { distance, weight, visibility, mass, .. } = e.value;
-    finite(e.part(|_| distance))?;
-    finite_not_negative(e.part(|_| weight))?;
+    finite(field!(e, distance))?;
+    finite_not_negative(field!(e, weight))?;
     if !(visibility.is_nan() || (0.0..=1.0).contains(&visibility)) {
-        return Err(e.is(format_args!("a visibility of {visibility} is not in [0, 1]")));
+        return Err(field!(e, visibility).is(format_args!("{visibility} is not in [0, 1]")));
     }
     if !(mass >= 0.0 && mass.is_finite()) {
-        return Err(e.is(format_args!("a mass of {mass} is not of covbeam_march_place")));
+        return Err(field!(e, mass).is(format_args!("{mass} is not of covbeam_march_place")));
     }
     Ok(core_types::MarchSample { distance, weight, visibility, mass })
 }
