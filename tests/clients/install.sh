@@ -20,27 +20,39 @@ same() {
     fi
 }
 
-cmake -S "$root/ffi" -B "$work/build" -DCMAKE_INSTALL_LIBDIR=lib > "$work/log" || { cat "$work/log"; fail "cmake -S ffi"; }
-cmake --build "$work/build"
+# Without the network, by the tools that the environment names: each says so and does its work.
+cargo fetch --quiet --locked --manifest-path "$root/Cargo.toml"
+for tool in cargo rustc; do
+    printf '#!/bin/sh\necho "$@" >> "%s/by-%s"\nexec "%s" "$@"\n' "$work" "$tool" "$(command -v "$tool")" > "$work/$tool"
+    chmod +x "$work/$tool"
+done
+CARGO="$work/cargo" RUSTC="$work/rustc" cmake -S "$root/ffi" -B "$work/build" -DCMAKE_INSTALL_LIBDIR=lib > "$work/log" ||
+    { cat "$work/log"; fail "cmake -S ffi"; }
+CARGO_NET_OFFLINE=true cmake --build "$work/build"
+grep -q -- 'build .*--locked' "$work/by-cargo" || fail "CARGO, or Cargo.lock, was not used"
+grep -q -- '--crate-name' "$work/by-rustc" || fail "RUSTC was not used by cargo"
 cmake --install "$work/build" --prefix "$prefix" > "$work/log" || { cat "$work/log"; fail "cmake --install"; }
 
 version="$(sed -n 's/^version = "\(.*\)"/\1/p' "$root/Cargo.toml")"
-full="libcovbeam.so.$version"
+abi="$(sed -n 's/^#define COVBEAM_ABI_VERSION //p' "$root/include/covbeam.h")"
+soname="libcovbeam.so.$abi"
+full="$(basename "$(realpath "$prefix/lib/$soname")")"
+[[ "$full" =~ ^libcovbeam\.so\.$abi\.[0-9]+\.[0-9]+$ ]] || fail "the shared library is $full"
 same "the list of installed files" "$(cd "$prefix" && find . ! -type d | LC_ALL=C sort)" "./include/covbeam.h
 ./include/covbeam.hpp
 ./lib/cmake/covbeam/covbeam-config-version.cmake
 ./lib/cmake/covbeam/covbeam-config.cmake
 ./lib/libcovbeam.a
 ./lib/libcovbeam.so
+./lib/$soname
 ./lib/$full
-./lib/libcovbeam.so.1
 ./lib/pkgconfig/covbeam.pc"
 shared="$prefix/lib/$full"
-for link in libcovbeam.so libcovbeam.so.1; do
+for link in libcovbeam.so "$soname"; do
     same "the link $link" "$(readlink "$prefix/lib/$link")" "$full"
 done
 readelf -d "$shared" > "$work/dynamic"
-same "the SONAME" "$(sed -n 's/.*SONAME.*\[\(.*\)\]/\1/p' "$work/dynamic")" "libcovbeam.so.1"
+same "the SONAME" "$(sed -n 's/.*SONAME.*\[\(.*\)\]/\1/p' "$work/dynamic")" "$soname"
 # The C library, its loader, and gcc's unwinder for panics.
 same "the list of libraries needed" \
     "$(sed -n 's/.*NEEDED.*\[\(.*\)\.so\.[0-9]*\]/\1/p' "$work/dynamic" | grep -v '^ld-linux' | LC_ALL=C sort)" "libc
