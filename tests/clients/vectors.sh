@@ -14,7 +14,7 @@ version="$(sed -n 's/^version = "\(.*\)"/\1/p' "$root/Cargo.toml")"
 
 fail() { echo "vectors: $*" >&2; exit 1; }
 
-# build COMPILER STANDARD LINK CLIENT OUT
+# build COMPILER STANDARD LINK CLIENT OUT [OPTIMISATION]
 build() {
     local libraries
     case $3 in
@@ -22,7 +22,7 @@ build() {
         static) libraries="$prefix/lib/libcovbeam.a $(pkg-config --static --libs-only-l covbeam | sed 's/-lcovbeam//')" ;;
     esac
     # shellcheck disable=SC2046,SC2086
-    "$1" "-std=$2" -O2 -pthread -Wall -Wextra -Wpedantic -Werror $(pkg-config --cflags covbeam) \
+    "$1" "-std=$2" "${6:--O2}" -pthread -Wall -Wextra -Wpedantic -Werror $(pkg-config --cflags covbeam) \
         "$clients/$4.c" -o "$5" $libraries -lm
     case $3 in
         shared) ldd "$5" | grep > /dev/null -e "$prefix/lib/libcovbeam" || fail "$4 does not use the library of $prefix" ;;
@@ -41,6 +41,13 @@ for compiler in gcc clang; do
             echo "vectors: $compiler, $link, $standard: $(cat "$work/log")"
         done
     done
+done
+
+# Callers that keep everything in memory, as a debugger's user has them.
+for compiler in gcc clang; do
+    build "$compiler" c99 static vectors "$work/vectors-slow" -O0
+    "$work/vectors-slow" "$root/tests/vectors.txt" > "$work/log" || fail "vectors, $compiler, static, -O0"
+    echo "vectors: $compiler, static, -O0: $(paste -sd ';' "$work/log")"
 done
 
 # A client that takes anything would pass, too: one bit, one input, a name, a line without its end.

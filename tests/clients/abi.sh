@@ -1,0 +1,54 @@
+#!/bin/bash
+# The ABI that programs are compiled for, as libabigail sees it, is what tests/covbeam.abi says.
+#   tests/clients/abi.sh PREFIX     of what install.sh has installed there: header, SONAME and exported symbols
+#   tests/clients/abi.sh --write    remakes tests/covbeam.abi from include/ and ffi/Cargo.toml
+# Types are those of the header, which is what a C program sees; that the library's are the same, layout.rs and abi.c assert. Debug
+# information of the library itself would also tell of its insides, and change with each version of Rust.
+set -euo pipefail
+root="$(cd "$(dirname "$0")/../.." && pwd)"
+[ $# -eq 1 ] || { echo "usage: $0 PREFIX | --write" >&2; exit 1; }
+kept="$root/tests/covbeam.abi"
+work="$(mktemp -d)"
+trap 'rm -rf "$work"' EXIT
+
+fail() { echo "abi: $*" >&2; exit 1; }
+
+# describe HEADER SONAME: into $work/covbeam.abi, from a library whose functions do nothing.
+describe() {
+    cp "$1" "$work/covbeam.h"
+    # A declaration begins a line and may go on; one that ends without a body gets one.
+    (cd "$work" && cc -E -P covbeam.h | awk '
+        /^[a-z]/ { text = ""; open = !/^(typedef|static|extern)/ }
+        { text = text $0 "\n" }
+        /;$/ && open && text ~ /covbeam_[a-z0-9_]+\(/ { sub(/;\n$/, " { __builtin_trap(); }\n", text); open = 0 }
+        /;$|}$/ { printf "%s", text; text = "" }' > covbeam.c
+        cc -std=c11 -w -g -shared -fPIC "-Wl,-soname,$2" covbeam.c -o covbeam.so
+        abidw --no-corpus-path --no-comp-dir-path --no-show-locs --no-elf-needed --type-id-style hash covbeam.so > covbeam.abi)
+}
+
+if [ "$1" = --write ]; then
+    abi="$(sed -n 's/^version = "\([0-9]*\)\..*/\1/p' "$root/ffi/Cargo.toml")"
+    describe "$root/include/covbeam.h" "libcovbeam.so.$abi"
+    cp "$work/covbeam.abi" "$kept"
+    exit
+fi
+
+library="$1/lib/libcovbeam.so"
+describe "$1/include/covbeam.h" "$(readelf -d "$library" | sed -n 's/.*SONAME.*\[\(.*\)\]/\1/p')"
+functions() { nm -D --defined-only "$1" | awk '$NF ~ /^covbeam_/ { print $NF }' | LC_ALL=C sort; }
+diff <(functions "$work/covbeam.so") <(functions "$library") || fail "the library (>) has other functions than its header (<)"
+abidiff "$kept" "$work/covbeam.abi" || fail "not the ABI of tests/covbeam.abi (above). Meant? tests/clients/abi.sh --write
+and, where a program must be compiled anew, another COVBEAM_ABI_VERSION and version in ffi/Cargo.toml"
+
+# What must be noticed: a field more, another type, a function less.
+broken() {
+    sed "$1" "$root/include/covbeam.h" > "$work/broken.h"
+    ! cmp -s "$work/broken.h" "$root/include/covbeam.h" || fail "'$1' changes nothing"
+    describe "$work/broken.h" "libcovbeam.so.0"
+    if abidiff "$kept" "$work/covbeam.abi" > "$work/said"; then fail "not noticed: $1"; fi
+    grep -q "$2" "$work/said" || { cat "$work/said"; fail "noticed as something else: $1"; }
+}
+broken 's/^typedef struct covbeam_beam {/&\n    float added;/' "'float added'"
+broken 's/^uint32_t covbeam_abi_version(void)/uint64_t covbeam_abi_version(void)/' 'return type changed'
+broken '/^uint32_t covbeam_abi_version(void)/d' '1 Removed'
+echo "abi: $(functions "$library" | wc -l) functions, as in tests/covbeam.abi; three broken headers noticed"
