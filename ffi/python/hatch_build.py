@@ -1,4 +1,4 @@
-"""Build hook of wheels: the shared library goes in, and the tag says where it runs.
+"""Build hook of wheels: the shared library goes in, with the licences of what is linked into it, and the tag says where it runs.
 
 Its table in pyproject.toml has: package, of the workspace; library, whose module the wheel has; variable of the environment
 that names a built library.
@@ -9,22 +9,50 @@ import os
 import re
 import subprocess
 import sysconfig
+import tempfile
 from pathlib import Path
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 
+def said(root: str, program: str, *arguments: str) -> str:
+    """What cargo or rustc prints; the environment may name others, as for cargo itself."""
+    command = [os.environ.get(program.upper(), program), *arguments]
+    return subprocess.run(command, cwd=root, check=True, stdout=subprocess.PIPE, text=True).stdout
+
+
 def built_library(package: str, root: str) -> Path:
     """Builds the library of a package with cargo and returns where cargo has put it."""
-    command = ["cargo", "rustc", "--release", "--package", package, "--crate-type", "cdylib"]
+    arguments = ["rustc", "--locked", "--release", "--package", package, "--crate-type", "cdylib"]
     # What debuggers read would be many times the library.
-    command += ["--message-format", "json-render-diagnostics", "--", "-C", "strip=debuginfo"]
-    output = subprocess.run(command, cwd=root, check=True, stdout=subprocess.PIPE).stdout
-    for line in output.splitlines():
+    arguments += ["--message-format", "json-render-diagnostics", "--", "-C", "strip=debuginfo"]
+    for line in said(root, "cargo", *arguments).splitlines():
         message = json.loads(line)
         if message["reason"] == "compiler-artifact" and "cdylib" in message["target"]["crate_types"]:
             return Path(next(f for f in message["filenames"] if Path(f).suffix in (".so", ".dylib", ".dll")))
     raise RuntimeError("cargo built no shared library")
+
+
+def third_party(package: str, root: str) -> str:
+    """The licences of the crates that are linked into a package's library, and of Rust's standard library: each text once."""
+    tree = ["tree", "--locked", "--package", package, "--edges", "normal,no-proc-macro", "--prefix", "none"]
+    linked = set(said(root, "cargo", *tree, "--format", "{p}").splitlines())
+    of_text = {}
+    for crate in json.loads(said(root, "cargo", "metadata", "--locked", "--format-version", "1"))["packages"]:
+        name = f"{crate['name']} v{crate['version']}"
+        # Packages of the workspace have no source, and their path behind their name.
+        if crate["source"] is None or name not in linked:
+            continue
+        folder = Path(crate["manifest_path"]).parent
+        files = sorted(f for f in folder.iterdir() if re.match("licen[cs]e|copying|notice|copyright", f.name, re.IGNORECASE))
+        if not files:
+            raise RuntimeError(f"{name} ({crate['license']}) has no file with its licence")
+        for file in files:
+            of_text.setdefault(file.read_text(encoding="utf-8").strip(), []).append(f"{name} ({crate['license']}), {file.name}")
+    standard = Path(said(root, "rustc", "--print", "sysroot").strip(), "share/doc/rust/COPYRIGHT-library.html")
+    of_text[standard.read_text(encoding="utf-8").strip()] = ["Rust's standard library, as HTML"]
+    line = "\n" + "-" * 110 + "\n"
+    return line.join("\n".join(names) + "\n\n" + text + "\n" for text, names in of_text.items())
 
 
 def platform_tag(library: Path) -> str:
@@ -51,5 +79,12 @@ class LibraryHook(BuildHookInterface):
         module = self.config["library"]
         name = f"{module}{extension}" if extension == ".dll" else f"lib{module}{extension}"
         build_data["force_include"][str(library)] = f"{module}/{name}"
+        self.folder = tempfile.TemporaryDirectory()
+        licences = Path(self.folder.name, "THIRD-PARTY")
+        licences.write_text(third_party(self.config["package"], self.root), encoding="utf-8")
+        build_data["force_include"][str(licences)] = f"{module}/THIRD-PARTY"
         build_data["pure_python"] = False
         build_data["tag"] = f"py3-none-{platform_tag(library)}"
+
+    def finalize(self, version, build_data, artifact_path):
+        self.folder.cleanup()

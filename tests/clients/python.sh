@@ -19,13 +19,20 @@ test -n "$library" || { echo "python.sh: no shared library under $prefix" >&2; e
 
 python3 -m venv "$work/venv"
 python="$work/venv/bin/python"
-"$python" -m pip install --quiet numpy build hatchling
+"$python" -m pip install --quiet numpy build hatchling auditwheel
 
 COVBEAM_LIBRARY="$library" "$python" -m build --wheel --no-isolation --outdir "$work/dist" "$repository/ffi/python" > "$work/build.log" ||
     { cat "$work/build.log"; exit 1; }
 wheel=("$work"/dist/covbeam-*-py3-none-*.whl)
 test "${#wheel[@]}" -eq 1
 echo "$(basename "${wheel[0]}"): $(stat -c %s "${wheel[0]}") bytes"
+# Its tag is what auditwheel finds in the library, and the licences those of what is linked into it.
+tag=$(basename "${wheel[0]}" .whl | sed 's/.*-none-//')
+"$python" -m auditwheel show "${wheel[0]}" | tr '\n' ' ' > "$work/auditwheel"
+grep -q "constrains the platform tag to \"$tag\"" "$work/auditwheel" || { cat "$work/auditwheel"; exit 1; }
+crates=$("$python" -c 'import sys, zipfile; print(zipfile.ZipFile(sys.argv[1]).read("covbeam/THIRD-PARTY").decode())' "${wheel[0]}" |
+    sed -nE 's/^([a-z_]+) v[0-9.]+ \(.*\), [A-Z].*/\1/p' | sort -u | xargs)
+test "$crates" = "fearless_simd glam libm" || { echo "python.sh: THIRD-PARTY has the licences of: $crates" >&2; exit 1; }
 "$python" -m pip install --quiet --no-deps "${wheel[0]}"
 # From here on the library in the wheel is used, and nothing else.
 unset COVBEAM_LIBRARY
