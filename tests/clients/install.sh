@@ -21,7 +21,7 @@ same() {
 }
 
 # Without the network, by the tools that the environment names: each says so and does its work.
-cargo fetch --quiet --locked --manifest-path "$root/Cargo.toml"
+cargo fetch --quiet --locked --target "$(rustc -vV | sed -n "s/^host: //p")" --manifest-path "$root/Cargo.toml"
 for tool in cargo rustc; do
     printf '#!/bin/sh\necho "$@" >> "%s/by-%s"\nexec "%s" "$@"\n' "$work" "$tool" "$(command -v "$tool")" > "$work/$tool"
     chmod +x "$work/$tool"
