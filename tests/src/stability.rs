@@ -3,11 +3,11 @@
 //! Measure: the largest difference of an entry of the 3x3 fluence covariance, relative to the largest entry of the
 //! true one (which does not depend on the choice of a frame). Where the slice has full rank, also the relative
 //! error of its determinant, which sees the smaller eigenvalue however small it is. The truth is the textbook
-//! form in 1600 bits on the same `f32` inputs; the stored axes of the frame are inputs of the next event too, and
-//! the direction must agree with the truth's to its rounding.
+//! form in 1600 bits or more on the same `f32` inputs; the stored axes of the frame are inputs of the next event
+//! too, and the direction must agree with the truth's to its rounding.
 
 use crate::random::Stream;
-use crate::twin::{Big, Event, Real, Source, Twin, apply, start};
+use crate::twin::{Big, Bigger, Event, Real, Source, Twin, apply, start};
 use covbeam::{
     Column, CovarianceGrid, Curvature, FluenceCell, FluenceSpectrum, GridCell, GridLayout, LightField,
     Medium, Segment, Vec3,
@@ -42,13 +42,13 @@ pub struct Errors {
 
 /// Runs a case in all forms. Panics if the library's result is NaN, infinite or not positive semi-definite after
 /// any event.
-pub fn errors(case: &Case) -> Errors {
-    let mut truth = Twin::<Big>::start(case.source);
+pub fn errors<Truth: Real>(case: &Case) -> Errors {
+    let mut truth = Twin::<Truth>::start(case.source);
     let mut textbook = Twin::<f32>::start(case.source);
     let mut textbook_wide = Twin::<f64>::start(case.source);
     let mut field = start(case.source);
     let adopt =
-        |field: &LightField, truth: &mut Twin<Big>, textbook: &mut Twin<f32>, wide: &mut Twin<f64>| {
+        |field: &LightField, truth: &mut Twin<Truth>, textbook: &mut Twin<f32>, wide: &mut Twin<f64>| {
             textbook.adopt_frame(field);
             wide.adopt_frame(field);
             truth.adopt_frame(field)
@@ -82,9 +82,9 @@ pub fn errors(case: &Case) -> Errors {
 
 /// How far the truth itself moves when every number of the path is moved to a neighbouring `f32`: no single-precision
 /// renderer can be closer to the scene that it was meant to show. The largest of three random moves.
-pub fn sensitivity(case: &Case) -> f64 {
+pub fn sensitivity<Truth: Real>(case: &Case) -> f64 {
     let mut random = Stream::new(9);
-    let mut truth = Twin::<Big>::start(case.source);
+    let mut truth = Twin::<Truth>::start(case.source);
     let mut moved = [truth.clone(), truth.clone(), truth.clone()];
     let mut field = start(case.source);
     for event in &case.events {
@@ -343,7 +343,7 @@ pub fn cases() -> Vec<Case> {
             ROUNDING,
         ),
         case("1000 bounces", BOUNCING, bounces(1000, 2, 0.05), 1e-5, MANY),
-        case("1000 events of all kinds", BOUNCING, everything(1000, 3), 1e-5, MANY),
+        case("1000 events of all kinds", BOUNCING, gentle(1000, 3), 1e-5, MANY),
         case("a scene 1e6 units from the origin", BOUNCING, far_away(), 1e-6, ROUNDING),
         case(
             "a source 1e6 units away, detail of 1e-4",
@@ -471,17 +471,22 @@ fn bounces(count: usize, seed: u64, strength: f64) -> Vec<Event> {
     events
 }
 
-/// All events at random.
-fn everything(count: usize, seed: u64) -> Vec<Event> {
+/// All events at random: how far light travels at a time, in powers of ten, and how its surfaces curve.
+fn everything(
+    count: usize,
+    seed: u64,
+    ways: [f64; 2],
+    bends: impl Fn(&mut Stream) -> Curvature,
+) -> Vec<Event> {
     let mut random = Stream::new(seed);
     let mut field = start(BOUNCING);
     let mut events = Vec::new();
     while events.len() < count {
         let normal = normal_for(field.direction, &mut random);
         let event = match (random.uniform() * 8.0) as usize {
-            0..3 => Event::Travel(random.decades(-2.0, 1.0) as f32),
-            3 => Event::Reflect(normal, curvature(&mut random, 1.0)),
-            4 => Event::Refract(normal, curvature(&mut random, 1.0), random.between(0.6, 1.0) as f32),
+            0..3 => Event::Travel(random.decades(ways[0], ways[1]) as f32),
+            3 => Event::Reflect(normal, bends(&mut random)),
+            4 => Event::Refract(normal, bends(&mut random), random.between(0.6, 1.0) as f32),
             5 => Event::Occlude(random.direction(), random.decades(-2.0, 1.0) as f32),
             6 => Event::Scatter(random.direction(), random.decades(-2.0, 2.0) as f32),
             _ => Event::Narrow(random.direction(), random.decades(-2.0, 1.0) as f32),
@@ -490,6 +495,20 @@ fn everything(count: usize, seed: u64) -> Vec<Event> {
         events.push(event);
     }
     events
+}
+
+fn gentle(count: usize, seed: u64) -> Vec<Event> {
+    everything(count, seed, [-2.0, 1.0], |random| curvature(random, 1.0))
+}
+
+/// 1 to 1000 events over six decades of length and four of curvature.
+fn wild(seed: u64) -> Vec<Event> {
+    let count = (Stream::new(!seed).uniform() * 1000.0) as usize + 1;
+    everything(count, seed, [-3.0, 3.0], |random| {
+        let mut bend = || random.decades(-2.0, 2.0).copysign(random.between(-1.0, 1.0)) as f32;
+        let (along, across, twist) = (bend(), bend(), bend());
+        Curvature { tangent: random.direction(), along, across, twist }
+    })
 }
 
 /// Positions 1e6 from the origin, where f32 is spaced by 1/16; the host's distances are their differences.
@@ -531,19 +550,38 @@ pub struct Family {
     /// The paths. Their tolerance is that of a path of their length away from foci: 3e-8 a rounding, twice in a
     /// variance, 2.5 standard deviations of a random walk.
     pub paths: Vec<Case>,
+    /// [`errors`] of a path, against as many bits as it needs.
+    pub errors: fn(&Case) -> Errors,
+    /// [`sensitivity`] of a path, likewise.
+    pub sensitivity: fn(&Case) -> f64,
 }
 
 /// The families of random paths.
 pub fn families() -> Vec<Family> {
     let family = |name, count, tolerance, events: &dyn Fn(u64) -> Vec<Event>| {
         let case = |seed| Case { name, source: BOUNCING, events: events(seed), tolerance, reason: "" };
-        Family { name, paths: (0..count).map(case).collect() }
+        Family {
+            name,
+            paths: (0..count).map(case).collect(),
+            errors: errors::<Big>,
+            sensitivity: sensitivity::<Big>,
+        }
     };
     vec![
-        family("1500 chains of 12 events of all kinds", 1500, 1e-6, &|seed| everything(12, 100 + seed)),
+        family("1500 chains of 12 events of all kinds", 1500, 1e-6, &|seed| gentle(12, 100 + seed)),
         family("30 paths of 100 bounces", 30, 1e-6, &|seed| bounces(100, seed, 0.05)),
         family("30 paths of 1000 bounces", 30, 1e-5, &|seed| bounces(1000, seed, 0.05)),
         family("30 paths of 200 scatterings", 30, 3e-6, &|seed| fog(200, seed)),
+        Family {
+            errors: errors::<Bigger>,
+            sensitivity: sensitivity::<Bigger>,
+            ..family(
+                "1000 chains of up to 1000 events, ways of 1e-3..1e3, curvatures of 0.01..100",
+                1000,
+                1e-5,
+                &wild,
+            )
+        },
     ]
 }
 
@@ -562,7 +600,7 @@ pub struct Spread {
 
 /// Runs a family.
 pub fn spread(family: &Family) -> Spread {
-    let runs: Vec<Errors> = family.paths.iter().map(errors).collect();
+    let runs: Vec<Errors> = family.paths.iter().map(family.errors).collect();
     let quantiles = |of: &dyn Fn(&Errors) -> f64| {
         let mut sorted: Vec<f64> = runs.iter().map(of).collect();
         sorted.sort_by(f64::total_cmp);
@@ -573,7 +611,7 @@ pub fn spread(family: &Family) -> Spread {
         .iter()
         .zip(&runs)
         .filter(|(case, run)| run.square_root.is_nan() || run.square_root > case.tolerance)
-        .map(|(case, run)| run.square_root / sensitivity(case))
+        .map(|(case, run)| run.square_root / (family.sensitivity)(case))
         .collect();
     Spread {
         textbook: quantiles(&|run| run.textbook),

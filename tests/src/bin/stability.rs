@@ -3,9 +3,12 @@
 use covbeam_tests::stability::{
     cases, errors, extinguished_beam, families, many_deposits, sensitivity, spread,
 };
+use covbeam_tests::twin::Big;
 
 fn main() {
-    println!("Relative error of the fluence covariance against 1600 bits; determinant: of the slice.");
+    println!(
+        "Relative error of the fluence covariance against 1600 bits or more; determinant: of the slice."
+    );
     println!(
         "textbook f32: 4x4 covariance. f32/f64: the same stored in f32, each operator computed in f64.\n"
     );
@@ -14,7 +17,7 @@ fn main() {
         "case", "textbook", "f32/f64", "square root", "determinant", "tolerance", "inputs"
     );
     for case in cases() {
-        let e = errors(&case);
+        let e = errors::<Big>(&case);
         let determinant = e.determinant.map_or("-".to_owned(), |d| format!("{d:.1e}"));
         println!(
             "{:<70} {:>9.1e} {:>9.1e} {:>11.1e} {determinant:>11} {:>9.0e} {:>9.1e}  {}",
@@ -23,7 +26,7 @@ fn main() {
             e.textbook_wide,
             e.square_root,
             case.tolerance,
-            sensitivity(&case),
+            sensitivity::<Big>(&case),
             case.reason
         );
     }
