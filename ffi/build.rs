@@ -10,11 +10,12 @@ fn main() {
         return;
     }
     let manifest = std::fs::read_to_string("Cargo.toml").expect("the manifest that cargo has just read");
-    let version = manifest.lines().find_map(|line| line.strip_prefix("version = \"")).expect("a version of the library");
-    let abi = version.split('.').next().expect("split gives one part at least");
+    let version = manifest.lines().find_map(|line| line.strip_prefix("version = \""));
+    let abi = version.and_then(|version| version.split('.').next()).expect("a version of the library");
+    let name = |option| println!("cargo::rustc-link-arg-cdylib=-Wl,{option}");
     match var("CARGO_CFG_TARGET_OS").as_deref() {
-        Ok("linux") => println!("cargo::rustc-link-arg-cdylib=-Wl,-soname,libcovbeam.so.{abi}"),
-        Ok("macos") => println!("cargo::rustc-link-arg-cdylib=-Wl,-install_name,@rpath/libcovbeam.{abi}.dylib"),
+        Ok("linux") => name(format!("-soname,libcovbeam.so.{abi}")),
+        Ok("macos") => name(format!("-install_name,@rpath/libcovbeam.{abi}.dylib")),
         _ => {}
     }
 }
