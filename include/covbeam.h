@@ -66,7 +66,8 @@
  * Costs: an operator of a light field takes 0.1 to 0.5 us; whatever costs more says so. Everything is
  * linear in its counts unless that is said.
  *
- * Versions: COVBEAM_ABI_VERSION changes when a host must be compiled anew, and with it the SONAME, which ends in it.
+ * Versions: COVBEAM_ABI_VERSION changes when a host must be compiled anew, and with it the SONAME, which
+ * ends in it.
  */
 
 

@@ -1,4 +1,4 @@
-"""Build hook of wheels: the shared library goes in, with the licences of what is linked into it, and the tag says where it runs.
+"""Build hook of wheels: the shared library goes in, with the licences of what is linked into it; the tag says where it runs.
 
 Its table in pyproject.toml has: package, of the workspace; library, whose module the wheel has; variable of the environment
 that names a built library.
@@ -13,6 +13,9 @@ import tempfile
 from pathlib import Path
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+
+
+LICENCE = re.compile("licen[cs]e|copying|notice|copyright", re.IGNORECASE)
 
 
 def said(root: str, program: str, *arguments: str) -> str:
@@ -34,7 +37,7 @@ def built_library(package: str, root: str) -> Path:
 
 
 def third_party(package: str, root: str) -> str:
-    """The licences of the crates that are linked into a package's library, and of Rust's standard library: each text once."""
+    """The licences of all crates that are linked into a package's library, and of Rust's own: each text once."""
     tree = ["tree", "--locked", "--package", package, "--edges", "normal,no-proc-macro", "--prefix", "none"]
     linked = set(said(root, "cargo", *tree, "--format", "{p}").splitlines())
     of_text = {}
@@ -44,12 +47,14 @@ def third_party(package: str, root: str) -> str:
         if crate["source"] is None or name not in linked:
             continue
         folder = Path(crate["manifest_path"]).parent
-        files = sorted(f for f in folder.iterdir() if re.match("licen[cs]e|copying|notice|copyright", f.name, re.IGNORECASE))
+        files = sorted(f for f in folder.iterdir() if LICENCE.match(f.name))
         if not files:
             raise RuntimeError(f"{name} ({crate['license']}) has no file with its licence")
         for file in files:
-            of_text.setdefault(file.read_text(encoding="utf-8").strip(), []).append(f"{name} ({crate['license']}), {file.name}")
-    standard = Path(said(root, "rustc", "--print", "sysroot").strip(), "share/doc/rust/COPYRIGHT-library.html")
+            names = of_text.setdefault(file.read_text(encoding="utf-8").strip(), [])
+            names.append(f"{name} ({crate['license']}), {file.name}")
+    sysroot = said(root, "rustc", "--print", "sysroot").strip()
+    standard = Path(sysroot, "share/doc/rust/COPYRIGHT-library.html")
     of_text[standard.read_text(encoding="utf-8").strip()] = ["Rust's standard library, as HTML"]
     line = "\n" + "-" * 110 + "\n"
     return line.join("\n".join(names) + "\n\n" + text + "\n" for text, names in of_text.items())

@@ -1,9 +1,9 @@
 #!/bin/bash
 # The ABI that programs are compiled for, as libabigail sees it, is what tests/covbeam.abi says.
-#   tests/clients/abi.sh PREFIX     of what install.sh has installed there: header, SONAME and exported symbols
+#   tests/clients/abi.sh PREFIX     of what install.sh has installed there: header, SONAME, exported symbols
 #   tests/clients/abi.sh --write    remakes tests/covbeam.abi from include/ and ffi/Cargo.toml
-# Types are those of the header, which is what a C program sees; that the library's are the same, layout.rs and abi.c assert. Debug
-# information of the library itself would also tell of its insides, and change with each version of Rust.
+# Types are those of the header, which is what a C program sees; that the library's are the same, layout.rs and
+# abi.c assert. The library's own debug information also tells of its insides, and changes with the compiler.
 set -euo pipefail
 root="$(cd "$(dirname "$0")/../.." && pwd)"
 [ $# -eq 1 ] || { echo "usage: $0 PREFIX | --write" >&2; exit 1; }
@@ -20,10 +20,11 @@ describe() {
     (cd "$work" && cc -E -P covbeam.h | awk '
         /^[a-z]/ { text = ""; open = !/^(typedef|static|extern)/ }
         { text = text $0 "\n" }
-        /;$/ && open && text ~ /covbeam_[a-z0-9_]+\(/ { sub(/;\n$/, " { __builtin_trap(); }\n", text); open = 0 }
+        /;$/ && open && text ~ /covbeam_[a-z0-9_]+\(/ { sub(/;\n$/, " { __builtin_trap(); }\n", text) }
         /;$|}$/ { printf "%s", text; text = "" }' > covbeam.c
         cc -std=c11 -w -g -shared -fPIC "-Wl,-soname,$2" covbeam.c -o covbeam.so
-        abidw --no-corpus-path --no-comp-dir-path --no-show-locs --no-elf-needed --type-id-style hash covbeam.so > covbeam.abi)
+        abidw --no-corpus-path --no-comp-dir-path --no-show-locs --no-elf-needed --type-id-style hash \
+            covbeam.so > covbeam.abi)
 }
 
 if [ "$1" = --write ]; then
@@ -37,7 +38,7 @@ library="$1/lib/libcovbeam.so"
 describe "$1/include/covbeam.h" "$(readelf -d "$library" | sed -n 's/.*SONAME.*\[\(.*\)\]/\1/p')"
 functions() { nm -D --defined-only "$1" | awk '$NF ~ /^covbeam_/ { print $NF }' | LC_ALL=C sort; }
 diff <(functions "$work/covbeam.so") <(functions "$library") || fail "the library (>) has other functions than its header (<)"
-abidiff "$kept" "$work/covbeam.abi" || fail "not the ABI of tests/covbeam.abi (above). Meant? tests/clients/abi.sh --write
+abidiff "$kept" "$work/covbeam.abi" || fail "the ABI has changed (above). Meant? tests/clients/abi.sh --write
 and, where a program must be compiled anew, another COVBEAM_ABI_VERSION and version in ffi/Cargo.toml"
 
 # What must be noticed: a field more, another type, a function less.

@@ -1,6 +1,6 @@
 #!/bin/bash
-# What cargo-c installs is what CMake does, but for CMake's own package files: tests/clients/cinstall.sh PREFIX
-# PREFIX: where install.sh has installed. Needs cargo-c (cargo install cargo-c), which takes too long to build for .ci/run.
+# What cargo-c installs is what CMake does, but for its package files: tests/clients/cinstall.sh PREFIX
+# PREFIX: where install.sh has installed. Needs cargo-c (cargo install cargo-c), whose build is too long for .ci/run.
 set -euo pipefail
 root="$(cd "$(dirname "$0")/../.." && pwd)"
 [ $# -eq 1 ] || { echo "usage: $0 PREFIX" >&2; exit 1; }
@@ -10,8 +10,8 @@ trap 'rm -rf "$work"' EXIT
 
 (cd "$root" && cargo cinstall --release --locked --package covbeam-ffi --prefix "$work/prefix" --libdir lib)
 
-# Names, kinds and targets of links; the exported symbols, the SONAME and the headers; pkg-config's fields, where order and what
-# stands for the prefix do not matter.
+# Names, kinds and targets of links; the exported symbols, the SONAME and the headers; pkg-config's fields, where
+# order and what stands for the prefix do not matter.
 describe() {
     (cd "$1" && find . ! -type d ! -path './lib/cmake/*' -printf '%p %y %l\n' | LC_ALL=C sort)
     nm -D --defined-only "$1/lib/libcovbeam.so" | awk '{ print $NF }' | LC_ALL=C sort

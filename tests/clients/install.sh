@@ -21,12 +21,15 @@ same() {
 }
 
 # Without the network, by the tools that the environment names: each says so and does its work.
-cargo fetch --quiet --locked --target "$(rustc -vV | sed -n "s/^host: //p")" --manifest-path "$root/Cargo.toml"
+host="$(rustc -vV | sed -n 's/^host: //p')"
+cargo fetch --quiet --locked --target "$host" --manifest-path "$root/Cargo.toml"
 for tool in cargo rustc; do
-    printf '#!/bin/sh\necho "$@" >> "%s/by-%s"\nexec "%s" "$@"\n' "$work" "$tool" "$(command -v "$tool")" > "$work/$tool"
+    printf '#!/bin/sh\necho "$@" >> "%s/by-%s"\nexec "%s" "$@"\n' "$work" "$tool" "$(command -v "$tool")" \
+        > "$work/$tool"
     chmod +x "$work/$tool"
 done
-CARGO="$work/cargo" RUSTC="$work/rustc" cmake -S "$root/ffi" -B "$work/build" -DCMAKE_INSTALL_LIBDIR=lib > "$work/log" ||
+CARGO="$work/cargo" RUSTC="$work/rustc" \
+    cmake -S "$root/ffi" -B "$work/build" -DCMAKE_INSTALL_LIBDIR=lib > "$work/log" ||
     { cat "$work/log"; fail "cmake -S ffi"; }
 CARGO_NET_OFFLINE=true cmake --build "$work/build"
 grep -q -- 'build .*--locked' "$work/by-cargo" || fail "CARGO, or Cargo.lock, was not used"

@@ -30,9 +30,9 @@ echo "$(basename "${wheel[0]}"): $(stat -c %s "${wheel[0]}") bytes"
 tag=$(basename "${wheel[0]}" .whl | sed 's/.*-none-//')
 "$python" -m auditwheel show "${wheel[0]}" | tr '\n' ' ' > "$work/auditwheel"
 grep -q "constrains the platform tag to \"$tag\"" "$work/auditwheel" || { cat "$work/auditwheel"; exit 1; }
-crates=$("$python" -c 'import sys, zipfile; print(zipfile.ZipFile(sys.argv[1]).read("covbeam/THIRD-PARTY").decode())' "${wheel[0]}" |
-    sed -nE 's/^([a-z_]+) v[0-9.]+ \(.*\), [A-Z].*/\1/p' | sort -u | xargs)
-test "$crates" = "fearless_simd glam libm" || { echo "python.sh: THIRD-PARTY has the licences of: $crates" >&2; exit 1; }
+"$python" -m zipfile -e "${wheel[0]}" "$work/wheel"
+crates=$(sed -nE 's/^([a-z_]+) v[0-9.]+ \(.*\), [A-Z].*/\1/p' "$work/wheel/covbeam/THIRD-PARTY" | sort -u | xargs)
+test "$crates" = "fearless_simd glam libm" || { echo "python.sh: THIRD-PARTY is of $crates" >&2; exit 1; }
 "$python" -m pip install --quiet --no-deps "${wheel[0]}"
 # From here on the library in the wheel is used, and nothing else.
 unset COVBEAM_LIBRARY

@@ -3,8 +3,8 @@
 //! Measure: the largest difference of an entry of the 3x3 fluence covariance, relative to the largest entry of the
 //! true one (which does not depend on the choice of a frame). Where the slice has full rank, also the relative
 //! error of its determinant, which sees the smaller eigenvalue however small it is. The truth is the textbook
-//! form in 1600 bits or more on the same `f32` inputs; the stored axes of the frame are inputs of the next event
-//! too, and the direction must agree with the truth's to its rounding.
+//! form in 1600 bits or more on the same `f32` inputs; the stored axes of the frame are inputs of the next
+//! event too, and the direction must agree with the truth's to its rounding.
 
 use crate::random::Stream;
 use crate::twin::{Big, Bigger, Event, Real, Source, Twin, apply, start};

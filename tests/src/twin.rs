@@ -36,8 +36,8 @@ pub struct Binary<const BITS: usize>(FBig<HalfEven, 2>);
 /// Enough for infinity = 2⁴⁰⁰ and regularisation = 2⁻⁸⁰⁰ in one matrix, with 400 bits left.
 pub type Big = Binary<1600>;
 
-/// Enough for a thousand events over six decades of length and four of curvature, where the textbook's subtractions lose two
-/// bits an event: after 730 of them 1600 bits have lost all.
+/// Enough for a thousand events over six decades of length and four of curvature, where the textbook's
+/// subtractions lose two bits an event: after 730 of them 1600 bits have lost all.
 pub type Bigger = Binary<3200>;
 
 macro_rules! big_operator {
