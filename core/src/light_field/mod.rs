@@ -52,7 +52,11 @@ const UNBOUNDED: f64 = (1u128 << 100) as f64;
 /// that is none, 0 for a variance and infinity for a radius that is negative or NaN.
 ///
 /// Error: one rounding of the ten numbers to `f32` per operator. The slice agrees with a 1600-bit evaluation
-/// to 1e-6, 1e-5 after 1000 events (test `every_hard_case_is_within_its_tolerance`).
+/// to 1e-6, 1e-5 after 1000 events (test `every_hard_case_is_within_its_tolerance`). Long ways of strongly bent
+/// light lose more: a rounding counts as many times as the angles then spread more along one axis than along
+/// the other, and where curvature times distance is beyond 1e7, 24 bits hold one of the two. Of 1000 random
+/// chains of up to 1000 events, with ways of 1e-3 to 1e3 m and curvatures of 0.01 to 100 per m, half agree to
+/// 1e-7, 99 % to 7e-6, all to 2e-4 (command `stability`).
 ///
 /// Size: 64 bytes.
 #[repr(C)]

@@ -30,7 +30,10 @@ fn main() {
             case.reason
         );
     }
-    println!("\nRandom paths, also those that end near a focus (median, 99 %, max)");
+    println!(
+        "\nRandom paths, also those that end near a focus; strong: ways of 1e-3..1e3, curvatures of 0.01..100 \
+         (median, 99 %, max)"
+    );
     for family in families() {
         let s = spread(&family);
         let show = |[a, b, c]: [f64; 3]| format!("{a:.1e} {b:.1e} {c:.1e}");

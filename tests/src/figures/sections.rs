@@ -130,7 +130,9 @@ pub fn sections(effort: f64) -> Vec<Section> {
         Section {
             title: "Precision",
             about: "Largest relative errors of the fluence's spectrum over hard cases, in single \
-                precision; the textbook form beside it.",
+                precision; the textbook form beside it. Below, random paths. Those of strong events lose \
+                more: after a long way a rounding counts as many times as the light spreads more along one axis \
+                than along the other.",
             command: "run --release -p covbeam-tests --bin stability".to_owned(),
             answer: Answer::Text,
         },
