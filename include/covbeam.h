@@ -314,9 +314,10 @@ typedef struct covbeam_scratch covbeam_scratch;
  *
  * Error of what it says of the fluence, relative to the largest entry of its covariance: one rounding of the
  * ten numbers per operator; below 1e-6 after tens of events and 1e-5 after 1000, but near a focus, where it
- * is as large as what the rounding of the inputs changes. Long ways of strongly bent light lose more: of 1000 random chains of up to 1000 events, with ways of 1e-3 to 1e3 m and curvatures of
- * 0.01 to 100 per m, half are within 1e-7, 99 % within 7e-6, all within 2e-4. Where curvature times distance
- * is beyond 1e7, 24 bits hold only one axis of the light.
+ * is as large as what the rounding of the inputs changes. Long ways of strongly bent light lose more: of 1000
+ * random chains of up to 1000 events, with ways of 1e-3 to 1e3 m and curvatures of 0.01 to 100 per m, half are
+ * within 1e-7, 99 % within 7e-6, all within 2e-4. Where curvature times distance is beyond 1e7, 24 bits hold
+ * only one axis of the light.
  */
 typedef struct covbeam_light_field {
     /**

@@ -2,7 +2,8 @@
 # Memory errors, undefined behaviour, leaks and data races of the C library, under hosts that do everything wrong.
 #   tests/clients/sanitizers.sh PREFIX            100,000 random sequences of calls
 #   tests/clients/sanitizers.sh PREFIX --full     1,000,000 of them
-# Needs clang with its sanitizers, and valgrind. What is missing is a failure.
+# The library itself is built with AddressSanitizer and ThreadSanitizer, by the stable compiler; Rust's standard library comes
+# without, and is seen by valgrind. Needs clang with its sanitizers, and valgrind. What is missing is a failure.
 set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"
 root="$here/../.."
