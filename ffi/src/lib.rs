@@ -15,6 +15,7 @@ mod emission;
 mod film;
 mod grid;
 mod handle;
+mod heap;
 #[cfg(test)]
 mod hostile;
 mod image;

@@ -88,7 +88,7 @@ static void deposit_share(int share) {
         ok(covbeam_light_field_point(beam.direction, 0.1f, &segments[i].field));
         ok(covbeam_light_field_travel(&segments[i].field, 0.5f));
     }
-    ok(covbeam_grid_deposit(shares[share], &medium, SEGMENTS, segments, sizeof *segments));
+    ok(covbeam_grid_deposit(shares[share], &medium, SEGMENTS, segments, sizeof *segments, NULL, NULL));
 }
 
 static void *deposit_shares(void *unused) {
