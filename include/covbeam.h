@@ -88,7 +88,7 @@
 /**
  * Of the ABI that the header declares. A host compares it with covbeam_abi_version().
  */
-#define COVBEAM_ABI_VERSION 2
+#define COVBEAM_ABI_VERSION 3
 
 /**
  * Most edges of a segment.

@@ -112,4 +112,4 @@ values! {
     }
 }
 
-const _: () = assert!(COVBEAM_ABI_VERSION == 2);
+const _: () = assert!(COVBEAM_ABI_VERSION == 3);

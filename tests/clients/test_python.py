@@ -685,6 +685,18 @@ class Callbacks(unittest.TestCase):
             # And nothing is stuck.
             call(lambda: True)
 
+    def test_a_deposit_stops_between_segments(self):
+        asked, grid, whole, segments = [], cb.Grid(LAYOUT), cb.Grid(LAYOUT), lamp_segments(2000)
+        with self.assertRaises(cb.Cancelled):
+            grid.deposit(FOG, segments, poll=lambda: asked.append(1) or len(asked) < 3)
+        self.assertEqual(len(asked), 3)
+        whole.deposit(FOG, segments, poll=lambda: True)
+        some, all = grid.cells["weight"].sum(), whole.cells["weight"].sum()
+        self.assertTrue(0 < some < all)
+        grid.clear()
+        grid.deposit(FOG, segments)
+        np.testing.assert_array_equal(grid.cells, whole.cells)
+
     def test_what_a_poll_raises_is_raised_by_the_call(self):
         for call, _ in self.calls():
             for raised in (Boom("here"), KeyboardInterrupt(), SystemExit(3)):

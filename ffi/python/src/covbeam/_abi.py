@@ -3,7 +3,7 @@
 import ctypes
 
 #: COVBEAM_ABI_VERSION of the header that this module was written for.
-ABI_VERSION = 2
+ABI_VERSION = 3
 
 _vector = ctypes.c_float * 3
 
