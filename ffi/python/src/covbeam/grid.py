@@ -100,9 +100,15 @@ class Grid(Object):
         _check_tables(segments, table)
         call = Call(poll)
         with using(changed=self) as [grid]:
-            medium = struct("medium", medium, Medium)
             elementwise(
-                lib.covbeam_grid_deposit, grid, medium, COUNT, argument, call.poll, None, ended=call.check
+                lib.covbeam_grid_deposit,
+                grid,
+                struct("medium", medium, Medium),
+                COUNT,
+                argument,
+                call.poll,
+                None,
+                ended=call.check,
             )
 
     def deposit_spectra(self, positions, spectra, weights):
