@@ -112,7 +112,8 @@ pub(crate) fn run(body: impl FnOnce() -> Result<(), Failure>) -> covbeam_status 
 /// A panic inside a call is written to the thread's message instead of the standard error. Outside calls (Rust
 /// hosts that share this copy of the standard library) nothing changes.
 fn keep_panics_quiet() {
-    static BEFORE: OnceLock<Box<dyn Fn(&PanicHookInfo) + Sync + Send>> = OnceLock::new();
+    type Hook = Box<dyn Fn(&PanicHookInfo) + Sync + Send>;
+    static BEFORE: OnceLock<Hook> = OnceLock::new();
     BEFORE.get_or_init(|| {
         let before = panic::take_hook();
         // Captures nothing, so that its box needs no memory.

@@ -33,15 +33,18 @@ impl RayTables {
         self.tables.resize(PACKET, None);
     }
 
-    /// Makes the table of the call's ray `index`, if there is none yet, and returns how many knots that took.
-    /// Packets are asked for in order; the rays of the latest one in any order, again and again.
+    /// Whether there is a table of the call's ray `index`.
+    #[inline]
+    pub(super) fn has(&self, index: usize) -> bool {
+        index / PACKET == self.packet && self.tables[index % PACKET].is_some()
+    }
+
+    /// Makes the table of the call's ray `index`, which has none, and returns how many knots that took. Packets
+    /// are asked for in order, their rays in any.
     pub(super) fn make(&mut self, index: usize, ray: &EyeRay, medium: &Medium) -> Result<usize, Stop> {
         let (packet, slot) = (index / PACKET, index % PACKET);
         if packet != self.packet {
             self.begin(packet);
-        }
-        if self.tables[slot].is_some() {
-            return Ok(0);
         }
         let knots = &mut self.knots;
         let first = knots.len();

@@ -48,8 +48,10 @@ pub(super) fn tabulate(
 ) -> Result<(), Stop> {
     let mut room = Ok(());
     medium.tabulate(origin, direction, length, &mut |knot| {
-        room = room.and_then(|()| grow(knots, 1));
-        if room.is_ok() {
+        if knots.len() == knots.capacity() && room.is_ok() {
+            room = grow(knots, 1);
+        }
+        if knots.len() < knots.capacity() {
             knots.push(knot);
         }
     });

@@ -91,7 +91,9 @@ impl OurMedium<'_> {
         let Self { beams, columns, rays, medium, ref mut tables, .. } = *self;
         let density = &medium.density;
         let EyeRay { origin, direction, .. } = rays[ray];
-        poll.spend(tables.make(ray, &rays[ray], medium)?, 100)?;
+        if !tables.has(ray) {
+            poll.spend(tables.make(ray, &rays[ray], medium)?, 100)?;
+        }
         let along_ray = density.column(origin, direction, tables.of(ray));
         let (ray_distance, beam_distance): (Floats, Floats) =
             (pairs.ray_distance.into(), pairs.beam_distance.into());
