@@ -51,25 +51,28 @@
  * newer header adds are 0 for an older host; an older library refuses new fields that are not 0.
  *
  * Failure: every function that can fail returns a covbeam_status. All but COVBEAM_OK leave the outputs
- * unwritten and the objects as they were, unless the function says otherwise, and covbeam_last_error() says which parameter it was and what to
- * do. NaN, infinities without a meaning, and vectors that should have a direction but do not are refused.
- * Nothing is ever printed. A defect of the library that ends in a panic returns COVBEAM_PANICKED; the
- * object that the call was changing then answers COVBEAM_POISONED until it is freed.
+ * unwritten and the objects as they were, unless the function says otherwise, and covbeam_last_error()
+ * says which parameter it was and what to do. NaN, infinities without a meaning, and vectors that should
+ * have a direction but do not are refused. Nothing is ever printed. A defect of the library that ends in a
+ * panic returns COVBEAM_PANICKED; the object that the call was changing then answers COVBEAM_POISONED until
+ * it is freed.
  *
- * Memory: where it cannot be had the call returns COVBEAM_OUT_OF_MEMORY, as any failure, and its message says how many
- * bytes were wanted. (A library loaded with dlopen leaves each thread's message, 300 bytes, to the loader, which ends the
- * process if it has no memory when a thread first calls. A library that is linked has it from the thread's start.)
+ * Memory: where it cannot be had the call returns COVBEAM_OUT_OF_MEMORY, and the message says how many
+ * bytes were wanted. (Loaded with dlopen, the library leaves each thread's message, 300 bytes, to the
+ * loader, which ends the process if it has none when a thread calls for the first time. Linked, it has them
+ * from the thread's start.)
  *
  * Handles: made by _new, freed by _free, for which NULL is fine. A handle of the wrong kind is refused; one
  * that has been freed often is, but do not rely on that: its memory may be in other use.
  *
- * Callbacks run in the thread of the call. They must return (no exception, no longjmp), and may call the library: what would
- * change or free an object of the call, or look at one that the call changes, returns COVBEAM_BUSY.
+ * Callbacks run in the thread of the call. They must return (no exception, no longjmp), and may call the
+ * library: what would change or free an object of the call, or look at one that the call changes, returns
+ * COVBEAM_BUSY.
  *
  * Threads: objects passed by pointer to const may be used by several threads at once, those passed without
- * const by one at a time; a call that comes too early returns COVBEAM_BUSY, but one on a handle that another thread is just
- * freeing may come too late to be told. The library starts no thread and keeps no state but each thread's last message.
- * The same calls give the same bits.
+ * const by one at a time. A call that comes too early returns COVBEAM_BUSY; do not rely on that, because one
+ * on a handle that another thread is just freeing comes too late to be told. The library starts no thread
+ * and keeps no state but each thread's last message. The same calls give the same bits.
  *
  * Costs: an operator of a light field takes 0.1 to 0.5 us; whatever costs more says so. Everything is
  * linear in its counts unless that is said.

@@ -32,7 +32,7 @@ impl Opaque for covbeam_grid {
 }
 
 /// Voxels that segments cross between two polls: a millisecond.
-const VOXELS: u32 = 1500;
+const VOXELS: usize = 1500;
 
 /// Cells of the library's or of the host's.
 enum Cells<T> {
@@ -261,8 +261,8 @@ pub unsafe extern "C" fn covbeam_grid_deposit(
         }
         let (mut grid, knots) = grid.collecting();
         medium::reserve_table(&medium, knots)?;
-        let (mut go_on, voxels) = (go_on(poll, user), layout.cells.iter().sum::<u32>());
-        let interval = (VOXELS / voxels).max(1) as usize;
+        let (mut go_on, voxels) = (go_on(poll, user), layout.cells.map(|count| count as usize));
+        let interval = (VOXELS / voxels.iter().sum::<usize>()).max(1);
         for i in 0..count {
             if i % interval == 0 && !go_on() {
                 return Err(cancelled());

@@ -171,8 +171,8 @@ impl BeamMap {
     /// - `gathered`: one for each ray.
     /// - `go_on`: as in [`BeamMap::build_while`].
     ///
-    /// Errors: [`Stop::OtherMedium`], with nothing gathered; [`Stop::Cancelled`] and [`Stop::OutOfMemory`], with
-    /// part of the sums in `gathered`, to be thrown away.
+    /// Errors: [`Stop::OtherMedium`], with nothing gathered; [`Stop::Cancelled`] and [`Stop::OutOfMemory`],
+    /// with part of the sums in `gathered`, to be thrown away.
     ///
     /// # Panics
     /// If `rays` and `gathered` differ in length.

@@ -39,8 +39,8 @@ impl RayTables {
         index / PACKET == self.packet && self.tables[index % PACKET].is_some()
     }
 
-    /// Makes the table of the call's ray `index`, which has none, and returns how many knots that took. Packets
-    /// are asked for in order, their rays in any.
+    /// Makes the table of the call's ray `index`, which has none, and returns how many knots that took.
+    /// Packets are asked for in order, their rays in any.
     pub(super) fn make(&mut self, index: usize, ray: &EyeRay, medium: &Medium) -> Result<usize, Stop> {
         let (packet, slot) = (index / PACKET, index % PACKET);
         if packet != self.packet {

@@ -138,8 +138,8 @@ impl Density<'_> {
         }
     }
 
-    /// The most knots that [`Density::knots`] makes, for a host that has their memory ready: 64 for each cell that
-    /// a ray can meet, about 64 (nx + ny + nz) in a grid; 0 for the other densities.
+    /// The most knots that [`Density::knots`] makes, for a host that has their memory ready: 64 for each cell
+    /// that a ray can meet, about 64 (nx + ny + nz) in a grid; 0 for the other densities.
     pub fn most_knots(&self) -> usize {
         if let Density::Grid(grid) = self { grid.most_knots() } else { 0 }
     }
