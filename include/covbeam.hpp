@@ -128,6 +128,7 @@ template <class... Rest> size_t common(size_t a, size_t b, Rest... rest) {
     return common(a != Floats::any ? a : b, rest...);
 }
 
+/// An owner that ends inside a call on its object is refused (COVBEAM_BUSY), and the object leaks.
 template <class T, covbeam_status (*Free)(T*)> struct Deleter {
     void operator()(T* handle) const noexcept { Free(handle); }
 };
