@@ -15,7 +15,7 @@
  *       covbeam_light_field_refract(&field, normal, &curvature, eta, &passed);      reflect, scatter, diffuse
  *
  *   covbeam_beam_map_add(map, beam_count, beams, sizeof *beams);
- *   covbeam_grid_deposit(grid, &fog, segment_count, segments, sizeof *segments);
+ *   covbeam_grid_deposit(grid, &fog, segment_count, segments, sizeof *segments, NULL, NULL);
  *   covbeam_grid_resolve(grid);
  *   covbeam_beam_map_commit(map, kernel.max_radius, NULL, NULL);
  *
@@ -51,23 +51,34 @@
  * newer header adds are 0 for an older host; an older library refuses new fields that are not 0.
  *
  * Failure: every function that can fail returns a covbeam_status. All but COVBEAM_OK leave the outputs
- * unwritten and the objects as they were, and covbeam_last_error() names the parameter, the element and the
- * field, "beams[12].direction: …", and what to do. NaN, infinities without a meaning, and vectors that should have a direction but do not are refused.
- * Nothing is ever printed. A defect of the library that ends in a panic returns COVBEAM_PANICKED; the
- * object that the call was changing then answers COVBEAM_POISONED until it is freed.
+ * unwritten and the objects as they were, unless the function says otherwise, and covbeam_last_error()
+ * says which parameter it was and what to do. NaN, infinities without a meaning, and vectors that should
+ * have a direction but do not are refused. Nothing is ever printed. A defect of the library that ends in a
+ * panic returns COVBEAM_PANICKED; the object that the call was changing then answers COVBEAM_POISONED until
+ * it is freed.
+ *
+ * Memory: where it cannot be had the call returns COVBEAM_OUT_OF_MEMORY, and the message says how many
+ * bytes were wanted. (Loaded with dlopen, the library leaves each thread's message, 300 bytes, to the
+ * loader, which ends the process if it has none when a thread calls for the first time. Linked, it has them
+ * from the thread's start.)
  *
  * Handles: made by _new, freed by _free, for which NULL is fine. A handle of the wrong kind is refused; one
  * that has been freed often is, but do not rely on that: its memory may be in other use.
  *
+ * Callbacks run in the thread of the call. They must return (no exception, no longjmp), and may call the
+ * library: what would change or free an object of the call, or look at one that the call changes, returns
+ * COVBEAM_BUSY.
+ *
  * Threads: objects passed by pointer to const may be used by several threads at once, those passed without
- * const by one at a time. The library starts no thread and keeps no state but each thread's last message.
- * The same calls give the same bits.
+ * const by one at a time. A call that comes too early returns COVBEAM_BUSY; do not rely on that, because one
+ * on a handle that another thread is just freeing comes too late to be told. The library starts no thread
+ * and keeps no state but each thread's last message. The same calls give the same bits.
  *
  * Costs: an operator of a light field takes 0.1 to 0.5 us; whatever costs more says so. Everything is
  * linear in its counts unless that is said.
  *
- * Versions: COVBEAM_ABI_VERSION changes when a host must be compiled anew, and with it the SONAME, which
- * ends in it.
+ * Versions: COVBEAM_ABI_VERSION changes when a host must be compiled anew, and with it the SONAME, which is
+ * libcovbeam.so.1 now.
  */
 
 
@@ -80,7 +91,7 @@
 /**
  * Of the ABI that the header declares. A host compares it with covbeam_abi_version().
  */
-#define COVBEAM_ABI_VERSION 2
+#define COVBEAM_ABI_VERSION 3
 
 /**
  * Most edges of a segment.
@@ -166,6 +177,10 @@ enum covbeam_status
      * A defect of the library: please report the message.
      */
     COVBEAM_PANICKED = 14,
+    /**
+     * Another call on the object, of this thread or of another, has not returned yet.
+     */
+    COVBEAM_BUSY = 15,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -311,13 +326,6 @@ typedef struct covbeam_scratch covbeam_scratch;
 /**
  * Square root of the covariance of a local light field's spectrum. Made by covbeam_light_field_point and its
  * kin; the numbers are the host's to copy, store and send, not to write.
- *
- * Error of what it says of the fluence, relative to the largest entry of its covariance: one rounding of the
- * ten numbers per operator; below 1e-6 after tens of events and 1e-5 after 1000, but near a focus, where it
- * is as large as what the rounding of the inputs changes. Long ways of strongly bent light lose more: of 1000
- * random chains of up to 1000 events, with ways of 1e-3 to 1e3 m and curvatures of 0.01 to 100 per m, half are
- * within 1e-7, 99 % within 7e-6, all within 2e-4. Where curvature times distance is beyond 1e7, 24 bits hold
- * only one axis of the light.
  */
 typedef struct covbeam_light_field {
     /**
@@ -544,7 +552,7 @@ typedef struct covbeam_probe_hit {
 /**
  * Casts a ray from the origin of the search along direction, 3 floats, unit. It sets hit to where the ray meets
  * the nearest surface that casts shadows; before the call distance is infinity, which is nothing met. Return 0,
- * or anything else to give up. Called in the thread of the call; it must return (no exception, no longjmp).
+ * or anything else to give up.
  */
 typedef int32_t (*covbeam_probe)(void *user, const float *direction, struct covbeam_probe_hit *hit);
 
@@ -640,6 +648,11 @@ typedef struct covbeam_fluence_cell {
 } covbeam_fluence_cell;
 
 /**
+ * Asked now and then during a long call: return 0 to go on, anything else to stop.
+ */
+typedef int32_t (*covbeam_poll)(void *user);
+
+/**
  * How the kernel shrinks over the passes of a picture.
  */
 typedef struct covbeam_schedule {
@@ -727,12 +740,6 @@ typedef struct covbeam_beam {
      */
     float end_normal[3];
 } covbeam_beam;
-
-/**
- * Asked now and then during a long call, in the thread of the call: return 0 to go on, anything else to stop.
- * It must return (no exception, no longjmp) and must not use the objects of the call.
- */
-typedef int32_t (*covbeam_poll)(void *user);
 
 /**
  * One straight piece of an eye path inside one medium.
@@ -826,8 +833,7 @@ typedef struct covbeam_contact {
 /**
  * Fills values with three floats a contact: scattering coefficient x phase function x transmittance along the
  * eye ray up to the contact x transmittance along the beam up to it, per channel [1/(m sr)]. Return 0, or
- * anything else to give up. Called in the thread of the call; it must return (no exception, no longjmp) and
- * must not use the objects of the call.
+ * anything else to give up.
  */
 typedef int32_t (*covbeam_shade)(void *user,
                                  const struct covbeam_contact *contacts,
@@ -1690,9 +1696,9 @@ covbeam_status covbeam_density_new(const struct covbeam_grid_layout *layout,
 /**
  * Frees a density. Beam maps that were made with it keep what they need.
  *
- * @param density NULL is ignored.
+ * @param density NULL is fine.
  */
-void covbeam_density_free(struct covbeam_density *density);
+covbeam_status covbeam_density_free(struct covbeam_density *density);
 
 /**
  * Relative density of a medium at a point.
@@ -2247,9 +2253,9 @@ covbeam_status covbeam_grid_new_in(const struct covbeam_grid_layout *layout,
 /**
  * Frees a grid; memory of the host's stays the host's, with what is in it.
  *
- * @param grid NULL is ignored.
+ * @param grid NULL is fine.
  */
-void covbeam_grid_free(struct covbeam_grid *grid);
+covbeam_status covbeam_grid_free(struct covbeam_grid *grid);
 
 /**
  * The grid's box and resolution.
@@ -2268,11 +2274,14 @@ covbeam_status covbeam_grid_clear(struct covbeam_grid *grid);
 
 /**
  * Adds the light fields along segments of light paths, in their order; past each edge what the edge has left.
+ * Stopped, the grid keeps what it has of the first segments: covbeam_grid_clear forgets that.
  *
  * @param grid the grid.
  * @param medium what the segments run through; the mean extinction of the channels counts.
  * @param count number of segments; with 0 nothing is done.
  * @param segments, segment_stride the segments.
+ * @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with COVBEAM_CANCELLED.
+ * @param user given to poll.
  * @note Thesis 5.3.1, Eq 5.14 and 5.15. 0.2 us a voxel on the way, 0.7 us where the density varies; 2 to 40 us
  *     a segment. A tenth of a pass' photons is enough.
  */
@@ -2280,7 +2289,9 @@ covbeam_status covbeam_grid_deposit(struct covbeam_grid *grid,
                                     const struct covbeam_medium *medium,
                                     size_t count,
                                     const struct covbeam_segment *segments,
-                                    size_t segment_stride);
+                                    size_t segment_stride,
+                                    covbeam_poll poll,
+                                    void *user);
 
 /**
  * Adds spectra to the voxels around points, in their order: for hosts that estimate bandwidth in a way of
@@ -2512,9 +2523,9 @@ covbeam_status covbeam_beam_map_new(const struct covbeam_medium *medium, struct 
 /**
  * Frees a map.
  *
- * @param map NULL is ignored.
+ * @param map NULL is fine.
  */
-void covbeam_beam_map_free(struct covbeam_beam_map *map);
+covbeam_status covbeam_beam_map_free(struct covbeam_beam_map *map);
 
 /**
  * Begins a pass: forgets all beams, keeps their memory.
@@ -2576,9 +2587,9 @@ covbeam_status covbeam_scratch_new(struct covbeam_scratch **out);
 /**
  * Frees a thread's memory.
  *
- * @param scratch NULL is ignored.
+ * @param scratch NULL is fine.
  */
-void covbeam_scratch_free(struct covbeam_scratch *scratch);
+covbeam_status covbeam_scratch_free(struct covbeam_scratch *scratch);
 
 /**
  * Gathers the light that beams scatter into eye rays. Stopped or failed, nothing is written.
@@ -2917,9 +2928,9 @@ covbeam_status covbeam_film_new(uint32_t width,
 /**
  * Frees a film.
  *
- * @param film NULL is ignored.
+ * @param film NULL is fine.
  */
-void covbeam_film_free(struct covbeam_film *film);
+covbeam_status covbeam_film_free(struct covbeam_film *film);
 
 /**
  * How much memory a film holds.
@@ -3081,9 +3092,9 @@ covbeam_status covbeam_march_new(struct covbeam_march **out);
 /**
  * Frees a thread's memory.
  *
- * @param march NULL is ignored.
+ * @param march NULL is fine.
  */
-void covbeam_march_free(struct covbeam_march *march);
+covbeam_status covbeam_march_free(struct covbeam_march *march);
 
 /**
  * Takes the table of the next eye ray, in place of the one before.

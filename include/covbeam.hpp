@@ -128,10 +128,11 @@ template <class... Rest> size_t common(size_t a, size_t b, Rest... rest) {
     return common(a != Floats::any ? a : b, rest...);
 }
 
-template <class T, void (*Free)(T*)> struct Deleter {
+/// An owner that ends inside a call on its object is refused (COVBEAM_BUSY), and the object leaks.
+template <class T, covbeam_status (*Free)(T*)> struct Deleter {
     void operator()(T* handle) const noexcept { Free(handle); }
 };
-template <class T, void (*Free)(T*)> using Owner = std::unique_ptr<T, Deleter<T, Free>>;
+template <class T, covbeam_status (*Free)(T*)> using Owner = std::unique_ptr<T, Deleter<T, Free>>;
 
 /// Host callables as C callbacks: their exceptions are kept until the call is over.
 template <class Poll, class Shade> struct Calls {
@@ -397,7 +398,12 @@ public:
     covbeam_grid_layout layout() const { covbeam_grid_layout l; check(covbeam_grid_get_layout(get(), &l)); return l; }
     void clear() { check(covbeam_grid_clear(get())); }
     void deposit(const covbeam_medium& medium, Segments s) {
-        check(covbeam_grid_deposit(get(), &medium, s.count, s.data, s.stride));
+        check(covbeam_grid_deposit(get(), &medium, s.count, s.data, s.stride, nullptr, nullptr));
+    }
+    /// A poll is any callable () -> bool, true to go on.
+    template <class Poll> void deposit(const covbeam_medium& medium, Segments s, Poll&& go_on) {
+        detail::Calls<Poll, Poll> calls(go_on, go_on);
+        calls.check(covbeam_grid_deposit(get(), &medium, s.count, s.data, s.stride, calls.poll, &calls));
     }
     void deposit_spectra(Vectors at, SpectraIn s, Floats weights) {
         const size_t n = detail::common(at.count, s.count, weights.count);

@@ -51,7 +51,7 @@ static void leave_field(covbeam_light_field *field, const path *p, const covbeam
     edge->distance = fabsf(sqrtf(dot(edge->towards, edge->towards)) - RADIUS);
     segment.edge_count = p->place == IN_FOG && depth > 0 && edge->distance < 0.25f * depth
         && dot(edge->towards, edge->towards) > 0;
-    TRY(covbeam_grid_deposit(grid, &FOG, 1, &segment, sizeof segment));
+    TRY(covbeam_grid_deposit(grid, &FOG, 1, &segment, sizeof segment, NULL, NULL));
     TRY(covbeam_segment_field_at(&segment, &FOG, flight, field));
 }
 

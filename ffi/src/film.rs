@@ -6,8 +6,8 @@
 
 use crate::beam_map::{covbeam_poll, go_on};
 use crate::check::{finite_not_negative, positive};
-use crate::density::reserved;
 use crate::handle::{Opaque, free, handle_to, run_on, shared};
+use crate::heap::reserved;
 use crate::memory::{Element, Inputs, Slot, field, inputs, outputs};
 use crate::picture::{Film, Seen};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
@@ -132,18 +132,18 @@ pub unsafe extern "C" fn covbeam_film_new(
         let mut labels = reserved(count)?;
         labels.extend((0..count).map(|i| regions.get(i).value));
         let lattice = FilmLattice::new(width, height).expect("checked above");
-        out.set(handle_to(Film::new(lattice, typical, labels)?));
+        out.set(handle_to(Film::new(lattice, typical, labels)?)?);
         Ok(())
     })
 }
 
 /// Frees a film.
 ///
-/// @param film NULL is ignored.
+/// @param film NULL is fine.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_film_free(film: *mut covbeam_film) {
+pub unsafe extern "C" fn covbeam_film_free(film: *mut covbeam_film) -> covbeam_status {
     // SAFETY: by the caller's promise.
-    unsafe { free(film) }
+    unsafe { free(film, "film") }
 }
 
 /// How much memory a film holds.
@@ -194,7 +194,8 @@ pub unsafe extern "C" fn covbeam_film_nodes(
 ) -> covbeam_status {
     run(|| {
         // SAFETY: by the caller's promise.
-        let lattice = unsafe { shared(film, "film") }?.lattice();
+        let film = unsafe { shared(film, "film") }?;
+        let lattice = film.lattice();
         as_many(count, lattice.node_count(), format_args!("the nodes of the film"))?;
         outputs!(count, pixels: [u32; 2], pixel_stride);
         for i in 0..count {

@@ -1,8 +1,9 @@
 //! Covariance grids: what photons leave in them, and what a gather looks up.
 
+use crate::beam_map::{cancelled, covbeam_poll, go_on};
 use crate::check::{finite_not_negative, vector};
-use crate::density::reserved;
 use crate::handle::{Opaque, free, handle_to, run_on, shared};
+use crate::heap::reserved;
 use crate::medium::{self, covbeam_medium};
 use crate::memory::{Inputs, Outputs, Slot, aligned, inputs, outputs, read};
 use crate::segment::whole;
@@ -29,6 +30,9 @@ impl Opaque for covbeam_grid {
     const TAG: u64 = u64::from_le_bytes(*b"cb-grid ");
     const NAME: &'static str = "covbeam_grid";
 }
+
+/// Voxels that segments cross between two polls: a millisecond.
+const VOXELS: usize = 1500;
 
 /// Cells of the library's or of the host's.
 enum Cells<T> {
@@ -140,7 +144,7 @@ pub unsafe extern "C" fn covbeam_grid_new(
         let out = Slot::new(out, "out")?;
         // SAFETY: by the caller's promise.
         let grid = Grid::own(unsafe { read(layout, "layout") }?.into())?;
-        out.set(handle_to(grid));
+        out.set(handle_to(grid)?);
         Ok(())
     })
 }
@@ -181,18 +185,18 @@ pub unsafe extern "C" fn covbeam_grid_new_in(
             resolved: false,
             knots: Vec::new(),
         };
-        out.set(handle_to(grid));
+        out.set(handle_to(grid)?);
         Ok(())
     })
 }
 
 /// Frees a grid; memory of the host's stays the host's, with what is in it.
 ///
-/// @param grid NULL is ignored.
+/// @param grid NULL is fine.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_grid_free(grid: *mut covbeam_grid) {
+pub unsafe extern "C" fn covbeam_grid_free(grid: *mut covbeam_grid) -> covbeam_status {
     // SAFETY: by the caller's promise.
-    unsafe { free(grid) }
+    unsafe { free(grid, "grid") }
 }
 
 /// The grid's box and resolution.
@@ -227,11 +231,14 @@ pub unsafe extern "C" fn covbeam_grid_clear(grid: *mut covbeam_grid) -> covbeam_
 }
 
 /// Adds the light fields along segments of light paths, in their order; past each edge what the edge has left.
+/// Stopped, the grid keeps what it has of the first segments: covbeam_grid_clear forgets that.
 ///
 /// @param grid the grid.
 /// @param medium what the segments run through; the mean extinction of the channels counts.
 /// @param count number of segments; with 0 nothing is done.
 /// @param segments, segment_stride the segments.
+/// @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with COVBEAM_CANCELLED.
+/// @param user given to poll.
 /// @note Thesis 5.3.1, Eq 5.14 and 5.15. 0.2 us a voxel on the way, 0.7 us where the density varies; 2 to 40 us
 ///     a segment. A tenth of a pass' photons is enough.
 #[unsafe(no_mangle)]
@@ -241,8 +248,11 @@ pub unsafe extern "C" fn covbeam_grid_deposit(
     count: usize,
     segments: *const covbeam_segment,
     segment_stride: usize,
+    poll: covbeam_poll,
+    user: *mut c_void,
 ) -> covbeam_status {
     let deposit = |grid: &mut Grid| {
+        let layout = grid.layout;
         // SAFETY: by the caller's promise.
         let medium = unsafe { medium::read(medium, "medium") }?;
         inputs!(count, segments, segment_stride);
@@ -250,7 +260,13 @@ pub unsafe extern "C" fn covbeam_grid_deposit(
             whole(segments.get(i))?;
         }
         let (mut grid, knots) = grid.collecting();
+        medium::reserve_table(&medium, knots)?;
+        let (mut go_on, voxels) = (go_on(poll, user), layout.cells.map(|count| count as usize));
+        let interval = (VOXELS / voxels.iter().sum::<usize>()).max(1);
         for i in 0..count {
+            if i % interval == 0 && !go_on() {
+                return Err(cancelled());
+            }
             let (way, table) = whole(segments.get(i))?;
             let covbeam_segment { length, power, unscattered, .. } = segments.get(i).value;
             let column = match table {
@@ -380,7 +396,8 @@ pub unsafe extern "C" fn covbeam_grid_look_up(
 ) -> covbeam_status {
     run(|| {
         // SAFETY: by the caller's promise.
-        let grid = resolved(unsafe { shared(grid, "grid") }?)?;
+        let grid = unsafe { shared(grid, "grid") }?;
+        let grid = resolved(&grid)?;
         inputs!(count, positions: [f32; 3], position_stride);
         outputs!(count, spectra, spectrum_stride);
         let mut found = if found.is_null() {
@@ -423,7 +440,8 @@ pub unsafe extern "C" fn covbeam_grid_get_cells(
     run(|| {
         let (cells, count) = (Slot::new(cells, "cells")?, Slot::new(count, "count")?);
         // SAFETY: by the caller's promise.
-        let all = unsafe { shared(grid, "grid") }?.cells.all();
+        let grid = unsafe { shared(grid, "grid") }?;
+        let all = grid.cells.all();
         cells.set(all.as_ptr().cast());
         count.set(all.len());
         Ok(())
@@ -445,7 +463,7 @@ pub unsafe extern "C" fn covbeam_grid_get_means(
         let (means, count) = (Slot::new(means, "means")?, Slot::new(count, "count")?);
         // SAFETY: by the caller's promise.
         let grid = unsafe { shared(grid, "grid") }?;
-        resolved(grid)?;
+        resolved(&grid)?;
         means.set(grid.means.all().as_ptr().cast());
         count.set(grid.means.all().len());
         Ok(())
@@ -483,7 +501,8 @@ pub unsafe extern "C" fn covbeam_grid_save(
 ) -> covbeam_status {
     run(|| {
         // SAFETY: by the caller's promise.
-        let Grid { layout, cells, .. } = unsafe { shared(grid, "grid") }?;
+        let grid = unsafe { shared(grid, "grid") }?;
+        let Grid { layout, cells, .. } = &*grid;
         let needed = layout.saved_size();
         aligned(bytes.cast::<u8>(), "bytes")?;
         if size != needed {
@@ -525,7 +544,7 @@ pub unsafe extern "C" fn covbeam_grid_load(
         };
         let mut grid = Grid::own(GridLayout::of_saved(bytes).map_err(damaged)?)?;
         grid.collecting().0.load(bytes).map_err(damaged)?;
-        out.set(handle_to(grid));
+        out.set(handle_to(grid)?);
         Ok(())
     })
 }

@@ -57,7 +57,8 @@ pub unsafe extern "C" fn covbeam_image_spectra_along(
 ) -> covbeam_status {
     run(|| {
         // SAFETY: by the caller's promise.
-        let grid = resolved(unsafe { shared(grid, "grid") }?)?;
+        let grid = unsafe { shared(grid, "grid") }?;
+        let grid = resolved(&grid)?;
         // SAFETY: by the caller's promise.
         let medium = unsafe { medium::read(medium, "medium") }?;
         inputs!(count, rays, ray_stride);
@@ -71,6 +72,7 @@ pub unsafe extern "C" fn covbeam_image_spectra_along(
             arguments(i)?;
         }
         let mut knots = Vec::new();
+        medium::reserve_table(&medium, &mut knots)?;
         for i in 0..count {
             let (ray, steps) = arguments(i)?;
             let column = medium::tabulated(&medium, ray.origin, ray.direction, ray.length, &mut knots);

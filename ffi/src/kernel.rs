@@ -1,8 +1,8 @@
 //! Kernels, their radii, and how both shrink over the passes.
 
 use crate::check::{finite, not_negative, positive, unit, vector};
-use crate::grid::{covbeam_grid, resolved};
-use crate::handle::optional;
+use crate::grid::{Grid, covbeam_grid, resolved};
+use crate::handle::{View, optional};
 use crate::memory::{Element, Slot, inputs, outputs, read_options};
 use crate::status::{Failure, covbeam_status, run};
 use covbeam_core::{Kernel, KernelShape, Schedule, error_bound, progressive_radius};
@@ -71,7 +71,7 @@ fn shape(e: Element<u32>) -> Result<KernelShape, Failure> {
 pub(crate) unsafe fn read<'a>(
     kernel: *const covbeam_kernel,
     grid: *const covbeam_grid,
-) -> Result<Kernel<'a>, Failure> {
+) -> Result<View<'a, Kernel<'a>, Grid>, Failure> {
     // SAFETY: by this function's contract.
     let options = unsafe { read_options(kernel, size_of::<covbeam_kernel>(), "kernel") }?;
     let shape = shape(Element::single(options.shape, "kernel.shape"))?;
@@ -83,8 +83,9 @@ pub(crate) unsafe fn read<'a>(
     }
     let error = positive(Element::single(options.error, "kernel.error"))?;
     // SAFETY: by this function's contract.
-    let grid = unsafe { optional(grid, "grid") }?.map(resolved).transpose()?;
-    Ok(Kernel { shape, min_radius, max_radius, error, grid })
+    let object = unsafe { optional(grid, "grid") }?;
+    let grid = object.as_ref().map(|grid| resolved(grid.object())).transpose()?;
+    Ok(View { value: Kernel { shape, min_radius, max_radius, error, grid }, object })
 }
 
 fn alpha(e: Element<f32>) -> Result<f32, Failure> {

@@ -93,6 +93,7 @@ values! {
         COVBEAM_CALLBACK_FAILED 12,
         COVBEAM_POISONED 13,
         COVBEAM_PANICKED 14,
+        COVBEAM_BUSY 15,
     }
     covbeam_phase_kind {
         COVBEAM_PHASE_ISOTROPIC 0,
@@ -111,4 +112,4 @@ values! {
     }
 }
 
-const _: () = assert!(COVBEAM_ABI_VERSION == 2);
+const _: () = assert!(COVBEAM_ABI_VERSION == 3);

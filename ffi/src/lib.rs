@@ -17,6 +17,7 @@ mod field_tests;
 mod film;
 mod grid;
 mod handle;
+mod heap;
 #[cfg(test)]
 mod hostile;
 mod image;

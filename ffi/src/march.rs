@@ -1,8 +1,8 @@
 //! Where shadow rays go along an eye ray, for light scattered once.
 
 use crate::check::{finite, random, unit, vector};
-use crate::density::reserved;
 use crate::handle::{Opaque, free, handle_to, run_on, shared};
+use crate::heap::{grow, reserved};
 use crate::memory::{Element, Inputs, Outputs, Slot, field, inputs, outputs, read};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
 use crate::types::*;
@@ -47,11 +47,10 @@ impl Table {
     ) -> Result<(), Failure> {
         self.view()?;
         let count = out.count();
-        let none = |_| fail(COVBEAM_OUT_OF_MEMORY, format_args!("no memory for {count} samples"));
         self.jitters.clear();
         self.samples.clear();
-        self.jitters.try_reserve(count).map_err(none)?;
-        self.samples.try_reserve(count).map_err(none)?;
+        grow(&mut self.jitters, count)?;
+        grow(&mut self.samples, count)?;
         for i in 0..count {
             self.jitters.push(random(jitters.get(i))?);
         }
@@ -130,18 +129,18 @@ pub unsafe extern "C" fn covbeam_march_lay(
 pub unsafe extern "C" fn covbeam_march_new(out: *mut *mut covbeam_march) -> covbeam_status {
     run(|| {
         let out = Slot::new(out, "out")?;
-        out.set(handle_to(Table::default()));
+        out.set(handle_to(Table::default())?);
         Ok(())
     })
 }
 
 /// Frees a thread's memory.
 ///
-/// @param march NULL is ignored.
+/// @param march NULL is fine.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_march_free(march: *mut covbeam_march) {
+pub unsafe extern "C" fn covbeam_march_free(march: *mut covbeam_march) -> covbeam_status {
     // SAFETY: by the caller's promise.
-    unsafe { free(march) }
+    unsafe { free(march, "march") }
 }
 
 /// Takes the table of the next eye ray, in place of the one before.
@@ -205,7 +204,8 @@ pub unsafe extern "C" fn covbeam_march_get_expected(
     run(|| {
         let expected = Slot::new(expected, "expected")?;
         // SAFETY: by the caller's promise.
-        let march = unsafe { shared(march, "march") }?.view()?;
+        let march = unsafe { shared(march, "march") }?;
+        let march = march.view()?;
         expected.set(covbeam_march_expected {
             radiance: march.expected_radiance(),
             error: march.expected_error(),
@@ -291,9 +291,8 @@ pub unsafe extern "C" fn covbeam_march_refine(
         inputs!(first_count, firsts, first_stride);
         inputs!(count, jitters, jitter_stride);
         outputs!(count, samples, sample_stride);
-        let none = |_| fail(COVBEAM_OUT_OF_MEMORY, format_args!("no memory for {first_count} samples"));
         table.first.clear();
-        table.first.try_reserve(first_count).map_err(none)?;
+        grow(&mut table.first, first_count)?;
         for i in 0..first_count {
             table.first.push(march_sample(firsts.get(i))?);
         }

@@ -191,7 +191,7 @@ mod tests {
             let layout = covbeam_grid_layout { min: [-1.0; 3], max: [1.0; 3], cells: [2; 3] };
             let statuses = unsafe {
                 let made = covbeam_grid_new(&layout, &mut grid);
-                let deposited = covbeam_grid_deposit(grid, &fog(), 1, &segment, 0);
+                let deposited = covbeam_grid_deposit(grid, &fog(), 1, &segment, 0, None, ptr::null_mut());
                 covbeam_grid_free(grid);
                 [made, deposited, covbeam_segment_field_at(&segment, &fog(), 1.0, &mut out)]
             };

@@ -107,4 +107,13 @@ for arguments in "--size 12" "--passes 0" "--passes" "--seed x" "--photons -" "-
     grep -q '^usage' "$work/log" || fail "glass_ball $arguments: no usage"
 done
 if "$work/gcc-static" "$work/no-folder/x.pfm" --passes 1 --size 8 > "$work/log" 2>&1; then fail "a picture nowhere"; fi
+# Memory that runs out, and objects in use.
+library=("$prefix/lib/libcovbeam.a" -lpthread -ldl -lm)
+# shellcheck disable=SC2086
+gcc -std=gnu99 -O2 $strict -I"$prefix/include" "$root"/tests/clients/{memory,scarce}.c "${library[@]}" \
+    -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=posix_memalign,--wrap=free -o "$work/memory"
+"$work/memory"
+# shellcheck disable=SC2086
+gcc -std=c99 -O2 $strict -I"$prefix/include" "$root/tests/clients/reentry.c" "${library[@]}" -o "$work/reentry"
+"$work/reentry"
 echo "c: pkg-config and CMake, shared and static, gcc and clang: pictures made"

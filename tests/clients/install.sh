@@ -68,14 +68,14 @@ printf '#include <covbeam.h>\n' | cc -E -I"$prefix/include" - | tr '\n' ' ' |
     grep -oE '\bcovbeam_[a-z0-9_]+ *\(' | tr -d ' (' | LC_ALL=C sort -u > "$work/declared"
 same "the list of exported symbols" "$(cat "$work/exported")" "$(cat "$work/declared")"
 
-# Writable memory that is not a thread's own. Rust's standard library has some, and the C runtime; covbeam has one word, which says
-# that panics have been made quiet. What the processor can do is kept by those who asked it, always the same. Tables of constants that hold addresses are in .data.rel.ro, read-only once loaded.
+# Writable memory that is not a thread's own. Rust's standard library has some, and the C runtime; covbeam has the hook of panics
+# that was there before it made its own quiet. What the processor can do is kept by those who asked it, always the same. Tables of constants that hold addresses are in .data.rel.ro, read-only once loaded.
 objdump -t "$shared" | awk '/ (\.data|\.bss)\t/ && !/ df / { print $NF }' | LC_ALL=C sort > "$work/globals"
 standard='^(__dso_handle|__TMC_END__|completed\.0|DW\.ref\.rust_eh_personality|_rust_extern_with_linkage_.*)$|_(3std|6memchr)([0-9]|$)'
 grep -vE "$standard|^\.(data|bss)$" "$work/globals" > "$work/own" || true
 processor='10std_detect6detect5cache5CACHE|13fearless_simd9X86_LEVEL'
-[ "$(grep -cvE "$processor" "$work/own")" -eq 1 ] && grep -q '7covbeam6status17keep_panics_quiet4ONCE' "$work/own" ||
-    { cat "$work/own"; fail "covbeam has writable memory besides one Once (above)"; }
+[ "$(grep -cvE "$processor" "$work/own")" -eq 1 ] && grep -q '7covbeam6status17keep_panics_quiet6BEFORE' "$work/own" ||
+    { cat "$work/own"; fail "covbeam has writable memory besides one hook (above)"; }
 
 # No thread can be started by what cannot call for one; no text can reach the host's streams but Rust's own for a panic
 # outside of a call.

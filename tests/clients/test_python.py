@@ -685,6 +685,18 @@ class Callbacks(unittest.TestCase):
             # And nothing is stuck.
             call(lambda: True)
 
+    def test_a_deposit_stops_between_segments(self):
+        asked, grid, whole, segments = [], cb.Grid(LAYOUT), cb.Grid(LAYOUT), lamp_segments(2000)
+        with self.assertRaises(cb.Cancelled):
+            grid.deposit(FOG, segments, poll=lambda: asked.append(1) or len(asked) < 3)
+        self.assertEqual(len(asked), 3)
+        whole.deposit(FOG, segments, poll=lambda: True)
+        some, all = grid.cells["weight"].sum(), whole.cells["weight"].sum()
+        self.assertTrue(0 < some < all)
+        grid.clear()
+        grid.deposit(FOG, segments)
+        np.testing.assert_array_equal(grid.cells, whole.cells)
+
     def test_what_a_poll_raises_is_raised_by_the_call(self):
         for call, _ in self.calls():
             for raised in (Boom("here"), KeyboardInterrupt(), SystemExit(3)):
@@ -762,9 +774,9 @@ class Callbacks(unittest.TestCase):
     def test_a_callback_cannot_change_the_objects_of_its_call(self):
         beams, grid, scratch = committed(50_000), resolved(), cb.Scratch()
         for change in (beams.clear, grid.resolve, grid.clear, lambda: beams.gather(KERNEL, grid, eye_rays(1), scratch=scratch)):
-            with self.assertRaisesRegex(cb.Error, "in use by another call") as raised:
+            with self.assertRaisesRegex(cb.Error, "busy, another call on this") as raised:
                 beams.gather(KERNEL, grid, eye_rays(500), scratch=scratch, poll=lambda: change() or True)
-            self.assertEqual(raised.exception.status, cb.Status.WRONG_ORDER)
+            self.assertEqual(raised.exception.status, cb.Status.BUSY)
         # To read them, or to close them, is fine.
         asked = []
         poll = lambda: asked.append(beams.count) or True

@@ -16,7 +16,7 @@ namespace cb = covbeam;
 #define SIZE(type, bytes) \
     static_assert(sizeof(covbeam_##type) == bytes && std::is_standard_layout<covbeam_##type>::value, #type)
 #define AT(type, member, offset) static_assert(offsetof(covbeam_##type, member) == offset, #type "." #member)
-static_assert(COVBEAM_ABI_VERSION == 2, "the numbers below are those of ABI 2");
+static_assert(COVBEAM_ABI_VERSION == 3, "the numbers below are those of ABI 3");
 static_assert(sizeof(void*) == 8 && sizeof(size_t) == 8, "the numbers below are those of a 64-bit machine");
 static_assert(sizeof(covbeam_status) == 4 && sizeof(covbeam_density_kind) == 4, "enums are 32 bits wide");
 SIZE(phase, 8); AT(phase, kind, 0); AT(phase, asymmetry, 4);
@@ -70,7 +70,8 @@ SIZE(march_expected, 8); AT(march_expected, radiance, 0); AT(march_expected, err
 static_assert(COVBEAM_OK == 0 && COVBEAM_NULL_POINTER == 1 && COVBEAM_MISALIGNED == 2 && COVBEAM_INVALID_VALUE == 3 &&
               COVBEAM_INVALID_ARRAY == 4 && COVBEAM_SHORT_BUFFER == 5 && COVBEAM_INVALID_HANDLE == 6 && COVBEAM_WRONG_ORDER == 7 &&
               COVBEAM_MISMATCH == 8 && COVBEAM_BAD_DATA == 9 && COVBEAM_OUT_OF_MEMORY == 10 && COVBEAM_CANCELLED == 11 &&
-              COVBEAM_CALLBACK_FAILED == 12 && COVBEAM_POISONED == 13 && COVBEAM_PANICKED == 14, "statuses");
+              COVBEAM_CALLBACK_FAILED == 12 && COVBEAM_POISONED == 13 && COVBEAM_PANICKED == 14 &&
+              COVBEAM_BUSY == 15, "statuses");
 static_assert(COVBEAM_DENSITY_UNIFORM == 0 && COVBEAM_DENSITY_EXPONENTIAL == 1 && COVBEAM_DENSITY_VOXELS == 2,
               "densities");
 static_assert(COVBEAM_PHASE_ISOTROPIC == 0 && COVBEAM_PHASE_HENYEY_GREENSTEIN == 1 && COVBEAM_PHASE_RAYLEIGH == 2,
@@ -236,6 +237,9 @@ void a_cancelled_call_changes_nothing_and_can_be_made_again() {
     expect(throws<cb::Cancelled>(COVBEAM_CANCELLED, "", [&] { map.commit(KERNEL.max_radius, no); }),
            "commit stops when the poll says so");
     expect(asked == 3, "and asks no more");
+    const auto changes = [&] { map.clear(); return true; };
+    expect(throws(COVBEAM_BUSY, "map", [&] { map.commit(KERNEL.max_radius, changes); }),
+           "a poll cannot change what is committed");
     map.commit(KERNEL.max_radius, [&] { return true; });
     expect(map.count() == 100000 && map.memory() > 100000 * sizeof(covbeam_beam), "the beams are all there");
 
@@ -422,7 +426,7 @@ void a_grid_keeps_what_it_collected() {
     std::vector<covbeam_fluence_cell> means(512);
     {
         cb::Grid hosts(ROOM, cells.data(), cells.size(), means.data(), means.size()), share(ROOM);
-        share.deposit(fog, {&segment, 1});
+        share.deposit(fog, {&segment, 1}, [] { return true; });
         hosts.merge(share);
         hosts.resolve();
         expect(hosts.cells().data == cells.data() && hosts.means().count == 512, "in the host's memory");

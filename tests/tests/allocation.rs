@@ -154,7 +154,12 @@ fn densities_do_not_allocate() {
             let column: Column = density.column(Vec3::splat(-0.1), Vec3::X, &knots[..used]);
             black_box((column.at(0.3), column.distance_at(0.2)));
             black_box(density.opaque_distance(Vec3::ZERO, Vec3::X, 9.0, &knots[..used]));
-            black_box((density.at(Vec3::ZERO), density.derivatives(Vec3::ZERO), density.step()));
+            black_box((
+                density.most_knots(),
+                density.at(Vec3::ZERO),
+                density.derivatives(Vec3::ZERO),
+                density.step(),
+            ));
             LightField::point(Vec3::X, 0.1).travel_through(&medium, Vec3::ZERO, 1.0);
         }
     });

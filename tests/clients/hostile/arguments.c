@@ -56,7 +56,7 @@ int variants(const struct function *function, int parameter, enum fault_kind kin
         *numbers = true;
         if (p->kind == '$' || p->kind == '#') return 1;
         return strchr("<=", p->kind) ? (int)p->type->size / 4 : 0;
-    case HUGE_COUNT: return p->kind == 'n' ? 4 : 0;
+    case HUGE_COUNT: return p->kind == 'n' ? 5 : 0;
     case HOSTILE_STRIDE: return p->kind == 's' ? 6 : 0;
     case WRONG_HANDLE: return strchr("@!", p->kind) ? 3 : 0;
     case STRUCT_SIZE: return p->type && p->type->rules[0] == 'S' ? 12 : 0;
@@ -190,10 +190,10 @@ static size_t array_shape(struct prepared *call, int index, const struct fault *
     size_t says = *stride;
     for (int i = 0; i < fault_count; i++) {
         if (faults[i].kind == HUGE_COUNT && faults[i].parameter == p->count) {
-            const size_t counts[4] = { SIZE_MAX, ((size_t)1 << 40) + 1, SIZE_MAX / 2, ((size_t)1 << 60) + 1 };
-            const size_t strides[4] = { (size + 7) / 8 * 8, (size_t)1 << 24, (size + 7) / 8 * 8, (size_t)1 << 32 };
-            call->arguments[p->count].size = counts[faults[i].variant % 4];
-            call->arguments[p->stride].size = strides[faults[i].variant % 4];
+            const size_t counts[5] = { SIZE_MAX, ((size_t)1 << 40) + 1, SIZE_MAX / 2, ((size_t)1 << 60) + 1, SIZE_MAX };
+            const size_t strides[5] = { (size + 7) / 8 * 8, (size_t)1 << 24, (size + 7) / 8 * 8, (size_t)1 << 32, 0 };
+            call->arguments[p->count].size = counts[faults[i].variant % 5];
+            call->arguments[p->stride].size = strides[faults[i].variant % 5];
             must(call, COVBEAM_INVALID_ARRAY);
             if (call->whole) may(call, COVBEAM_SHORT_BUFFER);
             return 1;

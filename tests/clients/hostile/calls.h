@@ -1,6 +1,6 @@
 /*
  * Every function of the header, what its parameters are, and how it is called. Included several times, with macros that
- * make of each entry what is needed: CALL for functions that return a status, FREE for those that free, OTHER for the rest.
+ * make of each entry what is needed: CALL for functions that return a status, OTHER for the rest.
  *
  * A parameter is its name in the header and its kind:
  *   n count of the arrays after it; s stride of the array before; k number of elements of the packed array before
@@ -15,7 +15,7 @@ OTHER(covbeam_version)
 CALL(covbeam_beam_map_new,
     "medium <medium; out +map",
     POINTER(0), POINTER(1))
-FREE(covbeam_beam_map_free,
+CALL(covbeam_beam_map_free,
     "map !map",
     POINTER(0))
 CALL(covbeam_beam_map_clear,
@@ -36,7 +36,7 @@ CALL(covbeam_beam_map_get_memory,
 CALL(covbeam_scratch_new,
     "out +scratch",
     POINTER(0))
-FREE(covbeam_scratch_free,
+CALL(covbeam_scratch_free,
     "scratch !scratch?",
     POINTER(0))
 CALL(covbeam_beam_map_gather,
@@ -74,7 +74,7 @@ CALL(covbeam_column_distance_at_many,
 CALL(covbeam_density_new,
     "layout <layout; values <f:q; value_stride s; value_count k; out +density",
     POINTER(0), POINTER(1), SIZE(2), SIZE(3), POINTER(4))
-FREE(covbeam_density_free,
+CALL(covbeam_density_free,
     "density !density",
     POINTER(0))
 CALL(covbeam_grid_new,
@@ -83,7 +83,7 @@ CALL(covbeam_grid_new,
 CALL(covbeam_grid_new_in,
     "layout <layout; cells =cell; cell_count k; means =mean; mean_count k; out +grid",
     POINTER(0), POINTER(1), SIZE(2), POINTER(3), SIZE(4), POINTER(5))
-FREE(covbeam_grid_free,
+CALL(covbeam_grid_free,
     "grid !grid",
     POINTER(0))
 CALL(covbeam_grid_get_layout,
@@ -93,8 +93,8 @@ CALL(covbeam_grid_clear,
     "grid !grid",
     POINTER(0))
 CALL(covbeam_grid_deposit,
-    "grid !grid; medium <medium; count n; segments <segment; segment_stride s",
-    POINTER(0), POINTER(1), SIZE(2), POINTER(3), SIZE(4))
+    "grid !grid; medium <medium; count n; segments <segment; segment_stride s; poll poll; user user",
+    POINTER(0), POINTER(1), SIZE(2), POINTER(3), SIZE(4), POLL(5), POINTER(6))
 CALL(covbeam_segment_field_at,
     "segment <way; medium <medium; distance $q; out >field",
     POINTER(0), POINTER(1), NUMBER(2), POINTER(3))
@@ -428,7 +428,7 @@ CALL(covbeam_film_regions,
 CALL(covbeam_film_new,
     "width #extent; height #extent; typical_radiance $+; count n; regions <f:i?; region_stride s; out +picture",
     WORD(0), WORD(1), NUMBER(2), SIZE(3), POINTER(4), SIZE(5), POINTER(6))
-FREE(covbeam_film_free,
+CALL(covbeam_film_free,
     "film !picture",
     POINTER(0))
 CALL(covbeam_film_get_memory,
@@ -465,7 +465,7 @@ CALL(covbeam_march_lay,
 CALL(covbeam_march_new,
     "out +march",
     POINTER(0))
-FREE(covbeam_march_free,
+CALL(covbeam_march_free,
     "march !march",
     POINTER(0))
 CALL(covbeam_march_update,

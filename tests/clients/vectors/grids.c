@@ -37,7 +37,7 @@ void grid_deposit(struct call *c)
     } *segments = memory(left(c, 1) / SEGMENT_WORDS * sizeof *segments);
     while (left(c, 1) > 0)
         segments[count++].segment = take_segment(c);
-    must(covbeam_grid_deposit(grid, &medium, count, &segments[0].segment, sizeof *segments));
+    must(covbeam_grid_deposit(grid, &medium, count, &segments[0].segment, sizeof *segments, NULL, NULL));
     free(segments);
 }
 

@@ -3,7 +3,7 @@
 import ctypes
 
 #: COVBEAM_ABI_VERSION of the header that this module was written for.
-ABI_VERSION = 2
+ABI_VERSION = 3
 
 _vector = ctypes.c_float * 3
 
@@ -83,12 +83,6 @@ RESULTS = {
     "covbeam_abi_version": ctypes.c_uint32,
     "covbeam_version": ctypes.c_char_p,
     "covbeam_last_error": ctypes.c_char_p,
-    "covbeam_beam_map_free": None,
-    "covbeam_density_free": None,
-    "covbeam_grid_free": None,
-    "covbeam_scratch_free": None,
-    "covbeam_film_free": None,
-    "covbeam_march_free": None,
 }
 
 #: Parameters of every function that the module calls. One that has a form for arrays is called in that form only: a single
@@ -151,7 +145,7 @@ PROTOTYPES = {
     "covbeam_grid_free": "p",
     "covbeam_grid_get_layout": "pp",
     "covbeam_grid_clear": "p",
-    "covbeam_grid_deposit": "ppzpz",
+    "covbeam_grid_deposit": "ppzpzpp",
     "covbeam_grid_deposit_spectra": "pz" + "pz" * 3,
     "covbeam_grid_merge": "ppz",
     "covbeam_grid_resolve": "p",
