@@ -1,5 +1,6 @@
 /*
- * covbeam for C++11 and later: owners, exceptions and views over covbeam.h, which is the manual. Header only.
+ * covbeam for C++11 and later: owners, exceptions and views over covbeam.h and
+ * covbeam_extra.h, which are the manual. Header only.
  * MIT or Apache-2.0.
  *
  * Every call that fails throws covbeam::Error. Nothing is thrown through the library: an exception of a callback stops the
@@ -9,7 +10,7 @@
 #ifndef COVBEAM_HPP
 #define COVBEAM_HPP
 
-#include "covbeam.h"
+#include "covbeam_extra.h"
 
 #include <exception>
 #include <memory>

@@ -235,6 +235,7 @@ pub unsafe extern "C" fn covbeam_beam_map_commit(
 ///
 /// @param map the map, committed or not.
 /// @param count receives their number.
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_get_count(
     map: *const covbeam_beam_map,
@@ -255,6 +256,7 @@ pub unsafe extern "C" fn covbeam_beam_map_get_count(
 ///
 /// @param map the map, committed or not.
 /// @param bytes receives it.
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_get_memory(
     map: *const covbeam_beam_map,

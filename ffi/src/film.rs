@@ -150,6 +150,7 @@ pub unsafe extern "C" fn covbeam_film_free(film: *mut covbeam_film) {
 ///
 /// @param film the film.
 /// @param bytes receives it.
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_film_get_memory(
     film: *const covbeam_film,

@@ -152,6 +152,7 @@ pub unsafe extern "C" fn covbeam_grid_new(
 /// @param cells, cell_count as many as the layout has; their content stays: zero them for an empty grid.
 /// @param means, mean_count as many as the layout has; written by covbeam_grid_resolve.
 /// @param out the handle.
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_new_in(
     layout: *const covbeam_grid_layout,
@@ -199,6 +200,7 @@ pub unsafe extern "C" fn covbeam_grid_free(grid: *mut covbeam_grid) {
 ///
 /// @param grid the grid.
 /// @param layout receives them.
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_get_layout(
     grid: *const covbeam_grid,
@@ -274,6 +276,7 @@ pub unsafe extern "C" fn covbeam_grid_deposit(
 /// @param positions, position_stride points [m]; one outside the grid adds nothing.
 /// @param spectra, spectrum_stride spectra [cycles^2/m^2], finite; covariances, or the grid cannot be saved.
 /// @param weights, weight_stride contributions to the fluence [W m], finite and >= 0.
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_deposit_spectra(
     grid: *mut covbeam_grid,
@@ -367,6 +370,7 @@ pub unsafe extern "C" fn covbeam_grid_resolve(grid: *mut covbeam_grid) -> covbea
 /// @param found, found_stride receive 1, or 0 where the grid has no data: outside, and where no light has
 ///     passed. May be NULL.
 /// @note Thesis Eq 5.15. 20 ns a point.
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_look_up(
     grid: *const covbeam_grid,
@@ -414,6 +418,7 @@ pub(crate) fn resolved(grid: &Grid) -> Result<FluenceGrid<'_>, Failure> {
 /// @param grid the grid.
 /// @param cells receives the first; valid until the grid is changed or freed.
 /// @param count receives their number.
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_get_cells(
     grid: *const covbeam_grid,
@@ -435,6 +440,7 @@ pub unsafe extern "C" fn covbeam_grid_get_cells(
 /// @param grid a grid that has been resolved.
 /// @param means receives the first; valid until the grid is changed or freed.
 /// @param count receives their number.
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_get_means(
     grid: *const covbeam_grid,

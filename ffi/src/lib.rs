@@ -20,7 +20,6 @@ mod hostile;
 mod image;
 mod kernel;
 mod layout;
-mod light_field;
 mod light_fields;
 mod march;
 mod medium;

@@ -66,6 +66,7 @@ pub struct covbeam_grid_layout {
 }
 
 /// What one voxel has collected. All 0 is empty.
+/// @extra
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct covbeam_grid_cell {
@@ -76,6 +77,7 @@ pub struct covbeam_grid_cell {
 }
 
 /// The mean spectrum of one voxel, for look-ups.
+/// @extra
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct covbeam_fluence_cell {
@@ -175,6 +177,7 @@ pub struct covbeam_knot {
 }
 
 /// Derivatives of a relative density, in world axes.
+/// @extra
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct covbeam_derivatives {
@@ -233,6 +236,7 @@ pub struct covbeam_gathered {
 }
 
 /// Closest approach of an eye ray's line and a beam's line.
+/// @extra
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct covbeam_crossing {
@@ -302,6 +306,7 @@ pub struct covbeam_image_spectrum {
 }
 
 /// Covariance of a Gaussian reconstruction filter [pixels^2]: x to the right, y down. All 0 is no filter.
+/// @extra
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct covbeam_image_filter {

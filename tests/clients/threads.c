@@ -7,7 +7,7 @@
  * `race` breaks the header's rule: two threads add to one map at once. A race detector must see that.
  */
 #define _POSIX_C_SOURCE 200809L
-#include "covbeam.h"
+#include "covbeam_extra.h"
 #include <pthread.h>
 #include <stdbool.h>
 #include <stdio.h>

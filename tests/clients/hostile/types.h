@@ -2,7 +2,7 @@
 #ifndef HOSTILE_TYPES_H
 #define HOSTILE_TYPES_H
 
-#include "covbeam.h"
+#include "covbeam_extra.h"
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -33,7 +33,7 @@ struct type {
     const char *rules;
 };
 
-/* A parameter, from its description in calls.h. */
+/* A parameter, from its description in kinds.txt. */
 struct parameter {
     char name[32];
     char kind;   /* n s k $ # p(oll) h(shade) x(probe) u(ser) @ ! + < > = */

@@ -2,7 +2,7 @@
 #ifndef CALLS_H
 #define CALLS_H
 
-#include <covbeam.h>
+#include <covbeam_extra.h>
 
 /* Of a segment without edges. */
 enum { MEDIUM_WORDS = 16, PHASE_WORDS = 2, SEGMENT_WORDS = 23 };
