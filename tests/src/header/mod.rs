@@ -1,14 +1,18 @@
 //! What is made from the sources of the C ABI: the C headers, and tables for the programs in other languages.
 
 mod c;
+mod cpp;
 mod hostile;
 mod inline;
+mod kinds;
 mod layout;
 mod python;
+mod replay;
 
 pub use c::Function;
 
 use c::{Item, items};
+use kinds::Kinds;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -107,12 +111,15 @@ pub fn files() -> Result<Vec<(&'static str, String)>, String> {
     let read =
         |path: &str| fs::read_to_string(repository().join(path)).map_err(|error| format!("{path}: {error}"));
     let headers = headers()?;
+    let kinds = read("tests/clients/hostile/kinds.txt")?;
+    let kinds = Kinds::read(&kinds);
+    kinds.check(&headers.functions)?;
     Ok(vec![
         ("ffi/python/src/covbeam/_abi.py", python::abi(&headers)?),
-        (
-            "tests/clients/hostile/calls.h",
-            hostile::calls(&headers, &read("tests/clients/hostile/kinds.txt")?)?,
-        ),
+        ("tests/clients/hostile/calls.h", hostile::calls(&headers, &kinds)?),
+        ("tests/clients/vectors/plain.h", replay::plain(&headers, &kinds)?),
+        ("tests/clients/vectors/operators.hpp", cpp::replay(&headers, &kinds)?),
+        ("include/covbeam.hpp", cpp::forwarding(&read("include/covbeam.hpp")?, &headers, &kinds)?),
         ("tests/clients/layout.h", layout::assertions(&read("ffi/src/layout.rs")?)),
         ("include/covbeam.h", headers.main),
         ("include/covbeam_extra.h", headers.extra),
