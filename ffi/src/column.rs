@@ -161,6 +161,7 @@ unsafe fn fill(
 /// @param count number of knots.
 /// @note If the capacity is too small: COVBEAM_SHORT_BUFFER, and the message says what is needed. About 40 ns a
 ///     voxel passed.
+/// @kinds <medium <f:fff <f:uuu $p $P $p >knot k >size
 /// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_knots(
@@ -202,6 +203,7 @@ pub unsafe extern "C" fn covbeam_medium_knots(
 /// @param capacity of knots.
 /// @param count number of knots.
 /// @note A capacity that is too small is answered as by covbeam_medium_knots. About 40 ns a voxel passed.
+/// @kinds <medium <f:fff <f:uuu $p >knot k >size
 /// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_tabulate(
@@ -235,6 +237,7 @@ pub unsafe extern "C" fn covbeam_medium_tabulate(
 /// @param column the column.
 /// @note Checks the table: finite, distances and columns not falling. Nothing that is given a column checks
 ///     that again.
+/// @kinds <medium <f:fff <f:uuu <knot k >column
 /// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_column(
@@ -275,7 +278,8 @@ unsafe fn read_column<'a>(pointer: *const covbeam_column) -> Result<Column<'a>, 
 /// @param values, value_stride [m] >= 0, never falling with distance.
 /// @note Costs nothing, an exponential, or a binary search. The order of the knots is not checked; without
 ///     it, value means nothing.
-/// @single covbeam_column_at by value: distance
+/// @kinds <column <f:p >f:p
+/// @single covbeam_column_at
 /// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_column_at_many(
@@ -304,7 +308,8 @@ pub unsafe extern "C" fn covbeam_column_at_many(
 /// @param distances, distance_stride [m]; infinity if it never does.
 /// @note Costs nothing, a logarithm, or a binary search. The order of the knots is not checked; without it,
 ///     distance means nothing.
-/// @single covbeam_column_distance_at by value: value
+/// @kinds <column <f:p >f:p
+/// @single covbeam_column_distance_at
 /// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_column_distance_at_many(

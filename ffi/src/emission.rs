@@ -21,7 +21,8 @@ const _: () = assert!(COVBEAM_EMISSION_DIMENSIONS == covbeam_core::EMISSION_DIME
 /// @param paths, path_stride the path's place in the sequence, counted on over the passes of a picture.
 /// @param dimension which decision of the path, from 0 on.
 /// @param numbers, number_stride in [0, 1), a multiple of 2^-24.
-/// @single covbeam_path_number by value: path
+/// @kinds #any #any <word #any >f:r
+/// @single covbeam_path_number
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_path_numbers(
     seed: u32,

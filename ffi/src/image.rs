@@ -24,6 +24,7 @@ use covbeam_core::{ImageSpectrum, pixel_threshold};
 ///     covbeam_film_regions. Thesis 5.3.2, with the exact second derivatives of density x transmittance for
 ///     its attenuation. About 40 ns a voxel passed in a homogeneous medium, 95 ns in an exponential one, 200
 ///     ns in voxels.
+/// @kinds @grid.resolved <medium <ray <steps >image
 /// @single covbeam_image_spectrum_along
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_image_spectra_along(
@@ -72,7 +73,8 @@ pub unsafe extern "C" fn covbeam_image_spectra_along(
 /// @param widests, widest_stride largest standard deviation [pixels] > 0.
 /// @param filters, filter_stride all 0 where the spectrum has a weight of 0.
 /// @note Thesis 5.3.2, whose filter has an error of 1.
-/// @single covbeam_image_spectrum_filter by value: error, widest
+/// @kinds <image <f:+ <f:+ >filter
+/// @single covbeam_image_spectrum_filter
 /// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_image_spectra_filter(
@@ -105,6 +107,7 @@ pub unsafe extern "C" fn covbeam_image_spectra_filter(
 /// @param filters, filter_stride the pixel's filter.
 /// @param densities, density_stride in (0, 1]; no filter gives 1.
 /// @note Thesis 5.3.2.
+/// @kinds <filter >f:l
 /// @single covbeam_image_filter_density
 /// @extra
 #[unsafe(no_mangle)]
@@ -130,6 +133,7 @@ pub unsafe extern "C" fn covbeam_image_filters_density(
 /// @param count number of pixels; with 0 nothing is done.
 /// @param pixels, pixel_stride two numbers: x to the right and y down, any.
 /// @param thresholds, threshold_stride in [0, 1).
+/// @kinds #any #any <f:ii >f:r
 /// @single covbeam_pixel_threshold
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_pixel_threshold_many(

@@ -109,6 +109,7 @@ fn pass(value: u32) -> Result<u32, Failure> {
 ///     covbeam_progressive_radius(radius, alpha, pass), max_radius = the larger of max_radius and min_radius,
 ///     error = covbeam_error_bound(error, pass).
 /// @note COVBEAM_INVALID_VALUE too if the radius or the error of the pass falls below the smallest float.
+/// @kinds <schedule #pass =kernel
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_schedule_kernel(
     schedule: *const covbeam_schedule,
@@ -148,6 +149,7 @@ pub unsafe extern "C" fn covbeam_schedule_kernel(
 /// @param pass i, counted from 1.
 /// @param result [m].
 /// @note A few ns a pass up to pass 4096, and no more from there on. Jarosz et al. 2011.
+/// @kinds $m $l #pass >f:+
 /// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_progressive_radius(
@@ -171,6 +173,7 @@ pub unsafe extern "C" fn covbeam_progressive_radius(
 /// @param error in pass 1, > 0.
 /// @param pass counted from 1.
 /// @param result the bound in that pass.
+/// @kinds $+ #pass >f:+
 /// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_error_bound(error: f32, pass: u32, result: *mut f32) -> covbeam_status {
@@ -188,6 +191,7 @@ pub unsafe extern "C" fn covbeam_error_bound(error: f32, pass: u32, result: *mut
 /// @param distance d [m], of either sign.
 /// @param radius r [m] > 0.
 /// @param value [1/m]: 0 where the distance is r or more.
+/// @kinds #shape $f $+ >f:p
 /// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_kernel_evaluate(
@@ -210,6 +214,7 @@ pub unsafe extern "C" fn covbeam_kernel_evaluate(
 ///
 /// @param shape a value of covbeam_kernel_shape.
 /// @param moment of the kernel.
+/// @kinds #shape >f:+
 /// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_kernel_second_moment(shape: u32, moment: *mut f32) -> covbeam_status {
@@ -227,6 +232,7 @@ pub unsafe extern "C" fn covbeam_kernel_second_moment(shape: u32, moment: *mut f
 /// @param variance of the fluence's spectrum along the kernel's axis [cycles^2/m^2] >= 0; infinity gives 0.
 /// @param radius [m]: infinite for a variance of 0.
 /// @note Thesis 5.3.4.
+/// @kinds #shape $+ $p >f:p
 /// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_kernel_radius_from_error(
@@ -256,6 +262,7 @@ pub unsafe extern "C" fn covbeam_kernel_radius_from_error(
 /// @param sigmas, sigma_stride deviation of the spectrum along the axis [cycles/m]; 0 where the grid has no
 ///     data.
 /// @note Thesis 5.3.4.
+/// @kinds <kernel @grid.resolved? <f:fff <f:uuu >f:+ >f:q
 /// @single covbeam_kernel_radius_at
 /// @extra
 #[unsafe(no_mangle)]

@@ -27,7 +27,8 @@ const _: () = assert!(COVBEAM_EVEN_LAMP == covbeam_core::EVEN_LAMP);
 ///     distance; more where its intensity changes with the angle.
 /// @param out, out_stride the light fields.
 /// @note Thesis 5.3.1.
-/// @single covbeam_light_field_point by value: angular_variance
+/// @kinds <f:ddd <f:p >field
+/// @single covbeam_light_field_point
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_point(
     count: usize,
@@ -59,7 +60,8 @@ pub unsafe extern "C" fn covbeam_light_fields_point(
 /// @param angular_variances, angular_variance_stride as for covbeam_light_field_point.
 /// @param out, out_stride the light fields.
 /// @note Thesis 5.3.1.
-/// @single covbeam_light_field_disk by value: radius, angular_variance
+/// @kinds <f:ddd <f:ddd <f:p <f:p >field
+/// @single covbeam_light_field_disk
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_disk(
     count: usize,
@@ -104,7 +106,8 @@ pub unsafe extern "C" fn covbeam_light_fields_disk(
 /// @param radii, radius_stride of the beam [m] >= 0: infinity for a uniform one.
 /// @param out, out_stride the light fields.
 /// @note Thesis 5.3.1.
-/// @single covbeam_light_field_collimated by value: radius
+/// @kinds <f:ddd <f:p >field
+/// @single covbeam_light_field_collimated
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_collimated(
     count: usize,
@@ -140,6 +143,7 @@ pub unsafe extern "C" fn covbeam_light_fields_collimated(
 ///     isotropic, infinity parallel.
 /// @param out, out_stride the light fields.
 /// @note Thesis Eq 5.12.
+/// @kinds <f:ddd <f:fff <f:pp <f:pp >field
 /// @single covbeam_light_field_gaussian
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_gaussian(
@@ -184,7 +188,8 @@ pub unsafe extern "C" fn covbeam_light_fields_gaussian(
 /// @param fields, field_stride the light fields, changed in place.
 /// @param distances, distance_stride [m], finite; 0 changes nothing, a negative one goes back.
 /// @note Thesis 5.3.1.
-/// @single covbeam_light_field_travel by value: distance
+/// @kinds =field <f:f
+/// @single covbeam_light_field_travel
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_travel(
     count: usize,
@@ -209,7 +214,8 @@ pub unsafe extern "C" fn covbeam_light_fields_travel(
 /// @param origins, origin_stride where the field is [m].
 /// @param distances, distance_stride [m] >= 0, finite.
 /// @note Thesis 5.3.1. Costs up to 256 look-ups of the density's derivatives.
-/// @single covbeam_light_field_carry by value: distance
+/// @kinds =field <medium <f:fff <f:q
+/// @single covbeam_light_field_carry
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_carry(
     count: usize,
@@ -243,6 +249,7 @@ pub unsafe extern "C" fn covbeam_light_fields_carry(
 /// @param x_axes, x_axis_stride any length but 0; its part across the ray becomes the x axis; along the ray:
 ///     nothing changes.
 /// @note Thesis 5.3.1.2.
+/// @kinds =field <f:ddd
 /// @single covbeam_light_field_rotate
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_rotate(
@@ -266,6 +273,7 @@ pub unsafe extern "C" fn covbeam_light_fields_rotate(
 /// @param normals, normal_stride at the hit, any length, either side.
 /// @param curvatures, curvature_stride of the surface on the side of the normal; may be NULL: a plane.
 /// @note Coddington's equations.
+/// @kinds =field <f:ddd <curvature?
 /// @single covbeam_light_field_reflect
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_reflect(
@@ -304,7 +312,8 @@ pub unsafe extern "C" fn covbeam_light_fields_reflect(
 /// @param passed, passed_stride 1 if light passes; 0 on total reflection (and exactly grazing light), which
 ///     leaves the field as it was.
 /// @note Coddington's equations.
-/// @single covbeam_light_field_refract by value: eta
+/// @kinds =field <f:ddd <curvature? <f:+ >flag
+/// @single covbeam_light_field_refract
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_refract(
     count: usize,
@@ -348,7 +357,8 @@ pub unsafe extern "C" fn covbeam_light_fields_refract(
 ///     along the ray: nothing changes.
 /// @param distances, distance_stride between ray and edge [m] >= 0; infinity is no edge.
 /// @note Thesis 5.3.1.
-/// @single covbeam_light_field_occlude by value: distance
+/// @kinds =field <f:ddd <f:p
+/// @single covbeam_light_field_occlude
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_occlude(
     count: usize,
@@ -379,6 +389,7 @@ pub unsafe extern "C" fn covbeam_light_fields_occlude(
 /// @param gradients, gradient_stride of the optical depth of the stretch, in world axes [1/m].
 /// @param hessians, hessian_stride of the same, [xx, yy, zz, xy, xz, yz] [1/m^2].
 /// @note Thesis 5.3.1.
+/// @kinds =field <f:fff <f:ffffff
 /// @single covbeam_light_field_attenuate
 /// @extra
 #[unsafe(no_mangle)]
@@ -412,7 +423,8 @@ pub unsafe extern "C" fn covbeam_light_fields_attenuate(
 /// @param angular_variances, angular_variance_stride [cycles^2/rad^2] >= 0: 0 changes nothing, infinity
 ///     leaves one direction.
 /// @note Thesis 5.3.1.
-/// @single covbeam_light_field_narrow by value: angular_variance
+/// @kinds =field <f:ddd <f:p
+/// @single covbeam_light_field_narrow
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_narrow(
     count: usize,
@@ -443,7 +455,8 @@ pub unsafe extern "C" fn covbeam_light_fields_narrow(
 /// @param angular_variances, angular_variance_stride of the lobe [cycles^2/rad^2] >= 0, see
 ///     covbeam_phase_angular_variance: 0 is isotropic, infinity does not blur.
 /// @note Thesis 5.3.1.
-/// @single covbeam_light_field_scatter by value: angular_variance
+/// @kinds =field <f:ddd <f:p
+/// @single covbeam_light_field_scatter
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_scatter(
     count: usize,
@@ -474,6 +487,7 @@ pub unsafe extern "C" fn covbeam_light_fields_scatter(
 /// @param normals, normal_stride of the surface, any length, either sign.
 /// @param directions, direction_stride of propagation after the event, any length but 0.
 /// @note Thesis 5.3.1.
+/// @kinds =field <f:ddd <f:ddd
 /// @single covbeam_light_field_diffuse
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_diffuse(
@@ -503,6 +517,7 @@ pub unsafe extern "C" fn covbeam_light_fields_diffuse(
 /// @param fields, field_stride the light fields.
 /// @param variances_out, out_stride [xx, xy, yy] [cycles^2/m^2].
 /// @note Thesis Eq 5.14.
+/// @kinds <field >f:qfq
 /// @single covbeam_light_field_slice
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_slice(
@@ -529,7 +544,8 @@ pub unsafe extern "C" fn covbeam_light_fields_slice(
 ///     of voxels of side h; infinity keeps all.
 /// @param spectrum_out, out_stride covariance [cycles^2/m^2].
 /// @note Thesis Eq 5.14.
-/// @single covbeam_light_field_fluence by value: limit
+/// @kinds <field <f:P >spectrum
+/// @single covbeam_light_field_fluence
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_fluence(
     count: usize,
@@ -562,7 +578,8 @@ pub unsafe extern "C" fn covbeam_light_fields_fluence(
 /// @param extinctions, extinction_stride around the ray [1/m] >= 0.
 /// @param variance_out, out_stride [cycles^2/m^2] >= 0.
 /// @note Derived.
-/// @single covbeam_light_field_variance_along_ray by value: extinction
+/// @kinds <field <f:q >f:q
+/// @single covbeam_light_field_variance_along_ray
 /// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_variance_along_ray(

@@ -15,6 +15,7 @@ use crate::types::covbeam_derivatives;
 /// @param densities, density_stride >= 0: 1 where the medium's coefficients hold. An exponential one is held
 ///     beyond e^80 and e^-80.
 /// @note Costs nothing, an exponential, or a trilinear look-up.
+/// @kinds <medium <f:fff >f:q
 /// @single covbeam_medium_density_at
 /// @extra
 #[unsafe(no_mangle)]
@@ -43,6 +44,7 @@ pub unsafe extern "C" fn covbeam_medium_density_at_many(
 /// @param positions, position_stride [m].
 /// @param derivatives, derivative_stride exact for an exponential density; differences between neighbouring
 ///     voxels, 0 outside the box.
+/// @kinds <medium <f:fff >derivatives
 /// @single covbeam_medium_derivatives_at
 /// @extra
 #[unsafe(no_mangle)]
@@ -73,6 +75,7 @@ pub unsafe extern "C" fn covbeam_medium_derivatives_at_many(
 /// @param medium the medium.
 /// @param step [m] > 0: infinity where the medium is homogeneous, half the scale height, or a voxel's smallest
 ///     side.
+/// @kinds <medium >f:P
 /// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_step(

@@ -81,7 +81,8 @@ fn distance_at(density: &Density, origin: Vec3, direction: Vec3, length: f32, co
 /// @param distances, distance_stride along the ray [m] >= 0; infinity allowed.
 /// @param columns, column_stride [m] >= 0; infinite only for an infinite distance in a homogeneous medium.
 /// @note Voxels: exact, about 20 ns a voxel passed. For many distances on one ray see covbeam_medium_column.
-/// @single covbeam_medium_column_at by value: distance
+/// @kinds <medium <f:fff <f:uuu <f:p >f:p
+/// @single covbeam_medium_column_at
 /// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_column_at_many(
@@ -125,7 +126,8 @@ pub unsafe extern "C" fn covbeam_medium_column_at_many(
 /// @param distances, distance_stride [m]; infinity if the ray ends before.
 /// @note Voxels: the column there is within 5e-4 of the one asked for, relatively; about 20 ns a voxel
 ///     passed.
-/// @single covbeam_medium_distance_at by value: length, column
+/// @kinds <medium <f:fff <f:uuu <f:p <f:p >f:p
+/// @single covbeam_medium_distance_at
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_distance_at_many(
     medium: *const covbeam_medium,
@@ -168,7 +170,8 @@ pub unsafe extern "C" fn covbeam_medium_distance_at_many(
 /// @param distances, distance_stride along the ray [m] >= 0; infinity allowed.
 /// @param transmittances, transmittance_stride three numbers in [0, 1]: exp(-extinction x column).
 /// @note The column of covbeam_medium_column_at, and one exponential if the channels are equal, else three.
-/// @single covbeam_medium_transmittance by value: distance
+/// @kinds <medium <f:fff <f:uuu <f:p >f:ttt
+/// @single covbeam_medium_transmittance
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_transmittance_many(
     medium: *const covbeam_medium,
@@ -206,7 +209,8 @@ pub unsafe extern "C" fn covbeam_medium_transmittance_many(
 /// @param count number of columns; with 0 nothing is done.
 /// @param columns, column_stride [m] >= 0; infinity allowed.
 /// @param transmittances, transmittance_stride three numbers in [0, 1]: exp(-extinction x column).
-/// @single covbeam_medium_column_transmittance by value: column
+/// @kinds <medium <f:p >f:ttt
+/// @single covbeam_medium_column_transmittance
 /// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_column_transmittance_many(
@@ -231,6 +235,7 @@ pub unsafe extern "C" fn covbeam_medium_column_transmittance_many(
 ///
 /// @param medium the medium.
 /// @param column [m]; infinite if a channel has no extinction.
+/// @kinds <medium >f:p
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_opaque_column(
     medium: *const covbeam_medium,
@@ -255,6 +260,7 @@ pub unsafe extern "C" fn covbeam_medium_opaque_column(
 /// @param distances, distance_stride [m]: where the medium becomes opaque, hardly goes on, or its voxels
 ///     end; infinite if there is no such place.
 /// @note Voxels: about 20 ns a voxel passed.
+/// @kinds <medium <f:fff <f:uuu >f:p
 /// @single covbeam_medium_reach
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_reach_many(

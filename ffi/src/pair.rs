@@ -27,6 +27,7 @@ unsafe fn read_ray(pointer: *const covbeam_eye_ray) -> Result<EyeRay, Failure> {
 /// @param crossings, crossing_stride the closest approach; untouched if they are nearly parallel.
 /// @param crosses, cross_stride 1, or 0 if the sine of the angle between them is below 1e-5: such pairs are
 ///     never gathered.
+/// @kinds <ray <beam >crossing >flag
 /// @single covbeam_cross
 /// @extra
 #[unsafe(no_mangle)]
@@ -93,7 +94,8 @@ fn closed_form(
 /// @param accepted, accepted_stride 1 if the pair counts, else 0.
 /// @note Thesis 5.3.4. A beam that starts or ends on a surface is cut by its tangent plane. The order of the
 ///     columns' knots is not checked.
-/// @single covbeam_gather_pair by value: from, to
+/// @kinds <ray <beam <f:p <f:p <medium <column? <column? <kernel @grid.resolved? =gathered >flag
+/// @single covbeam_gather_pair
 /// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_gather_pairs(
@@ -179,6 +181,7 @@ pub unsafe extern "C" fn covbeam_gather_pairs(
 /// @param beams, beam_stride the beams, each as a whole.
 /// @param max_radius largest kernel radius [m] > 0: that of the covbeam_kernel.
 /// @param masks, mask_stride 1 for a beam that may come within the max_radius, else 0.
+/// @kinds <ray <beam $+ >flag
 /// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_filter_beams(

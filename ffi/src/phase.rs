@@ -39,7 +39,8 @@ unsafe fn read_phase(pointer: *const covbeam_phase) -> Result<PhaseFunction, Fai
 /// @param cosines, cosine_stride dot(propagation before, propagation after), forward 1; in [-1, 1], rounding
 ///     past the ends is harmless.
 /// @param values, value_stride [1/sr] >= 0.
-/// @single covbeam_phase_evaluate by value: cosine
+/// @kinds <phase <f:c >f:q
+/// @single covbeam_phase_evaluate
 /// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_phase_evaluate_many(
@@ -68,6 +69,7 @@ pub unsafe extern "C" fn covbeam_phase_evaluate_many(
 /// @param scattered, scattered_stride direction of propagation after the event, unit; may be the same array
 ///     as directions.
 /// @note The angle of a narrow lobe is exact: it does not pass through its cosine.
+/// @kinds <phase <f:uuu <f:rr >f:uuu
 /// @single covbeam_phase_sample
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_phase_sample_many(
@@ -100,7 +102,8 @@ pub unsafe extern "C" fn covbeam_phase_sample_many(
 /// @param count number of cosines; with 0 nothing is done.
 /// @param xis, xi_stride uniform in [0, 1); 0 gives -1, and the cosine grows with it.
 /// @param cosines, cosine_stride in [-1, 1].
-/// @single covbeam_phase_sample_cosine by value: xi
+/// @kinds <phase <f:r >f:c
+/// @single covbeam_phase_sample_cosine
 /// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_phase_sample_cosine_many(
@@ -126,6 +129,7 @@ pub unsafe extern "C" fn covbeam_phase_sample_cosine_many(
 /// @param variance [cycles^2/rad^2]: 3|g| / (4 pi^2 (1 - |g|)^2) for Henyey-Greenstein, 1/(4 pi^2) for
 ///     Rayleigh, 0 for isotropic.
 /// @note Derived from the lobe's curvature at its peak.
+/// @kinds <phase >f:q
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_phase_angular_variance(
     phase: *const covbeam_phase,

@@ -82,7 +82,8 @@ fn host_knots<'a>(e: Element<covbeam_segment>) -> Result<Option<&'a [Knot]>, Fai
 ///     which the segment ends.
 /// @param out, out_stride the light fields there; segment->field is fine.
 /// @note Thesis 5.3.1. In a density that varies, up to 256 look-ups of its derivatives from edge to edge.
-/// @single covbeam_segment_field_at by value: distance
+/// @kinds <way <medium <f:q >field
+/// @single covbeam_segment_field_at
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_segments_field_at(
     count: usize,

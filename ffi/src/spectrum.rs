@@ -13,6 +13,7 @@ use crate::types::{covbeam_spectrum, spectrum};
 /// @param axes, axis_stride unit.
 /// @param variances, variance_stride [cycles^2/m^2] >= 0, to a few roundings of xx + yy + zz.
 /// @note Thesis 5.3.4.
+/// @kinds <spectrum <f:uuu >f:q
 /// @single covbeam_spectrum_variance_along
 /// @extra
 #[unsafe(no_mangle)]
@@ -43,7 +44,8 @@ pub unsafe extern "C" fn covbeam_spectra_variance_along(
 /// @param spectra, spectrum_stride of the fluence, changed in place.
 /// @param axes, axis_stride unit.
 /// @param variances, variance_stride [cycles^2/m^2], finite and >= 0.
-/// @single covbeam_spectrum_add_along by value: variance
+/// @kinds =spectrum <f:uuu <f:q
+/// @single covbeam_spectrum_add_along
 /// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_spectra_add_along(

@@ -4,6 +4,7 @@ Every line is called alone. Lines whose function takes arrays are called once mo
 matrix. The format is described in tests/src/vectors/mod.rs.
 """
 
+import re
 import sys
 from pathlib import Path
 
@@ -59,11 +60,11 @@ FIELD, NUMBER = cb.LIGHT_FIELD, 1
 def field_calls():
     """What is called of light_field, from the kinds of the parameters."""
     dtypes = {"field": FIELD, "curvature": cb.CURVATURE}
-    for line in Path(__file__).with_name("hostile").joinpath("kinds.txt").read_text().splitlines():
-        name, *kinds = line.split(" ")
-        if not name.startswith("covbeam_light_fields_") or "<medium" in kinds:
+    calls = Path(__file__).with_name("hostile").joinpath("calls.h").read_text()
+    for operator, described in re.findall(r'\(covbeam_light_fields_(\w+), "count n; (.*?)"', calls):
+        kinds = [parameter.split(" ")[1] for parameter in described.split("; ") if not parameter.endswith("_stride s")]
+        if "<medium" in kinds:
             continue
-        operator = name.removeprefix("covbeam_light_fields_")
         function = getattr(light_field, operator)
         # "<f:ddd" are three numbers.
         parts = [dtypes.get(kind[1:].rstrip("?")) or len(kind) - 3 for kind in kinds if kind[0] != ">"]

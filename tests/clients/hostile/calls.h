@@ -1,4 +1,4 @@
-/* Made from kinds.txt and the headers by `cargo run -p covbeam-tests --bin header`; do not edit. */
+/* Made from the headers by `cargo run -p covbeam-tests --bin header`; do not edit. */
 OTHER(covbeam_abi_version)
 OTHER(covbeam_version)
 OTHER(covbeam_status_name)

@@ -24,7 +24,7 @@ enum kind kind_named(const char *name) {
     static const char *const names[KINDS] = { "grid", "map", "density", "scratch", "picture", "march" };
     for (int kind = 0; kind < KINDS; kind++)
         if (strcmp(names[kind], name) == 0) return (enum kind)kind;
-    fprintf(stderr, "kinds.txt: no kind of handle is called %s\n", name);
+    fprintf(stderr, "calls.h: no kind of handle is called %s\n", name);
     exit(2);
 }
 

@@ -81,7 +81,7 @@ const struct type *type_named(const char *name) {
     }
     for (size_t i = 0; i < sizeof types / sizeof *types; i++)
         if (strcmp(types[i].name, name) == 0) return &types[i];
-    fprintf(stderr, "kinds.txt: no type is called %s\n", name);
+    fprintf(stderr, "calls.h: no type is called %s\n", name);
     exit(2);
 }
 

@@ -33,7 +33,7 @@ struct type {
     const char *rules;
 };
 
-/* A parameter, from its description in kinds.txt. */
+/* A parameter, from its description in calls.h. */
 struct parameter {
     char name[32];
     char kind;   /* n s k $ # p(oll) h(shade) x(probe) u(ser) @ ! + < > = */

@@ -22,8 +22,10 @@ pub struct Function {
     pub name: String,
     /// What it takes.
     pub parameters: Vec<Parameter>,
-    /// The inline function that calls it for one element: its name, and which of its parameters are numbers by value.
-    pub single: Option<(String, Vec<String>)>,
+    /// The inline function that calls it for one element.
+    pub single: Option<String>,
+    /// What its parameters are: see `parameters`.
+    pub kinds: Vec<String>,
 }
 
 /// A parameter of a function.
@@ -35,9 +37,9 @@ pub struct Parameter {
 }
 
 impl Item {
-    pub(super) fn text(&self) -> String {
-        let inline = self.function.as_ref().map(single).unwrap_or_default();
-        [&self.comment, &self.code, &inline].map(String::as_str).concat()
+    pub(super) fn text(&self) -> Result<String, String> {
+        let inline = self.function.as_ref().map_or(Ok(String::new()), single)?;
+        Ok([&self.comment, &self.code, &inline].map(String::as_str).concat())
     }
 }
 
@@ -52,15 +54,15 @@ fn item(text: &str) -> Result<Item, String> {
         _ => ("", text),
     };
     let mut doc: Vec<String> = Vec::new();
-    let (mut extra, mut one) = (false, None);
+    let (mut extra, mut single, mut kinds) = (false, None, Vec::new());
     for line in comment.lines().skip(1) {
         let line = line.trim_start().trim_start_matches('*').strip_prefix(' ').unwrap_or_default();
         if line == "@extra" {
             extra = true;
-        } else if let Some(rest) = line.strip_prefix("@single ") {
-            let (name, values) = rest.split_once(" by value: ").unwrap_or((rest, ""));
-            let values = values.split(", ").filter(|value| !value.is_empty()).map(str::to_owned).collect();
-            one = Some((name.to_owned(), values));
+        } else if let Some(name) = line.strip_prefix("@single ") {
+            single = Some(name.to_owned());
+        } else if let Some(all) = line.strip_prefix("@kinds ") {
+            kinds = all.split(' ').map(str::to_owned).collect();
         } else {
             doc.push(line.to_owned());
         }
@@ -74,19 +76,18 @@ fn item(text: &str) -> Result<Item, String> {
         lines += "\n";
     }
     let comment = if doc.is_empty() { String::new() } else { format!("/**\n{lines} */\n") };
-    let function = function(code, doc, one)?;
+    let mut function = function(code)?;
+    if let Some(function) = &mut function {
+        (function.doc, function.single, function.kinds) = (doc, single, kinds);
+    }
     Ok(Item { comment, code: code.to_owned(), extra, function })
 }
 
 /// A function, if the code is a declaration of one.
-fn function(
-    code: &str,
-    doc: Vec<String>,
-    single: Option<(String, Vec<String>)>,
-) -> Result<Option<Function>, String> {
+fn function(code: &str) -> Result<Option<Function>, String> {
     let one_line = code.split_whitespace().collect::<Vec<_>>().join(" ");
     let Some(inside) = one_line.strip_suffix(");").filter(|_| !one_line.starts_with("typedef")) else {
-        return if single.is_none() { Ok(None) } else { Err(format!("no function: {code}")) };
+        return Ok(None);
     };
     let (head, inside) = inside.split_once('(').ok_or(format!("no parameters: {code}"))?;
     let (returns, name) = typed(head)?;
@@ -95,7 +96,8 @@ fn function(
         .filter(|parameter| *parameter != "void")
         .map(|parameter| typed(parameter).map(|(kind, name)| Parameter { kind, name }))
         .collect::<Result<_, _>>()?;
-    Ok(Some(Function { doc, returns, name, parameters, single }))
+    let (doc, kinds) = (Vec::new(), Vec::new());
+    Ok(Some(Function { doc, returns, name, parameters, single: None, kinds }))
 }
 
 /// A type and the name that it is given.

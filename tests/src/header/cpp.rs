@@ -3,7 +3,7 @@
 
 use super::Headers;
 use super::c::Function;
-use super::kinds::{Kinds, parameters};
+use super::kinds::parameters;
 use std::fmt::Write;
 
 /// What is made stands in `covbeam.hpp` between these, of the members and of the functions for many.
@@ -33,20 +33,20 @@ enum Of {
 }
 
 /// Those whose arguments are numbers, vectors and curvatures.
-fn operators<'a>(headers: &'a Headers, kinds: &Kinds<'a>) -> Result<Vec<Operator<'a>>, String> {
+fn operators(headers: &Headers) -> Result<Vec<Operator<'_>>, String> {
     let mut all = Vec::new();
     for function in &headers.functions {
-        all.extend(operator(function, kinds)?);
+        all.extend(operator(function)?);
     }
     Ok(all)
 }
 
-fn operator<'a>(function: &'a Function, kinds: &Kinds<'a>) -> Result<Option<Operator<'a>>, String> {
+fn operator(function: &Function) -> Result<Option<Operator<'_>>, String> {
     let Some(name) = function.name.strip_prefix("covbeam_light_fields_") else { return Ok(None) };
-    let Some((single, _)) = &function.single else { return Ok(None) };
+    let Some(single) = &function.single else { return Ok(None) };
     let (mut changes, mut many, mut arguments) = (false, "", Vec::new());
     let mut of = None;
-    for (parameter, kind) in parameters(function, kinds)? {
+    for (parameter, kind) in parameters(function)? {
         match kind {
             "n" => {}
             "=field" => changes = true,
@@ -66,8 +66,8 @@ fn operator<'a>(function: &'a Function, kinds: &Kinds<'a>) -> Result<Option<Oper
 }
 
 /// `covbeam.hpp` with what is made of it made anew.
-pub(super) fn forwarding(hpp: &str, headers: &Headers, kinds: &Kinds) -> Result<String, String> {
-    let operators = operators(headers, kinds)?;
+pub(super) fn forwarding(hpp: &str, headers: &Headers) -> Result<String, String> {
+    let operators = operators(headers)?;
     let mut parts = hpp.split_inclusive(FROM);
     let mut text = parts.next().unwrap_or_default().to_owned();
     for (part, make) in parts.zip([member as fn(&Operator) -> String, plural]) {
@@ -120,10 +120,10 @@ fn plural(operator: &Operator) -> String {
 }
 
 /// `vectors/operators.hpp`: the calls of the client.
-pub(super) fn replay(headers: &Headers, kinds: &Kinds) -> Result<String, String> {
+pub(super) fn replay(headers: &Headers) -> Result<String, String> {
     let mut text =
         "// Made from the headers by `cargo run -p covbeam-tests --bin header`; do not edit.\n".to_owned();
-    for Operator { name, arguments, .. } in operators(headers, kinds)? {
+    for Operator { name, arguments, .. } in operators(headers)? {
         let (mut taken, mut given, mut rows, mut word) = (String::new(), Vec::new(), String::new(), 16);
         for (i, argument) in arguments.iter().enumerate() {
             let (take, give, row, words) = match argument.of {

@@ -1,6 +1,7 @@
 //! Inline functions for one element, from the functions on arrays.
 
 use super::c::{Function, Parameter};
+use super::kinds::{is_number, parameters};
 
 /// Longest line.
 const WIDTH: usize = 110;
@@ -8,34 +9,35 @@ const WIDTH: usize = 110;
 /// The inline function that calls `function` for one element, after an empty line; nothing if it has none.
 ///
 /// An array and its stride, `directions` and `direction_stride`, become one pointer, `direction`, or a number by value.
-pub(super) fn single(function: &Function) -> String {
-    let Some((name, values)) = &function.single else { return String::new() };
-    let mut parameters = Vec::new();
-    let mut arguments = Vec::new();
-    let mut of = function.parameters.iter().peekable();
-    while let Some(Parameter { kind, name }) = of.next() {
-        if name == "count" {
-            arguments.push("1".to_owned());
+pub(super) fn single(function: &Function) -> Result<String, String> {
+    let Some(name) = &function.single else { return Ok(String::new()) };
+    let mut declared = Vec::new();
+    let mut given = Vec::new();
+    let all = parameters(function)?;
+    let mut of = all.into_iter().peekable();
+    while let Some((Parameter { kind, name }, what)) = of.next() {
+        if what == "n" {
+            given.push("1".to_owned());
             continue;
         }
-        let stride = of.next_if(|next| next.name.ends_with("_stride"));
-        let name = stride.map_or(name.as_str(), |next| next.name.trim_end_matches("_stride"));
-        if values.iter().any(|value| value == name) {
+        let stride = of.next_if(|(_, next)| *next == "s");
+        let name = stride.map_or(name.as_str(), |(next, _)| next.name.trim_end_matches("_stride"));
+        if stride.is_some() && is_number(what) {
             let number = kind.trim_start_matches("const ").trim_end_matches(" *");
-            parameters.push(format!("{number} {name}"));
-            arguments.push(format!("&{name}"));
+            declared.push(format!("{number} {name}"));
+            given.push(format!("&{name}"));
         } else {
             let space = if kind.ends_with('*') { "" } else { " " };
-            parameters.push(format!("{kind}{space}{name}"));
-            arguments.push(name.to_owned());
+            declared.push(format!("{kind}{space}{name}"));
+            given.push(name.to_owned());
         }
         if stride.is_some() {
-            arguments.push("0".to_owned());
+            given.push("0".to_owned());
         }
     }
-    let head = wrapped(&format!("static inline {} {name}(", function.returns), &parameters, ")");
-    let call = wrapped(&format!("    return {}(", function.name), &arguments, ");");
-    format!("\n\n{head}\n{{\n{call}\n}}")
+    let head = wrapped(&format!("static inline {} {name}(", function.returns), &declared, ")");
+    let call = wrapped(&format!("    return {}(", function.name), &given, ");");
+    Ok(format!("\n\n{head}\n{{\n{call}\n}}"))
 }
 
 /// A list, broken before what does not fit into a line.

@@ -1,41 +1,21 @@
-//! What the parameters of functions are, for the programs that call them without knowing them: `hostile/kinds.txt`.
+//! What the parameters of functions are, for the programs that call them without knowing them.
+//!
+//! A line `@kinds` of a function's comment has a kind for each parameter but for counts of arrays, strides, callbacks and
+//! their user pointers, which have theirs by name and type:
+//!
+//! - `n` count of the arrays after it; `s` stride of the array before; `k` number of elements of the packed array before
+//! - `$R` a float under rule R; `#shape`, `#pass`, `#extent` (of a picture), `#row` (its first), `#any` an integer
+//! - `@KIND` a handle that is looked at, `!KIND` one that is changed, `+KIND` place for a new one; `.STATE` it must be in
+//! - `<TYPE` read, `>TYPE` written, `=TYPE` both; TYPE a struct of `tests/clients/hostile/types.c`, or `f:RULES` floats
+//! - `?` may be NULL
+//!
+//! The rules are those of `types.c`.
 
 use super::c::{Function, Parameter};
-use std::collections::BTreeMap;
-
-/// The kinds of the parameters of each function that have none by name and type.
-pub(super) struct Kinds<'a>(BTreeMap<&'a str, Vec<&'a str>>);
-
-impl<'a> Kinds<'a> {
-    /// A line a function: its name, and its kinds.
-    pub(super) fn read(text: &'a str) -> Self {
-        let lines = text.lines().filter(|line| !line.is_empty() && !line.starts_with('#'));
-        Self(
-            lines
-                .map(|line| {
-                    let mut words = line.split(' ');
-                    (words.next().unwrap_or_default(), words.collect())
-                })
-                .collect(),
-        )
-    }
-
-    /// Whether all of them are of functions that there are.
-    pub(super) fn check(&self, functions: &[Function]) -> Result<(), String> {
-        match self.0.keys().find(|name| functions.iter().all(|function| function.name != **name)) {
-            Some(name) => Err(format!("kinds.txt: there is no {name}")),
-            None => Ok(()),
-        }
-    }
-}
 
 /// The parameters of a function, each with its kind.
-pub(super) fn parameters<'a>(
-    function: &'a Function,
-    kinds: &Kinds<'a>,
-) -> Result<Vec<(&'a Parameter, &'a str)>, String> {
-    let name = &function.name;
-    let mut given = kinds.0.get(name.as_str()).ok_or(format!("kinds.txt: no {name}"))?.iter();
+pub(super) fn parameters(function: &Function) -> Result<Vec<(&Parameter, &str)>, String> {
+    let mut given = function.kinds.iter();
     let mut all = Vec::new();
     for parameter in &function.parameters {
         let kind = match (parameter.kind.as_str(), parameter.name.as_str()) {
@@ -45,12 +25,17 @@ pub(super) fn parameters<'a>(
             ("covbeam_shade", _) => "shade",
             ("covbeam_probe", _) => "probe",
             (_, "user") => "user",
-            _ => given.next().ok_or(format!("kinds.txt: {name}: none for {}", parameter.name))?,
+            _ => given.next().ok_or(format!("{}: no kind for {}", function.name, parameter.name))?,
         };
         all.push((parameter, kind));
     }
     match given.next() {
-        Some(kind) => Err(format!("kinds.txt: {name}: {kind} is too many")),
+        Some(kind) => Err(format!("{}: the kind {kind} is too many", function.name)),
         None => Ok(all),
     }
+}
+
+/// Whether an element of an input array is one number.
+pub(super) fn is_number(kind: &str) -> bool {
+    kind == "<word" || kind.strip_prefix("<f:").is_some_and(|rules| rules.len() == 1)
 }

@@ -3,7 +3,7 @@
 
 use super::Headers;
 use super::c::Function;
-use super::kinds::{Kinds, parameters};
+use super::kinds::{is_number, parameters};
 use std::fmt::Write;
 
 /// Families of functions whose lines are like that.
@@ -23,17 +23,17 @@ struct Argument {
 }
 
 /// The whole file.
-pub(super) fn plain(headers: &Headers, kinds: &Kinds) -> Result<String, String> {
+pub(super) fn plain(headers: &Headers) -> Result<String, String> {
     let mut text =
         "/* Made from the headers by `cargo run -p covbeam-tests --bin header`; do not edit. */\n".to_owned();
     let (mut names, mut table) = (String::new(), String::new());
     for function in &headers.functions {
-        let Some((single, values)) = &function.single else { continue };
+        let Some(single) = &function.single else { continue };
         let name = single.trim_start_matches("covbeam_");
         if !FAMILIES.iter().any(|family| name.starts_with(family)) || NOT_PLAIN.contains(&name) {
             continue;
         }
-        let arguments = arguments(function, values, kinds)?;
+        let arguments = arguments(function)?;
         if !BY_HAND.contains(&name) {
             text += &one(single, &arguments)?;
             write!(names, " \\\n    CALL({name}),").unwrap();
@@ -47,21 +47,20 @@ pub(super) fn plain(headers: &Headers, kinds: &Kinds) -> Result<String, String> 
 }
 
 /// Arrays and what all elements share.
-fn arguments(function: &Function, values: &[String], kinds: &Kinds) -> Result<Vec<Argument>, String> {
+fn arguments(function: &Function) -> Result<Vec<Argument>, String> {
     let mut all: Vec<Argument> = Vec::new();
-    for (parameter, kind) in parameters(function, kinds)? {
+    for (parameter, kind) in parameters(function)? {
         match kind {
             "n" => {}
             "s" => {
                 let last = all.last_mut().ok_or("a stride without an array")?;
                 parameter.name.trim_end_matches("_stride").clone_into(&mut last.name);
-                last.value = values.contains(&last.name);
             }
             _ => all.push(Argument {
                 direction: kind.chars().next().unwrap_or_default(),
                 kind: kind[1..].trim_end_matches('?').to_owned(),
                 name: parameter.name.clone(),
-                value: false,
+                value: is_number(kind),
             }),
         }
     }
