@@ -1,11 +1,11 @@
 //! What is made from the sources of the C ABI: the C headers, and tables for the programs in other languages.
 
 mod c;
-mod cpp;
 mod hostile;
 mod inline;
 mod kinds;
 mod layout;
+mod operators;
 mod python;
 mod replay;
 
@@ -115,8 +115,9 @@ pub fn files() -> Result<Vec<(&'static str, String)>, String> {
         ("ffi/python/src/covbeam/_abi.py", python::abi(&headers)?),
         ("tests/clients/hostile/calls.h", hostile::calls(&headers)?),
         ("tests/clients/vectors/plain.h", replay::plain(&headers)?),
-        ("tests/clients/vectors/operators.hpp", cpp::replay(&headers)?),
-        ("include/covbeam.hpp", cpp::forwarding(&read("include/covbeam.hpp")?, &headers)?),
+        ("tests/clients/vectors/operators.hpp", operators::replay(&headers)?),
+        ("include/covbeam.hpp", operators::forwarding(&read("include/covbeam.hpp")?, &headers)?),
+        ("tests/bare-metal/src/operators.rs", operators::bare_metal(&headers)?),
         ("tests/clients/layout.h", layout::assertions(&read("ffi/src/layout.rs")?)),
         ("include/covbeam.h", headers.main),
         ("include/covbeam_extra.h", headers.extra),

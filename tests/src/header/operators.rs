@@ -1,5 +1,5 @@
-//! The operators of light fields in C++: their forwarding in `covbeam.hpp`, and how the client of `tests/vectors.txt` calls
-//! them.
+//! The operators of light fields elsewhere: their forwarding in `covbeam.hpp`, and how the client of `tests/vectors.txt` in C++
+//! and the program without std call them.
 
 use super::Headers;
 use super::c::Function;
@@ -154,4 +154,22 @@ pub(super) fn replay(headers: &Headers) -> Result<String, String> {
         .unwrap();
     }
     Ok(text)
+}
+
+/// `bare-metal/src/operators.rs`: the calls of the core.
+pub(super) fn bare_metal(headers: &Headers) -> Result<String, String> {
+    let mut text = include_str!("operators.txt").to_owned();
+    for Operator { name, arguments, .. } in operators(headers)? {
+        let taken: Vec<&str> = arguments
+            .iter()
+            .map(|argument| match argument.of {
+                Of::Floats(1) => "i.float()?",
+                Of::Floats(3) => "i.vector()?",
+                Of::Floats(_) => "&i.floats()?",
+                Of::Curvature => "&i.curvature()?",
+            })
+            .collect();
+        writeln!(text, "        b\"light_field_{name}\" => field.{name}({}),", taken.join(", ")).unwrap();
+    }
+    Ok(text + "        _ => return None,\n    }\n    Some(())\n}\n")
 }
