@@ -42,7 +42,7 @@ pub(super) fn plain(headers: &Headers) -> Result<String, String> {
         table += &row(name, &arguments)?;
     }
     write!(text, "\n#define PLAIN_CALLS{}\n\n", names.trim_end_matches(',')).unwrap();
-    write!(text, "#define PLAIN_PLURALS{}\n", table.trim_end_matches(',')).unwrap();
+    writeln!(text, "#define PLAIN_PLURALS{}", table.trim_end_matches(',')).unwrap();
     Ok(text)
 }
 
