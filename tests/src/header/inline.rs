@@ -8,7 +8,8 @@ const WIDTH: usize = 110;
 
 /// The inline function that calls `function` for one element, after an empty line; nothing if it has none.
 ///
-/// An array and its stride, `directions` and `direction_stride`, become one pointer, `direction`, or a number by value.
+/// An array and its stride, `directions` and `direction_stride`, become one pointer, `direction`, or a number
+/// by value.
 pub(super) fn single(function: &Function) -> Result<String, String> {
     let Some(name) = &function.single else { return Ok(String::new()) };
     let mut declared = Vec::new();

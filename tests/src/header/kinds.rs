@@ -1,12 +1,16 @@
 //! What the parameters of functions are, for the programs that call them without knowing them.
 //!
-//! A line `@kinds` of a function's comment has a kind for each parameter but for counts of arrays, strides, callbacks and
-//! their user pointers, which have theirs by name and type:
+//! A line `@kinds` of a function's comment has a kind for each parameter but for counts of arrays, strides,
+//! callbacks and their user pointers, which have theirs by name and type:
 //!
-//! - `n` count of the arrays after it; `s` stride of the array before; `k` number of elements of the packed array before
-//! - `$R` a float under rule R; `#shape`, `#pass`, `#extent` (of a picture), `#row` (its first), `#any` an integer
-//! - `@KIND` a handle that is looked at, `!KIND` one that is changed, `+KIND` place for a new one; `.STATE` it must be in
-//! - `<TYPE` read, `>TYPE` written, `=TYPE` both; TYPE a struct of `tests/clients/hostile/types.c`, or `f:RULES` floats
+//! - `n` count of the arrays after it; `s` stride of the array before; `k` number of elements of the packed
+//!   array before
+//! - `$R` a float under rule R; `#shape`, `#pass`, `#extent` (of a picture), `#row` (its first), `#any` an
+//!   integer
+//! - `@KIND` a handle that is looked at, `!KIND` one that is changed, `+KIND` place for a new one; `.STATE`
+//!   it must be in
+//! - `<TYPE` read, `>TYPE` written, `=TYPE` both; TYPE a struct of `tests/clients/hostile/types.c`, or
+//!   `f:RULES` floats
 //! - `?` may be NULL
 //!
 //! The rules are those of `types.c`.

@@ -15,7 +15,8 @@ use c::{Item, items};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The sources that C sees something of, in the order of the manual. (`lib.rs` would bring all of them once more.)
+/// The sources that C sees something of, in the order of the manual. (`lib.rs` would bring all of them once
+/// more.)
 const SOURCES: [&str; 21] = [
     "version.rs",
     "status.rs",
@@ -72,9 +73,9 @@ fn declarations() -> Result<String, String> {
 const OPEN: &str = "#ifdef __cplusplus\nextern \"C\" {\n#endif // __cplusplus\n\n";
 const CLOSE: &str = "#ifdef __cplusplus\n}  // extern \"C\"\n#endif  // __cplusplus\n";
 
-/// Makes the headers. A declaration whose comment has `@extra` goes into the second one; a function whose comment has
-/// `@single NAME` is followed by the inline function of that name, which calls it for one element; `@kinds` is described in
-/// `kinds`.
+/// Makes the headers. A declaration whose comment has `@extra` goes into the second one; a function whose
+/// comment has `@single NAME` is followed by the inline function of that name, which calls it for one
+/// element; `@kinds` is described in `kinds`.
 ///
 /// # Errors
 /// What cbindgen could not read, or this cannot.

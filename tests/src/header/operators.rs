@@ -1,5 +1,5 @@
-//! The operators of light fields elsewhere: their forwarding in `covbeam.hpp`, and how the client of `tests/vectors.txt` in C++
-//! and the program without std call them.
+//! The operators of light fields elsewhere: their forwarding in `covbeam.hpp`, and how the client of
+//! `tests/vectors.txt` in C++ and the program without std call them.
 
 use super::Headers;
 use super::c::Function;
@@ -148,7 +148,8 @@ pub(super) fn replay(headers: &Headers) -> Result<String, String> {
         }
         writeln!(
             text,
-            "changes(\"light_field_{name}\", [](Field& f, In& in) {{ {taken}f.{name}({}); }},\n        [](Rows& r) {{ many::{name}(r.fields(){rows}); }});",
+            "changes(\"light_field_{name}\", [](Field& f, In& in) {{ {taken}f.{name}({}); }},\n        \
+             [](Rows& r) {{ many::{name}(r.fields(){rows}); }});",
             given.join(", ")
         )
         .unwrap();

@@ -1,5 +1,5 @@
-//! `vectors/plain.h`: how the C client of `tests/vectors.txt` calls functions whose lines hold their arguments word for
-//! word: on one element, and on all lines of a name at once.
+//! `vectors/plain.h`: how the C client of `tests/vectors.txt` calls functions whose lines hold their
+//! arguments word for word: on one element, and on all lines of a name at once.
 
 use super::Headers;
 use super::c::Function;
