@@ -1,5 +1,6 @@
 /*
- * covbeam for C++11 and later: owners, exceptions and views over covbeam.h, which is the manual. Header only.
+ * covbeam for C++11 and later: owners, exceptions and views over covbeam.h and
+ * covbeam_extra.h, which are the manual. Header only.
  * MIT or Apache-2.0.
  *
  * Every call that fails throws covbeam::Error. Nothing is thrown through the library: an exception of a callback stops the
@@ -9,7 +10,7 @@
 #ifndef COVBEAM_HPP
 #define COVBEAM_HPP
 
-#include "covbeam.h"
+#include "covbeam_extra.h"
 
 #include <exception>
 #include <memory>
@@ -315,23 +316,21 @@ struct LightField : covbeam_light_field {
                                const float* angular) {
         LightField f; check(covbeam_light_field_gaussian(direction, x_axis, spatial, angular, &f)); return f;
     }
-    void travel(float distance) { check(covbeam_light_field_travel(this, distance)); }
-    void carry(const covbeam_medium& medium, const float* origin, float distance) {
-        check(covbeam_light_field_carry(this, &medium, origin, distance));
+    // Made by `cargo run -p covbeam-tests --bin header`:
+    void travel(float distance) {
+        check(covbeam_light_field_travel(this, distance));
     }
-    void rotate(const float* new_x_axis) { check(covbeam_light_field_rotate(this, new_x_axis)); }
+    void rotate(const float* new_x_axis) {
+        check(covbeam_light_field_rotate(this, new_x_axis));
+    }
     void reflect(const float* normal, const covbeam_curvature* curvature = nullptr) {
         check(covbeam_light_field_reflect(this, normal, curvature));
-    }
-    /// False on total reflection, which leaves the field as it was.
-    bool refract(const float* normal, const covbeam_curvature* curvature, float eta) {
-        uint8_t passed; check(covbeam_light_field_refract(this, normal, curvature, eta, &passed)); return passed != 0;
     }
     void occlude(const float* towards_edge, float distance) {
         check(covbeam_light_field_occlude(this, towards_edge, distance));
     }
-    void attenuate(const float* gradient, const float* hessian6) {
-        check(covbeam_light_field_attenuate(this, gradient, hessian6));
+    void attenuate(const float* gradient, const float* hessian) {
+        check(covbeam_light_field_attenuate(this, gradient, hessian));
     }
     void narrow(const float* across, float angular_variance) {
         check(covbeam_light_field_narrow(this, across, angular_variance));
@@ -341,6 +340,14 @@ struct LightField : covbeam_light_field {
     }
     void diffuse(const float* normal, const float* new_direction) {
         check(covbeam_light_field_diffuse(this, normal, new_direction));
+    }
+    // As far as it is made.
+    void carry(const covbeam_medium& medium, const float* origin, float distance) {
+        check(covbeam_light_field_carry(this, &medium, origin, distance));
+    }
+    /// False on total reflection, which leaves the field as it was.
+    bool refract(const float* normal, const covbeam_curvature* curvature, float eta) {
+        uint8_t passed; check(covbeam_light_field_refract(this, normal, curvature, eta, &passed)); return passed != 0;
     }
     /// [xx, xy, yy].
     void slice(float* variances3) const { check(covbeam_light_field_slice(this, variances3)); }
@@ -715,7 +722,32 @@ inline void gaussian(Vectors directions, Vectors x_axes, Strided<const float, 2>
                      Strided<const float, 2> angular, Fields out) {
     detail::each(covbeam_light_fields_gaussian, directions, x_axes, spatial, angular, out);
 }
-inline void travel(Fields f, Floats distances) { detail::each(covbeam_light_fields_travel, f, distances); }
+// Made by `cargo run -p covbeam-tests --bin header`:
+inline void travel(Fields fields, Floats distances) {
+    detail::each(covbeam_light_fields_travel, fields, distances);
+}
+inline void rotate(Fields fields, Vectors x_axes) {
+    detail::each(covbeam_light_fields_rotate, fields, x_axes);
+}
+inline void reflect(Fields fields, Vectors normals, Curvatures curvatures = Curvatures()) {
+    detail::each(covbeam_light_fields_reflect, fields, normals, curvatures);
+}
+inline void occlude(Fields fields, Vectors towards_edges, Floats distances) {
+    detail::each(covbeam_light_fields_occlude, fields, towards_edges, distances);
+}
+inline void attenuate(Fields fields, Vectors gradients, Strided<const float, 6> hessians) {
+    detail::each(covbeam_light_fields_attenuate, fields, gradients, hessians);
+}
+inline void narrow(Fields fields, Vectors acrosses, Floats angular_variances) {
+    detail::each(covbeam_light_fields_narrow, fields, acrosses, angular_variances);
+}
+inline void scatter(Fields fields, Vectors directions, Floats angular_variances) {
+    detail::each(covbeam_light_fields_scatter, fields, directions, angular_variances);
+}
+inline void diffuse(Fields fields, Vectors normals, Vectors directions) {
+    detail::each(covbeam_light_fields_diffuse, fields, normals, directions);
+}
+// As far as it is made.
 inline void carry(Fields f, const covbeam_medium& medium, Vectors origins, Floats distances) {
     const size_t n = detail::common(f.count, origins.count, distances.count);
     check(covbeam_light_fields_carry(n, f.data, f.stride, &medium, origins.data, origins.stride, distances.data,
@@ -731,27 +763,8 @@ inline void path_numbers(uint32_t seed, uint32_t sequence, Strided<const uint32_
     const size_t n = detail::common(paths.count, out.count);
     check(covbeam_path_numbers(seed, sequence, n, paths.data, paths.stride, dimension, out.data, out.stride));
 }
-inline void rotate(Fields f, Vectors x_axes) { detail::each(covbeam_light_fields_rotate, f, x_axes); }
-inline void reflect(Fields f, Vectors normals, Curvatures c = Curvatures()) {
-    detail::each(covbeam_light_fields_reflect, f, normals, c);
-}
 inline void refract(Fields f, Vectors normals, Curvatures c, Floats etas, Flags passed) {
     detail::each(covbeam_light_fields_refract, f, normals, c, etas, passed);
-}
-inline void occlude(Fields f, Vectors towards_edges, Floats distances) {
-    detail::each(covbeam_light_fields_occlude, f, towards_edges, distances);
-}
-inline void attenuate(Fields f, Vectors gradients, Strided<const float, 6> hessians) {
-    detail::each(covbeam_light_fields_attenuate, f, gradients, hessians);
-}
-inline void narrow(Fields f, Vectors across, Floats variances) {
-    detail::each(covbeam_light_fields_narrow, f, across, variances);
-}
-inline void scatter(Fields f, Vectors directions, Floats variances) {
-    detail::each(covbeam_light_fields_scatter, f, directions, variances);
-}
-inline void diffuse(Fields f, Vectors normals, Vectors directions) {
-    detail::each(covbeam_light_fields_diffuse, f, normals, directions);
 }
 inline void slice(FieldsIn f, VectorsOut variances) { detail::each(covbeam_light_fields_slice, f, variances); }
 inline void fluence(FieldsIn f, Floats limits, Spectra out) {

@@ -106,6 +106,7 @@ pub(crate) fn go_on(poll: covbeam_poll, user: *mut c_void) -> impl FnMut() -> bo
 /// @param medium what its beams run through; copied, and voxels are kept alive. For
 ///     covbeam_beam_map_gather_shaded: any homogeneous one.
 /// @param out the handle.
+/// @kinds <medium +map
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_new(
     medium: *const covbeam_medium,
@@ -123,6 +124,7 @@ pub unsafe extern "C" fn covbeam_beam_map_new(
 /// Frees a map.
 ///
 /// @param map NULL is fine.
+/// @kinds !map
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_free(map: *mut covbeam_beam_map) -> covbeam_status {
     // SAFETY: by the caller's promise.
@@ -132,6 +134,7 @@ pub unsafe extern "C" fn covbeam_beam_map_free(map: *mut covbeam_beam_map) -> co
 /// Begins a pass: forgets all beams, keeps their memory.
 ///
 /// @param map the map.
+/// @kinds !map
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_clear(map: *mut covbeam_beam_map) -> covbeam_status {
     let clear = |map: &mut Beams| {
@@ -158,6 +161,7 @@ impl Default for State {
 /// @param map a map that is not committed.
 /// @param count number of beams; with 0 nothing is done. At most 2^28 beams in all.
 /// @param beams, beam_stride the beams, copied.
+/// @kinds !map.adding <beam
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_add(
     map: *mut covbeam_beam_map,
@@ -197,6 +201,7 @@ pub unsafe extern "C" fn covbeam_beam_map_add(
 /// @param user given to poll.
 /// @note n log n in the number of beams: at a million, 0.7 us a beam in a homogeneous medium and 2.8 us in
 ///     voxels; 190 and about 390 bytes a beam afterwards.
+/// @kinds !map.adding $+
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_commit(
     map: *mut covbeam_beam_map,
@@ -231,6 +236,8 @@ pub unsafe extern "C" fn covbeam_beam_map_commit(
 ///
 /// @param map the map, committed or not.
 /// @param count receives their number.
+/// @kinds @map >size
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_get_count(
     map: *const covbeam_beam_map,
@@ -251,6 +258,8 @@ pub unsafe extern "C" fn covbeam_beam_map_get_count(
 ///
 /// @param map the map, committed or not.
 /// @param bytes receives it.
+/// @kinds @map >size
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_get_memory(
     map: *const covbeam_beam_map,
@@ -270,6 +279,7 @@ pub unsafe extern "C" fn covbeam_beam_map_get_memory(
 /// Makes the memory of a thread's gathers.
 ///
 /// @param out the handle.
+/// @kinds +scratch
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_scratch_new(out: *mut *mut covbeam_scratch) -> covbeam_status {
     run(|| {
@@ -282,6 +292,7 @@ pub unsafe extern "C" fn covbeam_scratch_new(out: *mut *mut covbeam_scratch) -> 
 /// Frees a thread's memory.
 ///
 /// @param scratch NULL is fine.
+/// @kinds !scratch?
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_scratch_free(scratch: *mut covbeam_scratch) -> covbeam_status {
     // SAFETY: by the caller's promise.
@@ -353,6 +364,7 @@ unsafe fn gather(
 /// @param user given to poll.
 /// @note Thesis 5.3.4. An accepted pair costs 38 ns in a homogeneous medium, 59 ns in an exponential one, 61 ns
 ///     in voxels and 3.3 us a ray.
+/// @kinds @map.committed <kernel @grid.resolved? <ray >gathered !scratch?
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_gather(
     map: *const covbeam_beam_map,
@@ -390,6 +402,7 @@ pub unsafe extern "C" fn covbeam_beam_map_gather(
 /// @param poll may be NULL, as there.
 /// @param user given to shade and to poll.
 /// @note About 30 ns a pair on top of what shade takes.
+/// @kinds @map.committed <kernel @grid.resolved? <ray >gathered !scratch?
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_gather_shaded(
     map: *const covbeam_beam_map,

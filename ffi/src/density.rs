@@ -46,6 +46,7 @@ impl Volume {
 /// @param values, value_stride, value_count one a voxel, each finite and >= 0, x first, then y, then z.
 /// @param out the handle.
 /// @note Copies the values: 4 bytes a voxel.
+/// @kinds <layout <f:q k +density
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_density_new(
     layout: *const covbeam_grid_layout,
@@ -74,6 +75,7 @@ pub unsafe extern "C" fn covbeam_density_new(
 /// Frees a density. Beam maps that were made with it keep what they need.
 ///
 /// @param density NULL is fine.
+/// @kinds !density
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_density_free(density: *mut covbeam_density) -> covbeam_status {
     // SAFETY: by the caller's promise.

@@ -41,6 +41,7 @@ fn probe_hit(e: Element<covbeam_probe_hit>) -> Result<Option<ProbeHit>, Failure>
 /// @note 28 probes where there is no edge, about 80 where there are some. The nearest edge is within 20 % on
 ///     spheres, and in nine of ten cases on figurines and tracery; bars and tips that pass between the probes
 ///     are missed.
+/// @kinds <f:uuu <hit? >edges >word
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_find_edges(
     direction: *const f32,

@@ -17,29 +17,12 @@ const _: () = assert!(COVBEAM_EMISSION_DIMENSIONS == covbeam_core::EMISSION_DIME
 ///
 /// @param seed another seed is another scramble of all sequences.
 /// @param sequence keeps sequences of one seed apart, such as paths with light fields and those without.
-/// @param path its place in the sequence, counted on over the passes of a picture.
-/// @param dimension which decision of the path, from 0 on.
-/// @param number in [0, 1), a multiple of 2^-24.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_path_number(
-    seed: u32,
-    sequence: u32,
-    path: u32,
-    dimension: u32,
-    number: *mut f32,
-) -> covbeam_status {
-    // SAFETY: the caller's promises about single values are those about arrays of one.
-    unsafe { covbeam_path_numbers(seed, sequence, 1, &path, 0, dimension, number, 0) }
-}
-
-/// covbeam_path_number for `count` paths.
-///
-/// @param seed as there.
-/// @param sequence as there.
 /// @param count number of paths; with 0 nothing is done.
-/// @param paths, path_stride as path there.
-/// @param dimension as there.
-/// @param numbers, number_stride as number there.
+/// @param paths, path_stride the path's place in the sequence, counted on over the passes of a picture.
+/// @param dimension which decision of the path, from 0 on.
+/// @param numbers, number_stride in [0, 1), a multiple of 2^-24.
+/// @kinds #any #any <word #any >f:r
+/// @single covbeam_path_number
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_path_numbers(
     seed: u32,
@@ -88,7 +71,10 @@ mod tests {
             assert_eq!(status, COVBEAM_OK);
             for (number, path) in values(&numbers).into_iter().zip(values(&paths)) {
                 let mut one = UNTOUCHED;
-                assert_eq!(unsafe { covbeam_path_number(5, 6, path, dimension, &mut one) }, COVBEAM_OK);
+                assert_eq!(
+                    unsafe { covbeam_path_numbers(5, 6, 1, &path, 0, dimension, &mut one, 0) },
+                    COVBEAM_OK
+                );
                 assert_eq!([number, one], [path_number(5, 6, path, dimension); 2]);
             }
         }

@@ -135,6 +135,7 @@ fn sound(layout: GridLayout) -> Result<usize, Failure> {
 ///
 /// @param layout box and resolution.
 /// @param out the handle.
+/// @kinds <layout +grid
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_new(
     layout: *const covbeam_grid_layout,
@@ -156,6 +157,8 @@ pub unsafe extern "C" fn covbeam_grid_new(
 /// @param cells, cell_count as many as the layout has; their content stays: zero them for an empty grid.
 /// @param means, mean_count as many as the layout has; written by covbeam_grid_resolve.
 /// @param out the handle.
+/// @kinds <layout =cell k =mean k +grid
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_new_in(
     layout: *const covbeam_grid_layout,
@@ -193,6 +196,7 @@ pub unsafe extern "C" fn covbeam_grid_new_in(
 /// Frees a grid; memory of the host's stays the host's, with what is in it.
 ///
 /// @param grid NULL is fine.
+/// @kinds !grid
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_free(grid: *mut covbeam_grid) -> covbeam_status {
     // SAFETY: by the caller's promise.
@@ -203,6 +207,8 @@ pub unsafe extern "C" fn covbeam_grid_free(grid: *mut covbeam_grid) -> covbeam_s
 ///
 /// @param grid the grid.
 /// @param layout receives them.
+/// @kinds @grid >layout
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_get_layout(
     grid: *const covbeam_grid,
@@ -219,6 +225,7 @@ pub unsafe extern "C" fn covbeam_grid_get_layout(
 /// Empties a grid, and forgets what was resolved.
 ///
 /// @param grid the grid.
+/// @kinds !grid
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_clear(grid: *mut covbeam_grid) -> covbeam_status {
     let clear = |grid: &mut Grid| {
@@ -241,6 +248,7 @@ pub unsafe extern "C" fn covbeam_grid_clear(grid: *mut covbeam_grid) -> covbeam_
 /// @param user given to poll.
 /// @note Thesis 5.3.1, Eq 5.14 and 5.15. 0.2 us a voxel on the way, 0.7 us where the density varies; 2 to 40 us
 ///     a segment. A tenth of a pass' photons is enough.
+/// @kinds !grid <medium <segment
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_deposit(
     grid: *mut covbeam_grid,
@@ -290,6 +298,8 @@ pub unsafe extern "C" fn covbeam_grid_deposit(
 /// @param positions, position_stride points [m]; one outside the grid adds nothing.
 /// @param spectra, spectrum_stride spectra [cycles^2/m^2], finite; covariances, or the grid cannot be saved.
 /// @param weights, weight_stride contributions to the fluence [W m], finite and >= 0.
+/// @kinds !grid <f:fff <spectrum <f:q
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_deposit_spectra(
     grid: *mut covbeam_grid,
@@ -328,6 +338,7 @@ pub unsafe extern "C" fn covbeam_grid_deposit_spectra(
 /// @param others array of other_count handles, none of them `grid`; they stay as they are.
 /// @param other_count number of handles; with 0 nothing is done.
 /// @note The sums are f64: 10^9 equal deposits keep their mean to 1e-7.
+/// @kinds !grid <grids k
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_merge(
     grid: *mut covbeam_grid,
@@ -367,6 +378,7 @@ pub unsafe extern "C" fn covbeam_grid_merge(
 ///
 /// @param grid the grid.
 /// @note About 10 ns a voxel.
+/// @kinds !grid
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_resolve(grid: *mut covbeam_grid) -> covbeam_status {
     // SAFETY: by the caller's promise.
@@ -383,6 +395,8 @@ pub unsafe extern "C" fn covbeam_grid_resolve(grid: *mut covbeam_grid) -> covbea
 /// @param found, found_stride receive 1, or 0 where the grid has no data: outside, and where no light has
 ///     passed. May be NULL.
 /// @note Thesis Eq 5.15. 20 ns a point.
+/// @kinds @grid.resolved <f:fff >spectrum >flag?
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_look_up(
     grid: *const covbeam_grid,
@@ -431,6 +445,8 @@ pub(crate) fn resolved(grid: &Grid) -> Result<FluenceGrid<'_>, Failure> {
 /// @param grid the grid.
 /// @param cells receives the first; valid until the grid is changed or freed.
 /// @param count receives their number.
+/// @kinds @grid >pointer >size
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_get_cells(
     grid: *const covbeam_grid,
@@ -453,6 +469,8 @@ pub unsafe extern "C" fn covbeam_grid_get_cells(
 /// @param grid a grid that has been resolved.
 /// @param means receives the first; valid until the grid is changed or freed.
 /// @param count receives their number.
+/// @kinds @grid.resolved >pointer >size
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_get_means(
     grid: *const covbeam_grid,
@@ -474,6 +492,7 @@ pub unsafe extern "C" fn covbeam_grid_get_means(
 ///
 /// @param grid the grid.
 /// @param size receives it: 56 and 56 a voxel.
+/// @kinds @grid >size
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_get_saved_size(
     grid: *const covbeam_grid,
@@ -493,6 +512,7 @@ pub unsafe extern "C" fn covbeam_grid_get_saved_size(
 /// @param bytes, size memory of covbeam_grid_get_saved_size bytes.
 /// @note 0.1 us a voxel. Cells that covariances cannot add up to are refused: written by the host, or deposited
 ///     as spectra that are none.
+/// @kinds @grid >byte k
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_save(
     grid: *const covbeam_grid,
@@ -523,6 +543,7 @@ pub unsafe extern "C" fn covbeam_grid_save(
 /// @param bytes, size the bytes.
 /// @param out the handle; the grid is not resolved yet.
 /// @note Memory is had only for as many voxels as there are bytes for.
+/// @kinds <saved k +grid
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_load(
     bytes: *const c_void,

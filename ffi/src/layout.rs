@@ -1,5 +1,6 @@
 //! The layout of every public struct and the values of every enum, as numbers: a change breaks hosts that are compiled already,
-//! and so needs another `COVBEAM_ABI_VERSION`. The twin of `tests/clients/abi.c`, which asserts the same of the header.
+//! and so needs another `COVBEAM_ABI_VERSION`. `layout.h`, made from it, lets compilers of C and C++ assert the same
+//! of the header.
 #![cfg(target_pointer_width = "64")]
 
 use crate::beam_map::{covbeam_poll, covbeam_shade};

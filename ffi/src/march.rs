@@ -85,6 +85,7 @@ fn enough(count: usize) -> Result<(), Failure> {
 /// @param count number of knots >= 2; 97 serve well.
 /// @param knots, knot_stride receive them, from near to far.
 /// @note Kulla and Fajardo 2012. About 5 ns a knot.
+/// @kinds <f:fff <f:uuu $f $N <f:fff >place
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_march_lay(
     origin: *const f32,
@@ -125,6 +126,7 @@ pub unsafe extern "C" fn covbeam_march_lay(
 /// Makes the memory of a thread's marches.
 ///
 /// @param out the handle.
+/// @kinds +march
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_march_new(out: *mut *mut covbeam_march) -> covbeam_status {
     run(|| {
@@ -137,6 +139,7 @@ pub unsafe extern "C" fn covbeam_march_new(out: *mut *mut covbeam_march) -> covb
 /// Frees a thread's memory.
 ///
 /// @param march NULL is fine.
+/// @kinds !march
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_march_free(march: *mut covbeam_march) -> covbeam_status {
     // SAFETY: by the caller's promise.
@@ -151,6 +154,7 @@ pub unsafe extern "C" fn covbeam_march_free(march: *mut covbeam_march) -> covbea
 ///     taken as linear, and where two neighbours are dark no shadow ray is placed: lay them where light is, such
 ///     as inside a spot's cone.
 /// @note 25 ns a knot.
+/// @kinds !march <place
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_march_update(
     march: *mut covbeam_march,
@@ -196,6 +200,7 @@ pub unsafe extern "C" fn covbeam_march_update(
 ///
 /// @param march a march that has a table.
 /// @param expected receives it.
+/// @kinds @march.resolved >f:qq
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_march_get_expected(
     march: *const covbeam_march,
@@ -221,6 +226,7 @@ pub unsafe extern "C" fn covbeam_march_get_expected(
 /// @param first receives their number; 0 = all in one round, because the expected changes are too many to be
 ///     found one by one. For a light with an extent one round is better whatever this says: two shadow rays to
 ///     different points of it differ without a border between them.
+/// @kinds @march.resolved #any >size
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_march_get_first_round(
     march: *const covbeam_march,
@@ -245,6 +251,7 @@ pub unsafe extern "C" fn covbeam_march_get_first_round(
 ///     the ray, with a weight of 0 at the first knot.
 /// @note Thesis 5.3.3; for light that is known without a shadow ray, the density that is best for strata. About
 ///     1 us for 30.
+/// @kinds !march.resolved <f:r >aim
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_march_place(
     march: *mut covbeam_march,
@@ -275,6 +282,7 @@ pub unsafe extern "C" fn covbeam_march_place(
 /// @param jitters, jitter_stride as for covbeam_march_place, independent of the first round.
 /// @param samples, sample_stride as there.
 /// @note About 3 us for 10 and 20.
+/// @kinds !march.resolved n <aim <f:r >aim
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_march_refine(
     march: *mut covbeam_march,

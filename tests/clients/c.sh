@@ -12,9 +12,8 @@ strict="-Wall -Wextra -Wpedantic -Werror"
 
 fail() { echo "c: $*" >&2; exit 1; }
 
-# The header, with nothing before it and nothing after it.
-echo '#include <covbeam.h>' > "$work/alone.c"
-echo '#include <covbeam.h>' > "$work/alone.cpp"
+# The headers, with nothing before them and nothing after them.
+echo '#include <covbeam_extra.h>' | tee "$work/alone.c" > "$work/alone.cpp"
 known=()
 for compiler in gcc clang g++ clang++; do
     case "$compiler" in
@@ -29,11 +28,11 @@ for compiler in gcc clang g++ clang++; do
             cat "$work/log"
             fail "$compiler does not know $standard"
         fi
-        "$compiler" "-std=$standard" $strict -I"$prefix/include" -c "$work/$file" -o "$work/alone.o"
+        "$compiler" "-std=$standard" $strict -Wconversion -I"$prefix/include" -c "$work/$file" -o "$work/alone.o"
         known+=("$compiler:$standard")
     done
 done
-echo "c: covbeam.h alone, without a warning: ${known[*]}"
+echo "c: covbeam.h and covbeam_extra.h alone, without a warning: ${known[*]}"
 
 # The example of the README at the root.
 awk '/^```c$/ { inside = 1; next } /^```$/ { inside = 0 } inside' "$root/README.md" > "$work/readme.c"

@@ -47,11 +47,11 @@ CARGO_PROFILE_RELEASE_OPT_LEVEL=0 library not-optimised
 library address -Zsanitizer=address -Coverflow-checks=on -Cdebug-assertions=on
 library thread -Zsanitizer=thread -Cunsafe-allow-abi-mismatch=sanitizer
 
-echo "-- every function of the header is called"
+echo "-- every function of the headers is called"
 clang "${warnings[@]}" -O2 "${hostile[@]}" "$released" "${libraries[@]}" -o "$build/hostile"
 "$build/hostile" --list | sort > "$build/called"
 # Declarations begin a line; comments do not.
-grep -E '^[a-z]' "$root/include/covbeam.h" | grep -v '^typedef' | grep -oE 'covbeam_[a-z0-9_]+\(' | tr -d '(' | sort > "$build/declared"
+cat "$root"/include/*.h | grep -E '^[a-z]' | grep -vE '^(typedef|static inline)' | grep -oE 'covbeam_[a-z0-9_]+\(' | tr -d '(' | sort > "$build/declared"
 diff "$build/declared" "$build/called"
 wc -l < "$build/called"
 

@@ -8,7 +8,7 @@
  * `race` breaks the header's rule where the library cannot notice: two threads change one light field at once. A race detector must see that.
  */
 #define _POSIX_C_SOURCE 200809L
-#include "covbeam.h"
+#include "covbeam_extra.h"
 #include <pthread.h>
 #include <stdbool.h>
 #include <stdio.h>

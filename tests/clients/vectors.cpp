@@ -4,6 +4,7 @@
 
 #include <covbeam.hpp>
 
+#include <array>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -296,28 +297,7 @@ void Client::light_fields() {
     array("light_field_gaussian", 0,
           [](In&, Rows& r) { many::gaussian(r.v(0), r.v(3), r.pair(6), r.pair(8), r.put<covbeam_light_field>()); });
 
-    changes("light_field_travel", [](Field& f, In& in) { f.travel(in.f()); }, [](Rows& r) { many::travel(r.fields(),
-        r.f(16)); });
-    changes("light_field_rotate", [](Field& f, In& in) { f.rotate(in.take<Vec>()); },
-            [](Rows& r) { many::rotate(r.fields(), r.v(16)); });
-    changes("light_field_reflect", [](Field& f, In& in) {
-        Vec n = in.take<Vec>();
-        covbeam_curvature c = in.take<covbeam_curvature>();
-        f.reflect(n, &c);
-    }, [](Rows& r) { many::reflect(r.fields(), r.v(16), r.get<covbeam_curvature>(19)); });
-    changes("light_field_occlude", [](Field& f, In& in) { Vec e = in.take<Vec>(); f.occlude(e, in.f()); },
-            [](Rows& r) { many::occlude(r.fields(), r.v(16), r.f(19)); });
-    changes("light_field_attenuate", [](Field& f, In& in) {
-        Vec g = in.take<Vec>();
-        covbeam_spectrum h = in.take<covbeam_spectrum>();
-        f.attenuate(g, &h.xx);
-    }, [](Rows& r) { many::attenuate(r.fields(), r.v(16), r.get<float, 6>(19)); });
-    changes("light_field_narrow", [](Field& f, In& in) { Vec a = in.take<Vec>(); f.narrow(a, in.f()); },
-            [](Rows& r) { many::narrow(r.fields(), r.v(16), r.f(19)); });
-    changes("light_field_scatter", [](Field& f, In& in) { Vec d = in.take<Vec>(); f.scatter(d, in.f()); },
-            [](Rows& r) { many::scatter(r.fields(), r.v(16), r.f(19)); });
-    changes("light_field_diffuse", [](Field& f, In& in) { Vec n = in.take<Vec>(); f.diffuse(n, in.take<Vec>()); },
-            [](Rows& r) { many::diffuse(r.fields(), r.v(16), r.v(19)); });
+#include "vectors/operators.hpp"
 
     // The medium stands between: lines that share it are not found at the front, and each is an array of one.
     single_["light_field_carry"] = [this](In& in, Out& out) {

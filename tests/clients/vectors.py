@@ -4,7 +4,9 @@ Every line is called alone. Lines whose function takes arrays are called once mo
 matrix. The format is described in tests/src/vectors/mod.rs.
 """
 
+import re
 import sys
+from pathlib import Path
 
 import numpy as np
 
@@ -54,24 +56,23 @@ def layout_of(words):
 
 FIELD, NUMBER = cb.LIGHT_FIELD, 1
 
+
+def field_calls():
+    """What is called of light_field, from the kinds of the parameters."""
+    dtypes = {"field": FIELD, "curvature": cb.CURVATURE}
+    calls = Path(__file__).with_name("hostile").joinpath("calls.h").read_text()
+    for operator, described in re.findall(r'\(covbeam_light_fields_(\w+), "count n; (.*?)"', calls):
+        kinds = [parameter.split(" ")[1] for parameter in described.split("; ") if not parameter.endswith("_stride s")]
+        if "<medium" in kinds:
+            continue
+        function = getattr(light_field, operator)
+        # "<f:ddd" are three numbers.
+        parts = [dtypes.get(kind[1:].rstrip("?")) or len(kind) - 3 for kind in kinds if kind[0] != ">"]
+        yield "light_field_" + operator, (changing(function) if "=field" in kinds else function, parts)
+
+
 # name: (function, what its arguments are: a dtype, or how many floats)
-PLAIN = {
-    "light_field_point": (light_field.point, [3, NUMBER]),
-    "light_field_disk": (light_field.disk, [3, 3, NUMBER, NUMBER]),
-    "light_field_collimated": (light_field.collimated, [3, NUMBER]),
-    "light_field_gaussian": (light_field.gaussian, [3, 3, 2, 2]),
-    "light_field_travel": (changing(light_field.travel), [FIELD, NUMBER]),
-    "light_field_rotate": (changing(light_field.rotate), [FIELD, 3]),
-    "light_field_reflect": (changing(light_field.reflect), [FIELD, 3, cb.CURVATURE]),
-    "light_field_refract": (changing(light_field.refract), [FIELD, 3, cb.CURVATURE, NUMBER]),
-    "light_field_occlude": (changing(light_field.occlude), [FIELD, 3, NUMBER]),
-    "light_field_attenuate": (changing(light_field.attenuate), [FIELD, 3, 6]),
-    "light_field_narrow": (changing(light_field.narrow), [FIELD, 3, NUMBER]),
-    "light_field_scatter": (changing(light_field.scatter), [FIELD, 3, NUMBER]),
-    "light_field_diffuse": (changing(light_field.diffuse), [FIELD, 3, 3]),
-    "light_field_slice": (light_field.slice, [FIELD]),
-    "light_field_fluence": (light_field.fluence, [FIELD, NUMBER]),
-    "light_field_variance_along_ray": (light_field.variance_along_ray, [FIELD, NUMBER]),
+PLAIN = dict(field_calls()) | {
     "image_spectrum_filter": (image.filters, [cb.IMAGE_SPECTRUM, NUMBER, NUMBER]),
     "image_filter_density": (image.densities, [cb.IMAGE_FILTER]),
     "spectrum_variance_along": (spectrum.variance_along, [cb.SPECTRUM, 3]),
