@@ -114,7 +114,7 @@ pub(crate) unsafe fn shared<'a, H: Opaque>(
     let boxed = unsafe { checked(handle, name) }?;
     // SAFETY: checked above; an atomic may be looked at whoever uses the object.
     let users = unsafe { &(*boxed).users };
-    let one_more = |users: u32| (users < CHANGING - 1).then_some(users + 1);
+    let one_more = |users: u32| (users < CHANGING - 1).then(|| users + 1);
     let counted = users.fetch_update(Ordering::Acquire, Ordering::Relaxed, one_more);
     counted.map_err(|_| busy::<H>(name))?;
     // SAFETY: no call changes the object before `users` is 0 again.

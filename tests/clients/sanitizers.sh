@@ -71,6 +71,9 @@ first=$!
 "$build/hostile-address" "$sequences" 2 > "$build/second" 2>&1 || { tail -60 "$build/second"; exit 1; }
 wait "$first" || { tail -60 "$build/first"; exit 1; }
 cat "$build/first" "$build/second"
+clang "${warnings[@]}" -fsanitize=address,undefined -fno-sanitize-recover=all "$here/reentry.c" "$(archive address)" "${libraries[@]}" \
+    -o "$build/reentry"
+"$build/reentry"
 echo "no findings in $((SECONDS - started)) s"
 
 echo "-- valgrind memcheck: the library as it is released, then one that is not optimised"
