@@ -52,7 +52,7 @@
  *
  * Failure: every function that can fail returns a covbeam_status. All but COVBEAM_OK leave the outputs
  * unwritten and the objects as they were, unless the function says otherwise, and covbeam_last_error()
- * names the parameter, the element and the field, "beams[12].direction: …", and what to do. NaN, infinities
+ * names the parameter, the element and the field, "beams[12].direction: ...", and what to do. NaN, infinities
  * without a meaning, and vectors that should have a direction but do not are refused. Nothing is ever
  * printed. A defect of the library that ends in a panic returns COVBEAM_PANICKED; the object that the call
  * was changing then answers COVBEAM_POISONED until it is freed.
