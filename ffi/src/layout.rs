@@ -95,6 +95,7 @@ values! {
         COVBEAM_POISONED 13,
         COVBEAM_PANICKED 14,
         COVBEAM_BUSY 15,
+        COVBEAM_BUSY 15,
     }
     covbeam_phase_kind {
         COVBEAM_PHASE_ISOTROPIC 0,

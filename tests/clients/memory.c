@@ -6,7 +6,7 @@
  * it has: 0 to 20 MB in steps of 100 KB. Always a status, never a signal, and what failed works once there is memory.
  */
 #include "scarce.h"
-#include <covbeam.h>
+#include <covbeam_extra.h>
 #include <malloc.h>
 #include <math.h>
 #include <stdio.h>

@@ -375,7 +375,7 @@ class ImageSpace(unittest.TestCase):
         film.plan(1, 0.1, 0, spectra)
         rays = np.zeros(2, cb.FILM_RAY)
         rays["pixel"][1] = 4, 0
-        with self.assertRaisesRegex(cb.Error, r"rays\[1\]: .4, 0. is outside of the picture"):
+        with self.assertRaisesRegex(cb.Error, r"rays\[1\].pixel: .4, 0. is outside of the picture"):
             film.add(rays)
         rays["pixel"], rays["rest"] = 0, np.nan
         with self.assertRaisesRegex(cb.Error, "rays.0.: NaN is not >= 0"):
@@ -430,7 +430,7 @@ class Marching(unittest.TestCase):
             table.place(np.zeros(3, np.float32))
         knots = np.zeros(3, cb.MARCH_KNOT)
         knots["distance"] = (0, 2, 1)
-        with self.assertRaisesRegex(cb.Error, r"knots\[2\]: a distance of 1 is below"):
+        with self.assertRaisesRegex(cb.Error, r"knots\[2\].distance: 1 is below"):
             table.update(knots)
         with self.assertRaisesRegex(ValueError, "light"):
             march.lay((0, 0, 0), (0, 0, 1), 0, 1, (1, 2))
