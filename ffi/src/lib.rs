@@ -18,6 +18,7 @@ mod handle;
 #[cfg(test)]
 mod hostile;
 mod image;
+mod importance;
 mod kernel;
 mod layout;
 mod light_field;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// The sources that C sees something of, in the order of the manual. (`lib.rs` would bring all of them once more.)
-const SOURCES: [&str; 22] = [
+const SOURCES: [&str; 23] = [
     "version.rs",
     "status.rs",
     "types.rs",
@@ -26,6 +26,7 @@ const SOURCES: [&str; 22] = [
     "image.rs",
     "film.rs",
     "march.rs",
+    "importance.rs",
 ];
 
 /// The folder of the repository.
