@@ -65,7 +65,7 @@ pub unsafe extern "C" fn covbeam_path_numbers(
 /// Refuses another count than a guide of `side` x `side` cells has.
 fn fits(name: &str, given: usize, side: u32, columns: u64) -> Result<(), Failure> {
     if side == 0 {
-        return Err(fail(COVBEAM_INVALID_VALUE, format_args!("side: 0")));
+        return Err(fail(COVBEAM_INVALID_VALUE, format_args!("side: 0 is not >= 1")));
     }
     if u64::from(side) * columns != given as u64 {
         let message = format_args!("{name}: {given}, but it takes {side} x {columns}");

@@ -208,6 +208,16 @@ SIZE(march_expected, 8, 4);
 AT(march_expected, radiance, 0);
 AT(march_expected, error, 4);
 
+SIZE(importance_cell, 12, 4);
+AT(importance_cell, beam, 0);
+AT(importance_cell, scattered, 4);
+AT(importance_cell, surface, 8);
+
+SIZE(segment_importance, 12, 4);
+AT(segment_importance, beam, 0);
+AT(segment_importance, scattered, 4);
+AT(segment_importance, transmittance, 8);
+
 SIZE(status, 4, 4);
 SIZE(phase_kind, 4, 4);
 SIZE(density_kind, 4, 4);

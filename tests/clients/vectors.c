@@ -20,6 +20,7 @@
 #include "vectors/maps.c"
 #include "vectors/film.c"
 #include "vectors/march.c"
+#include "vectors/importance.c"
 #include "vectors/plurals.c"
 
 #define CALL(name) { #name, name }
@@ -48,6 +49,9 @@ static const struct {
     CALL(film_picture), CALL(film_errors),
     CALL(march_lay), CALL(march_update), CALL(march_get_expected), CALL(march_get_first_round), CALL(march_place),
     CALL(march_refine),
+    CALL(importance_new), CALL(importance_add_eye_rays), CALL(importance_add_paths), CALL(importance_add_surfaces),
+    CALL(importance_resolve), CALL(importance_at), CALL(importance_of_segments), CALL(weight_window),
+    CALL(emission_guide_fill), CALL(emission_guide_warp),
 };
 enum { CALLS = sizeof calls / sizeof calls[0] };
 
@@ -99,6 +103,7 @@ int main(int count, char **arguments)
         free(lines[i].in);
         free(lines[i].out);
     }
+    covbeam_importance_free(importance);
     covbeam_march_free(march);
     covbeam_film_free(film);
     covbeam_scratch_free(scratch);

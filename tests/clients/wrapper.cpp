@@ -67,6 +67,10 @@ AT(march_knot, visibility, 12);
 SIZE(march_sample, 24); AT(march_sample, distance, 0); AT(march_sample, weight, 4); AT(march_sample, visibility, 8);
 AT(march_sample, reserved, 12); AT(march_sample, mass, 16);
 SIZE(march_expected, 8); AT(march_expected, radiance, 0); AT(march_expected, error, 4);
+SIZE(importance_cell, 12); AT(importance_cell, beam, 0); AT(importance_cell, scattered, 4);
+AT(importance_cell, surface, 8);
+SIZE(segment_importance, 12); AT(segment_importance, beam, 0); AT(segment_importance, scattered, 4);
+AT(segment_importance, transmittance, 8);
 static_assert(COVBEAM_OK == 0 && COVBEAM_NULL_POINTER == 1 && COVBEAM_MISALIGNED == 2 && COVBEAM_INVALID_VALUE == 3 &&
               COVBEAM_INVALID_ARRAY == 4 && COVBEAM_SHORT_BUFFER == 5 && COVBEAM_INVALID_HANDLE == 6 && COVBEAM_WRONG_ORDER == 7 &&
               COVBEAM_MISMATCH == 8 && COVBEAM_BAD_DATA == 9 && COVBEAM_OUT_OF_MEMORY == 10 && COVBEAM_CANCELLED == 11 &&

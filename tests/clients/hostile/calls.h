@@ -4,7 +4,7 @@
  *
  * A parameter is its name in the header and its kind:
  *   n count of the arrays after it; s stride of the array before; k number of elements of the packed array before
- *   $R a float under rule R; #shape, #pass, #extent (of a picture), #row (its first), #any an integer; poll, shade, probe, user
+ *   $R a float under rule R; #shape, #pass, #extent (of a picture), #row (its first), #side (of a guide), #any an integer; poll, shade, probe, user
  *   @KIND a handle that is looked at, !KIND one that is changed, +KIND place for a new one; .STATE it must be in
  *   <TYPE read, >TYPE written, =TYPE both; TYPE a struct of types.c, or f:RULES floats
  *   ? may be NULL
@@ -140,6 +140,44 @@ CALL(covbeam_grid_save,
 CALL(covbeam_grid_load,
     "bytes <saved; size k; out +grid",
     POINTER(0), SIZE(1), POINTER(2))
+CALL(covbeam_importance_new,
+    "layout <layout; out +importance",
+    POINTER(0), POINTER(1))
+FREE(covbeam_importance_free,
+    "importance !importance",
+    POINTER(0))
+CALL(covbeam_importance_add_eye_rays,
+    "importance !importance; medium <medium; count n; rays <ray; ray_stride s; weights <f:q; weight_stride s",
+    POINTER(0), POINTER(1), SIZE(2), POINTER(3), SIZE(4), POINTER(5), SIZE(6))
+CALL(covbeam_importance_add_paths,
+    "importance !importance; medium <medium; count n; paths <ray; path_stride s; weights <f:q; weight_stride s",
+    POINTER(0), POINTER(1), SIZE(2), POINTER(3), SIZE(4), POINTER(5), SIZE(6))
+CALL(covbeam_importance_add_surfaces,
+    "importance !importance; count n; positions <f:fff; position_stride s; weights <f:q; weight_stride s",
+    POINTER(0), SIZE(1), POINTER(2), SIZE(3), POINTER(4), SIZE(5))
+CALL(covbeam_importance_merge,
+    "importance !importance; others <importances; other_count k",
+    POINTER(0), POINTER(1), SIZE(2))
+CALL(covbeam_importance_resolve,
+    "importance !importance",
+    POINTER(0))
+CALL(covbeam_importance_at,
+    "importance @importance.resolved; count n; positions <f:fff; position_stride s; cells >worth; cell_stride s",
+    POINTER(0), SIZE(1), POINTER(2), SIZE(3), POINTER(4), SIZE(5))
+CALL(covbeam_importance_of_segments,
+    "importance @importance.resolved; medium <medium; count n; segments <ray; segment_stride s; worths >worth; "
+    "worth_stride s",
+    POINTER(0), POINTER(1), SIZE(2), POINTER(3), SIZE(4), POINTER(5), SIZE(6))
+CALL(covbeam_weight_window,
+    "count n; factors =f:q; factor_stride s; u $r",
+    SIZE(0), POINTER(1), SIZE(2), NUMBER(3))
+CALL(covbeam_emission_guide_fill,
+    "side #side; weights <f:q; weight_count k; even $L; guide >f:t; guide_count k",
+    WORD(0), POINTER(1), SIZE(2), NUMBER(3), POINTER(4), SIZE(5))
+CALL(covbeam_emission_guide_warp,
+    "side #side; guide <f:E; guide_count k; count n; points <f:rr; point_stride s; places >f:rr; place_stride s; "
+    "densities >f:+; density_stride s",
+    WORD(0), POINTER(1), SIZE(2), SIZE(3), POINTER(4), SIZE(5), POINTER(6), SIZE(7), POINTER(8), SIZE(9))
 CALL(covbeam_schedule_kernel,
     "schedule <schedule; pass #pass; kernel =kernel",
     POINTER(0), WORD(1), POINTER(2))

@@ -89,6 +89,7 @@ RESULTS = {
     "covbeam_scratch_free": None,
     "covbeam_film_free": None,
     "covbeam_march_free": None,
+    "covbeam_importance_free": None,
 }
 
 #: Parameters of every function that the module calls. One that has a form for arrays is called in that form only: a single
@@ -199,4 +200,16 @@ PROTOTYPES = {
     "covbeam_march_get_first_round": "pzp",
     "covbeam_march_place": "pz" + "pz" * 2,
     "covbeam_march_refine": "pzpz" + "z" + "pz" * 2,
+    "covbeam_importance_new": "pp",
+    "covbeam_importance_free": "p",
+    "covbeam_importance_add_eye_rays": "ppz" + "pz" * 2,
+    "covbeam_importance_add_paths": "ppz" + "pz" * 2,
+    "covbeam_importance_add_surfaces": "pz" + "pz" * 2,
+    "covbeam_importance_merge": "ppz",
+    "covbeam_importance_resolve": "p",
+    "covbeam_importance_at": "pz" + "pz" * 2,
+    "covbeam_importance_of_segments": "ppz" + "pz" * 2,
+    "covbeam_weight_window": "z" + "pz" + "f",
+    "covbeam_emission_guide_fill": "upzfpz",
+    "covbeam_emission_guide_warp": "upz" + "z" + "pz" * 3,
 }
