@@ -181,8 +181,8 @@ int main(void)
     }
     covbeam_importance_free(importance);
 
-    /* No more go on than are expected, and fewer where one is worth several. The mean factor is 1, within five standard errors: a factor is at most 16/.1, and its
-     * variance at most that of a path that goes on with a chance of 1/160. */
+    /* No more go on than are expected, and fewer where one is worth several. The mean factor is 1, within five standard errors: the
+     * variance of a factor is at most that of a path that goes on with a chance of 1/160. */
     if (windows.beams > 16.1 * ROUNDS || windows.beams < 4 * ROUNDS ||
         fabs(factor_sum / ROUNDS / CANDIDATES - 1) > 5 * sqrt(159.0 / ROUNDS / CANDIDATES)) {
         fprintf(stderr, "importance: %g beams, mean factor %g\n", windows.beams / ROUNDS, factor_sum / ROUNDS / CANDIDATES);
