@@ -87,9 +87,7 @@ static void trace_photon(path p, float power, covbeam_light_field *field, decisi
         if (flight < distance) {
             if (decide(chance) >= ALBEDO)
                 return;
-            float xi[2];
-            xi[0] = decide(chance);
-            xi[1] = decide(chance);
+            float u = decide(chance), v = decide(chance), xi[2] = { u, v };
             enter_fog(&p, flight);
             TRY(covbeam_phase_sample(&FOG.phase, p.direction, xi, p.direction));
             if (field)
@@ -158,7 +156,6 @@ static void render(float (*picture)[3], const options *o)
     uint64_t pairs = 0;
     double tracing = 0, committing = 0, gathering = 0;
     clock_t last = clock();
-
     for (uint32_t pass = 1; pass <= o->passes; pass++) {
         covbeam_kernel kernel = { .struct_size = sizeof kernel };
         TRY(covbeam_schedule_kernel(&SCHEDULE, pass, &kernel));
@@ -172,13 +169,11 @@ static void render(float (*picture)[3], const options *o)
         TRY(covbeam_beam_map_commit(map, kernel.max_radius, NULL, NULL));
         lap(&last, &committing);
         decisions chance = { o->seed, PIXELS, pass, 0 };
-        float jitter[2]; /* where in the pixels the eye rays of the pass lie */
-        jitter[0] = decide(&chance);
-        jitter[1] = decide(&chance);
+        float u = decide(&chance), v = decide(&chance), in_pixel[2] = { u, v }; /* where the pass' eye rays lie */
         for (int y = 0; y < o->size; y += TILE)
             for (int x = 0; x < o->size; x += TILE) {
                 tile t;
-                trace_tile(x, y, o->size, jitter, EXTINCTION, picture, &t);
+                trace_tile(x, y, o->size, in_pixel, EXTINCTION, picture, &t);
                 pairs += gather_tile(&t, &kernel, map, grid, scratch);
             }
         lap(&last, &gathering);
