@@ -1,9 +1,9 @@
 /*
  * A glass ball in fog: the least that a renderer has to do for covbeam.
  *
- * In a pass, photons leave the lamp, and every straight piece of their paths through the fog is a beam. A tenth of them
- * also carry a light field, which says how quickly the light around them varies. Then eye rays gather the beams, each
- * as wide as the light there allows. The picture is the mean of the passes.
+ * In a pass, photons leave the lamp, and every straight piece of their paths through the fog is a beam. A tenth
+ * of them also carry a light field, which says how quickly the light around them varies. Then eye rays gather the
+ * beams, each as wide as the light there allows. The picture is the mean of the passes.
  */
 #include "renderer.h"
 #include <covbeam.h>

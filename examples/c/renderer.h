@@ -1,4 +1,4 @@
-/* The renderer's own part: options, vectors, a glass ball around the origin, a lamp, a camera, pictures. No covbeam. */
+/* The renderer's own part: options, a glass ball around the origin, a lamp, a camera, pictures. No covbeam. */
 #ifndef RENDERER_H
 #define RENDERER_H
 
@@ -150,8 +150,8 @@ static inline float meet_ball(path *p, float distance, float *eta, path *reflect
     return 0.5f * (s * s + t * t);
 }
 
-/* Where a path in the fog passes the silhouette of the ball: returns the distance along it, and finds that from it and
- * the way there. 0 where it does not, or runs through the middle. */
+/* Where a path in the fog passes the silhouette of the ball: returns the distance along it, and finds that from it
+ * and the way there. 0 where it does not, or runs through the middle. */
 static inline float silhouette(const path *p, float *distance, float *towards)
 {
     float depth = -dot(p->position, p->direction);
@@ -177,7 +177,7 @@ typedef struct {
     float *pixel;
 } piece;
 
-/* Kinds of pieces: up to the ball, reflected there, and what leaves it again after 0, 1 and 2 reflections inside. */
+/* Kinds of pieces: up to the ball, reflected there, what leaves it again after 0, 1 and 2 reflections inside. */
 enum { KINDS = 5 };
 
 /* What a square of pixels sees, by its kind: pieces of a kind run side by side. */
