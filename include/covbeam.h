@@ -27,6 +27,7 @@
  * examples/c is a whole host.
  *
  * Few eye rays where the picture is smooth: covbeam_film_*. Few shadow rays for light scattered once: covbeam_march_*.
+ * Photons where the picture needs them: covbeam_importance_*, covbeam_weight_window, covbeam_emission_guide_*.
  *
  * Conventions
  *
