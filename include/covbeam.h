@@ -27,6 +27,7 @@
  * examples/c is a whole host. What those with hierarchies, kernels or grids of their own need is in covbeam_extra.h.
  *
  * Few eye rays where the picture is smooth: covbeam_film_*. Few shadow rays for light scattered once: covbeam_march_*.
+ * Photons where the picture needs them: covbeam_importance_*, covbeam_weight_window, covbeam_emission_guide_*.
  *
  * Conventions
  *
@@ -310,6 +311,16 @@ typedef struct covbeam_film covbeam_film;
  * grid for all photons, deposit in order.
  */
 typedef struct covbeam_grid covbeam_grid;
+
+/**
+ * Where the picture needs photons. Importance is the share of the picture's light, relative to its brightness,
+ * that a watt brings about. It collects what the camera sees (covbeam_importance_add_eye_rays, _add_paths,
+ * _add_surfaces), is resolved once, before the first pass, and is looked up from then on by what traces the
+ * light. Only probabilities follow from it: a wrong importance costs noise and never makes a picture wrong.
+ *
+ * Several threads: as for covbeam_grid, one for each *share of the paths*, merged in order.
+ */
+typedef struct covbeam_importance covbeam_importance;
 
 /**
  * The table along one eye ray, and the memory that placing shadow rays needs: one a thread, for one ray after
@@ -932,6 +943,43 @@ typedef struct covbeam_march_sample {
      */
     double mass;
 } covbeam_march_sample;
+
+/**
+ * Importance around a point.
+ */
+typedef struct covbeam_importance_cell {
+    /**
+     * Of a watt of beam on each metre, with the medium's density [1/(W m)].
+     */
+    float beam;
+    /**
+     * Of a watt that is scattered there, by the medium or by a diffuse surface, into no direction more than
+     * others [1/W].
+     */
+    float scattered;
+    /**
+     * Of a watt that arrives on surfaces there [1/W], but for what they scatter.
+     */
+    float surface;
+} covbeam_importance_cell;
+
+/**
+ * What a watt that flies along a segment is worth.
+ */
+typedef struct covbeam_segment_importance {
+    /**
+     * As a beam, of a watt at the segment's start [1/W].
+     */
+    float beam;
+    /**
+     * Of what the medium scatters from a watt on its way [1/W].
+     */
+    float scattered;
+    /**
+     * What is left of a watt where it leaves the voxels, or at its end if that is before.
+     */
+    float transmittance;
+} covbeam_segment_importance;
 
 #ifdef __cplusplus
 extern "C" {

@@ -666,6 +666,74 @@ private:
     detail::Owner<covbeam_march, covbeam_march_free> handle_;
 };
 
+/// Where the picture needs photons: collected from the camera, resolved, and looked up by what traces the light.
+class Importance {
+public:
+    using Pieces = Strided<const covbeam_eye_ray>;
+
+    explicit Importance(const covbeam_grid_layout& layout) {
+        covbeam_importance* i = nullptr; check(covbeam_importance_new(&layout, &i)); handle_.reset(i);
+    }
+    covbeam_importance* get() noexcept { return handle_.get(); }
+    const covbeam_importance* get() const noexcept { return handle_.get(); }
+
+    void add_eye_rays(const covbeam_medium& medium, Pieces rays, Floats weights) {
+        const size_t n = detail::common(rays.count, weights.count);
+        check(covbeam_importance_add_eye_rays(get(), &medium, n, rays.data, rays.stride, weights.data, weights.stride));
+    }
+    void add_paths(const covbeam_medium& medium, Pieces paths, Floats weights) {
+        const size_t n = detail::common(paths.count, weights.count);
+        check(covbeam_importance_add_paths(get(), &medium, n, paths.data, paths.stride, weights.data, weights.stride));
+    }
+    void add_surfaces(Vectors at, Floats weights) {
+        const size_t n = detail::common(at.count, weights.count);
+        check(covbeam_importance_add_surfaces(get(), n, at.data, at.stride, weights.data, weights.stride));
+    }
+    void merge(const Importance& other) {
+        const covbeam_importance* one = other.get(); check(covbeam_importance_merge(get(), &one, 1));
+    }
+    void resolve() { check(covbeam_importance_resolve(get())); }
+    void at(Vectors positions, Strided<covbeam_importance_cell> cells) const {
+        const size_t n = detail::common(positions.count, cells.count);
+        check(covbeam_importance_at(get(), n, positions.data, positions.stride, cells.data, cells.stride));
+    }
+    void of_segments(const covbeam_medium& medium, Pieces segments, Strided<covbeam_segment_importance> worths) const {
+        const size_t n = detail::common(segments.count, worths.count);
+        check(covbeam_importance_of_segments(get(), &medium, n, segments.data, segments.stride, worths.data,
+                                             worths.stride));
+    }
+
+private:
+    detail::Owner<covbeam_importance, covbeam_importance_free> handle_;
+};
+
+/// Turns how many of each candidate should go on into the factors of their power.
+inline void weight_window(FloatsOut factors, float u) {
+    check(covbeam_weight_window(factors.count, factors.data, factors.stride, u));
+}
+
+/// More of a lamp's paths where they are worth more.
+class EmissionGuide {
+public:
+    /// `weights` are side x side.
+    EmissionGuide(uint32_t side, const std::vector<float>& weights, float even)
+        : side_(side), numbers_(side * (size_t(side) + 1)) {
+        check(covbeam_emission_guide_fill(side, weights.data(), weights.size(), even, numbers_.data(), numbers_.size()));
+    }
+    /// As covbeam_emission_guide_fill has written them.
+    const std::vector<float>& numbers() const noexcept { return numbers_; }
+
+    void warp(Strided<const float, 2> points, Strided<float, 2> places, FloatsOut densities) const {
+        const size_t n = detail::common(points.count, places.count, densities.count);
+        check(covbeam_emission_guide_warp(side_, numbers_.data(), numbers_.size(), n, points.data, points.stride,
+                                          places.data, places.stride, densities.data, densities.stride));
+    }
+
+private:
+    uint32_t side_;
+    std::vector<float> numbers_;
+};
+
 /// One pair of eye ray and beam. False if they are nearly parallel: the crossing is then untouched.
 inline bool cross(const covbeam_eye_ray& ray, const covbeam_beam& beam, covbeam_crossing& crossing) {
     uint8_t v; check(covbeam_cross(&ray, &beam, &crossing, &v)); return v != 0;

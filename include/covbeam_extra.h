@@ -488,6 +488,48 @@ static inline covbeam_status covbeam_spectrum_add_along(struct covbeam_spectrum 
 }
 
 /**
+ * Writes a guide of a lamp's emission: a warp of the unit square in which the place and direction of its light
+ * are drawn, that sends more paths where they are worth more. What is stratified in the square stays so.
+ *
+ * @param side the guide has side x side cells of the square, >= 1.
+ * @param weights, weight_count what light that leaves through each cell is worth, such as the mean of
+ *     covbeam_importance_of_segments over some of its rays; side x side numbers, the second coordinate of the
+ *     square running fastest, finite and >= 0. Their scale does not matter.
+ * @param even share of the paths that go everywhere alike, in (0, 1], and at least 1e-37 a cell: no more than
+ *     1/even times its own power has any path, however wrong the weights are. Where all weights are 0, all do.
+ * @param guide, guide_count receives the guide: side x (side + 1) numbers.
+ */
+covbeam_status covbeam_emission_guide_fill(uint32_t side,
+                                           const float *weights,
+                                           size_t weight_count,
+                                           float even,
+                                           float *guide,
+                                           size_t guide_count);
+
+/**
+ * Where points of the unit square go, and how dense they are there.
+ *
+ * @param side as it was for covbeam_emission_guide_fill.
+ * @param guide, guide_count what it has written: all of it is looked at once a call.
+ * @param count number of points; with 0 nothing is done.
+ * @param points, point_stride pairs of numbers in [0, 1), such as covbeam_path_numbers of dimensions 0 and 1.
+ * @param places, place_stride receive where they go: pairs of numbers in [0, 1), with which the lamp's place and
+ *     direction are drawn.
+ * @param densities, density_stride receive the density of points there, whose mean over the square is 1, and
+ *     which is at least `even`: divide the path's power by it.
+ */
+covbeam_status covbeam_emission_guide_warp(uint32_t side,
+                                           const float *guide,
+                                           size_t guide_count,
+                                           size_t count,
+                                           const float *points,
+                                           size_t point_stride,
+                                           float *places,
+                                           size_t place_stride,
+                                           float *densities,
+                                           size_t density_stride);
+
+/**
  * Makes a grid in the host's memory, which is the grid's until it is freed: between calls on the grid the host
  * may read it, and write it too (numbers that deposits cannot make are voxels without data).
  *
@@ -823,6 +865,148 @@ static inline covbeam_status covbeam_image_filter_density(const struct covbeam_i
  * @param bytes receives it.
  */
 covbeam_status covbeam_film_get_memory(const struct covbeam_film *film, size_t *bytes);
+
+/**
+ * Makes an empty importance: 24 bytes a voxel, and 12 more from the first covbeam_importance_resolve on.
+ *
+ * @param layout box and resolution: of the lit fog, and coarse. Importance is smooth.
+ * @param out the handle.
+ */
+covbeam_status covbeam_importance_new(const struct covbeam_grid_layout *layout,
+                                      struct covbeam_importance **out);
+
+/**
+ * Frees an importance.
+ *
+ * @param importance NULL is ignored.
+ */
+covbeam_status covbeam_importance_free(struct covbeam_importance *importance);
+
+/**
+ * Adds pieces of eye rays: beams that cross them are seen.
+ *
+ * @param importance what is added to.
+ * @param medium what the pieces run through; the means of the channels count.
+ * @param count number of pieces; with 0 nothing is done.
+ * @param rays, ray_stride the pieces.
+ * @param weights, weight_stride of the ray at the piece's origin, finite and >= 0. At the camera it is
+ *     1/(N L), for N pixels and the luminance L that this one has about: pixels count by their relative
+ *     errors. Where L is next to nothing, bound it.
+ * @note Costs what covbeam_importance_of_segments does.
+ */
+covbeam_status covbeam_importance_add_eye_rays(struct covbeam_importance *importance,
+                                               const struct covbeam_medium *medium,
+                                               size_t count,
+                                               const struct covbeam_eye_ray *rays,
+                                               size_t ray_stride,
+                                               const float *weights,
+                                               size_t weight_stride);
+
+/**
+ * Adds segments that paths from the camera fly after they were scattered, by the medium or by a diffuse
+ * surface: light that is scattered on them goes on to where the camera sees it.
+ *
+ * @param importance what is added to.
+ * @param medium what the segments run through; the means of the channels count.
+ * @param count number of segments; with 0 nothing is done.
+ * @param paths, path_stride the segments, away from the camera.
+ * @param weights, weight_stride of the path at the segment's origin, finite and >= 0: that at the camera, times
+ *     what scattering has left of it, over the probability that the path goes there.
+ * @note Costs what covbeam_importance_of_segments does.
+ */
+covbeam_status covbeam_importance_add_paths(struct covbeam_importance *importance,
+                                            const struct covbeam_medium *medium,
+                                            size_t count,
+                                            const struct covbeam_eye_ray *paths,
+                                            size_t path_stride,
+                                            const float *weights,
+                                            size_t weight_stride);
+
+/**
+ * Adds places on diffuse surfaces that paths from the camera see. One outside the box adds nothing.
+ *
+ * @param importance what is added to.
+ * @param count number of places; with 0 nothing is done.
+ * @param positions, position_stride the places [m].
+ * @param weights, weight_stride of the path there times albedo/pi, finite and >= 0.
+ */
+covbeam_status covbeam_importance_add_surfaces(struct covbeam_importance *importance,
+                                               size_t count,
+                                               const float *positions,
+                                               size_t position_stride,
+                                               const float *weights,
+                                               size_t weight_stride);
+
+/**
+ * Adds what others of the same layout have collected, in their order.
+ *
+ * @param importance what is added to.
+ * @param others array of other_count handles, none of them `importance`; they stay as they are.
+ * @param other_count number of handles; with 0 nothing is done.
+ */
+covbeam_status covbeam_importance_merge(struct covbeam_importance *importance,
+                                        const struct covbeam_importance *const *others,
+                                        size_t other_count);
+
+/**
+ * Computes the importance of every voxel, smoothed over its neighbours, for look-ups; they see the state of this
+ * call until the next one. Where there is any, it is at least a thousandth of its mean everywhere.
+ *
+ * @param importance what is resolved.
+ */
+covbeam_status covbeam_importance_resolve(struct covbeam_importance *importance);
+
+/**
+ * The importance around points: of light that is scattered there, or arrives on a surface.
+ *
+ * @param importance one that has been resolved.
+ * @param count number of points; with 0 nothing is done.
+ * @param positions, position_stride the points [m]; outside the box that of the nearest voxel.
+ * @param cells, cell_stride receive it.
+ */
+covbeam_status covbeam_importance_at(const struct covbeam_importance *importance,
+                                     size_t count,
+                                     const float *positions,
+                                     size_t position_stride,
+                                     struct covbeam_importance_cell *cells,
+                                     size_t cell_stride);
+
+/**
+ * What a watt that flies along segments of light paths is worth: to weigh directions in which a path may go on,
+ * and collisions on its way. Nothing outside the box.
+ *
+ * @param importance one that has been resolved.
+ * @param medium what the segments run through; the means of the channels count.
+ * @param count number of segments; with 0 nothing is done.
+ * @param segments, segment_stride the segments, each to the next surface, with the direction of the light.
+ * @param worths, worth_stride receive it. On a surface behind, worth there is transmittance times what
+ *     covbeam_importance_at says: surface, and albedo times scattered.
+ * @note About 5 ns a voxel on the way.
+ */
+covbeam_status covbeam_importance_of_segments(const struct covbeam_importance *importance,
+                                              const struct covbeam_medium *medium,
+                                              size_t count,
+                                              const struct covbeam_eye_ray *segments,
+                                              size_t segment_stride,
+                                              struct covbeam_segment_importance *worths,
+                                              size_t worth_stride);
+
+/**
+ * Splits and ends light paths: of some candidates, such as directions in which a path may go on or the paths
+ * of a wave, which do, and by what their power is multiplied. The mean of each factor over u is 1, so that
+ * nothing is added to the light or lost; of all together as many go on as are expected, up to one.
+ *
+ * @param count number of candidates; with 0 nothing is done.
+ * @param factors, factor_stride in: of each candidate, how many of it should go on: its power times its
+ *     importance, over what power times importance is to be; finite and >= 0, and above 0 unless it carries no
+ *     light. Out: the factor of its power, 0 where it ends. It goes on once, also where it could more often.
+ * @param u uniform in [0, 1), a new one for each call.
+ * @note Booth and Hendricks 1984; systematic resampling, Baker 1987.
+ */
+covbeam_status covbeam_weight_window(size_t count,
+                                     float *factors,
+                                     size_t factor_stride,
+                                     float u);
 
 #ifdef __cplusplus
 }  // extern "C"

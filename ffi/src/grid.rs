@@ -121,7 +121,7 @@ pub(crate) fn refusal(name: &str, error: GridError) -> Failure {
 }
 
 /// Number of voxels of a layout that a grid may have.
-fn sound(layout: GridLayout) -> Result<usize, Failure> {
+pub(crate) fn sound(layout: GridLayout) -> Result<usize, Failure> {
     // A grid of no cells has the wrong length, unless its layout is refused first.
     match CovarianceGrid::new(layout, &mut []) {
         Err(GridError::Length) => Ok(layout.cell_count()),

@@ -22,6 +22,7 @@ mod heap;
 #[cfg(test)]
 mod hostile;
 mod image;
+mod importance;
 mod kernel;
 mod layout;
 mod light_fields;

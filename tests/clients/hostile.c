@@ -147,7 +147,8 @@ static void remember(struct prepared *call) {
         first->resolved = false;
         first->tame = true;
         first->scribbled = false;
-    } else if (strcmp(name, "grid_resolve") == 0 || strcmp(name, "march_update") == 0 || strcmp(name, "film_plan") == 0) {
+    } else if (strcmp(name, "grid_resolve") == 0 || strcmp(name, "march_update") == 0 || strcmp(name, "film_plan") == 0 ||
+               strcmp(name, "importance_resolve") == 0) {
         first->resolved = true;
     } else if (strcmp(name, "film_add") == 0) {
         first->resolved = first->committed = false;
@@ -174,6 +175,7 @@ static void remember(struct prepared *call) {
             /* What loaded bytes hold is not known. */
             made.scribbled = strcmp(name, "grid_load") == 0;
             if (kind_named(p->word) == GRID && covbeam_grid_get_layout(made.handle, &made.layout) != COVBEAM_OK) abort();
+            if (kind_named(p->word) == IMPORTANCE) memcpy(&made.layout, call->buffers[0].first, sizeof made.layout);
             made.width = call->arguments[0].word;
             made.height = call->arguments[1].word;
             if (strcmp(name, "grid_new_in") == 0) {
@@ -299,7 +301,8 @@ static void furnish(void) {
         "covbeam_beam_map_add", "covbeam_beam_map_commit", "covbeam_beam_map_commit", "covbeam_grid_save",
         "covbeam_film_new", "covbeam_film_new", "covbeam_film_plan", "covbeam_film_plan", "covbeam_film_add",
         "covbeam_film_add", "covbeam_film_plan", "covbeam_film_verify", "covbeam_film_verify", "covbeam_march_new", "covbeam_march_new", "covbeam_march_update",
-        "covbeam_march_update",
+        "covbeam_march_update", "covbeam_importance_new", "covbeam_importance_new", "covbeam_importance_new",
+        "covbeam_importance_add_eye_rays", "covbeam_importance_resolve", "covbeam_importance_resolve",
     };
     for (size_t i = 0; i < sizeof usual / sizeof *usual; i++)
         if (!chance(6)) call_function(named(usual[i]), NULL, 0, false);
@@ -395,6 +398,7 @@ static void check_others(void) {
     covbeam_scratch_free(NULL);
     covbeam_film_free(NULL);
     covbeam_march_free(NULL);
+    covbeam_importance_free(NULL);
 }
 
 int main(int argc, char **argv) {

@@ -616,6 +616,12 @@ class Arrays(unittest.TestCase):
                 LAYOUT, cells, cells.view(np.uint8)[: 512 * 28].view(cb.FLUENCE_CELL))),
             (TypeError, "scattering: 'x' is neither", lambda: cb.Medium("x")),
             (TypeError, "density: a float", lambda: cb.Medium(1.0, density=1.0)),
+            (ValueError, r"weights: give a numpy array of shape \(side, side\)", lambda: cb.emission_guide_fill(zeros((2, 3), f4), 0.1)),
+            (ValueError, "weights: the numbers are not side by side", lambda: cb.emission_guide_fill(zeros((3, 3), f4).T[:2, :2], 0.1)),
+            (TypeError, "weights: dtype float64", lambda: cb.emission_guide_fill(zeros((3, 3)), 0.1)),
+            (ValueError, r"guide: give a numpy array of shape \(side . 1, side\)", lambda: cb.emission_guide_warp(
+                zeros((3, 3), f4), zeros((1, 2), f4))),
+            (TypeError, "paths: dtype", lambda: cb.Importance(LAYOUT).add_paths(FOG, lamp_beams(1), 1.0)),
             (ValueError, "pass_: 4294967297", lambda: cb.kernel.error_bound(0.1, 2**32 + 1)),
         ]
         before = field.copy()
@@ -638,6 +644,9 @@ class Arrays(unittest.TestCase):
         for status, call in [
             (cb.Status.WRONG_ORDER, lambda: cb.BeamMap(FOG).gather(KERNEL, None, eye_rays(1))),
             (cb.Status.WRONG_ORDER, lambda: cb.Grid(LAYOUT).look_up((0, 0, 0))),
+            (cb.Status.WRONG_ORDER, lambda: cb.Importance(LAYOUT).at((0, 0, 0))),
+            (cb.Status.INVALID_VALUE, lambda: cb.emission_guide_fill(np.ones((2, 2), np.float32), 0.0)),
+            (cb.Status.INVALID_VALUE, lambda: cb.weight_window(np.float32([1, np.nan]), 0.5)),
             (cb.Status.MISMATCH, lambda: cb.Grid(LAYOUT).merge([cb.Grid(LAYOUT._replace(cells=(1, 1, 1)))])),
             (cb.Status.INVALID_HANDLE, lambda: cb.Grid(LAYOUT).merge([cb.Scratch()])),
             (cb.Status.INVALID_ARRAY, lambda: spectrum.variance_along(

@@ -20,6 +20,7 @@
 #include "vectors/maps.c"
 #include "vectors/film.c"
 #include "vectors/march.c"
+#include "vectors/importance.c"
 #include "vectors/plurals.c"
 
 #define CALL(name) { #name, name }
@@ -38,6 +39,9 @@ static const struct {
     CALL(film_regions), CALL(film_new), CALL(film_nodes), CALL(film_plan), CALL(film_density),
     CALL(film_add), CALL(film_picture), CALL(film_errors), CALL(march_lay), CALL(march_update),
     CALL(march_get_expected), CALL(march_get_first_round), CALL(march_place), CALL(march_refine),
+    CALL(importance_new), CALL(importance_add_eye_rays), CALL(importance_add_paths),
+    CALL(importance_add_surfaces), CALL(importance_resolve), CALL(importance_at),
+    CALL(importance_of_segments), CALL(weight_window), CALL(emission_guide_fill), CALL(emission_guide_warp),
 };
 enum { CALLS = sizeof calls / sizeof calls[0] };
 
@@ -89,6 +93,7 @@ int main(int count, char **arguments)
         free(lines[i].in);
         free(lines[i].out);
     }
+    covbeam_importance_free(importance);
     covbeam_march_free(march);
     covbeam_film_free(film);
     covbeam_scratch_free(scratch);

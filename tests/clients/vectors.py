@@ -136,7 +136,7 @@ class Script:
     """What the lines act on."""
 
     def __init__(self):
-        self.density = self.grid = self.map = self.film = None
+        self.density = self.grid = self.map = self.film = self.importance = None
         self.march = cb.March()
         # (function, key of what the calls share) -> rows of input and of output words
         self.together = {}
@@ -351,6 +351,51 @@ class Script:
         # An f64 is among them, so that the words must lie on its boundary.
         firsts = words[1:count].copy().view(cb.MARCH_SAMPLE)
         return flat(self.march.refine(firsts, numbers[count:]))
+
+    def importance_new(self, words, _):
+        self.importance = cb.Importance(layout_of(words))
+        return NOTHING
+
+    def importance_add_eye_rays(self, words, numbers):
+        return self.add_pieces(cb.Importance.add_eye_rays, words)
+
+    def importance_add_paths(self, words, numbers):
+        return self.add_pieces(cb.Importance.add_paths, words)
+
+    def add_pieces(self, add, words):
+        rows = words[16:].reshape(-1, 8)
+        add(self.importance, medium_of(words[:16], self), *columns_of(rows, [cb.EYE_RAY, NUMBER]))
+        return NOTHING
+
+    def importance_add_surfaces(self, words, _):
+        self.importance.add_surfaces(*columns_of(words.reshape(-1, 4), [3, NUMBER]))
+        return NOTHING
+
+    def importance_resolve(self, _words, _numbers):
+        self.importance.resolve()
+        return NOTHING
+
+    def importance_at(self, _, numbers):
+        return flat(self.importance.at(numbers.reshape(-1, 3)))
+
+    def importance_of_segments(self, words, _):
+        return flat(self.importance.of_segments(medium_of(words[:16], self), words[16:].view(cb.EYE_RAY)))
+
+    def weight_window(self, _, numbers):
+        factors = numbers[:-1].copy()
+        cb.weight_window(factors, numbers[-1])
+        return flat(factors)
+
+    def emission_guide_fill(self, words, numbers):
+        side = int(words[0])
+        return flat(cb.emission_guide_fill(numbers[1:-1].reshape(side, side), numbers[-1]))
+
+    def emission_guide_warp(self, words, numbers):
+        side = int(words[0])
+        size = side * (side + 1)
+        points = numbers[1 + size :].reshape(-1, 2)
+        places, densities = cb.emission_guide_warp(numbers[1 : 1 + size].reshape(side + 1, side), points)
+        return flat((places, densities), len(points))
 
     def gather_pair(self, words, numbers):
         gathered = np.zeros(1, cb.GATHERED)

@@ -388,6 +388,31 @@ void a_grid_keeps_what_it_collected() {
     expect(weight > 0, "the host's memory outlives the grid, with what is in it");
 }
 
+void importances_add_up_and_guides_refuse_what_is_none() {
+    const cb::Medium fog = cb::Medium::grey(0.5f, 0.1f);
+    const std::vector<covbeam_eye_ray> seen = rays(20);
+    const float one = 1;
+    cb::Importance first(ROOM), second(ROOM);
+    first.add_eye_rays(fog, seen, cb::Floats::every(one));
+    first.add_paths(fog, seen, cb::Floats::every(one));
+    second.merge(first);
+    second.merge(first);
+    std::vector<covbeam_importance_cell> once(20), twice(20);
+    const cb::Vectors points = cb::Vectors::of(&seen[0].origin, seen.size(), sizeof seen[0]);
+    expect(throws(COVBEAM_WRONG_ORDER, "importance", [&] { first.at(points, once); }), "looked up before the resolve");
+    first.resolve();
+    second.resolve();
+    first.at(points, once);
+    second.at(points, twice);
+    for (size_t i = 0; i < once.size(); ++i)
+        expect(once[i].beam > 0 && twice[i].beam == 2 * once[i].beam && twice[i].scattered == 2 * once[i].scattered,
+               "merged twice, twice the importance");
+    expect(throws(COVBEAM_INVALID_ARRAY, "", [&] { first.at(points, cb::Strided<covbeam_importance_cell>(&once[0], 3)); }),
+           "arrays of different lengths");
+    expect(throws(COVBEAM_SHORT_BUFFER, "weight_count", [] { cb::EmissionGuide(2, {1, 2, 3}, 0.1f); }), "three weights");
+    expect(throws(COVBEAM_INVALID_VALUE, "even", [] { cb::EmissionGuide(1, {1}, 0); }), "no even share");
+}
+
 } // namespace
 
 int main() {
@@ -403,6 +428,7 @@ int main() {
         a_table_of_columns_is_what_the_medium_says,
         edges_are_found_by_probes_and_their_exceptions_come_out,
         a_grid_keeps_what_it_collected,
+        importances_add_up_and_guides_refuse_what_is_none,
     };
     for (const auto test : all) {
         try {

@@ -34,6 +34,7 @@ extern covbeam_beam_map *map;
 extern covbeam_scratch *scratch;
 extern covbeam_film *film;
 extern covbeam_march *march;
+extern covbeam_importance *importance;
 
 char *contents(const char *path);
 void read_lines(char *text);
@@ -116,5 +117,15 @@ void march_get_expected(struct call *c);
 void march_get_first_round(struct call *c);
 void march_place(struct call *c);
 void march_refine(struct call *c);
+void importance_new(struct call *c);
+void importance_add_eye_rays(struct call *c);
+void importance_add_paths(struct call *c);
+void importance_add_surfaces(struct call *c);
+void importance_resolve(struct call *c);
+void importance_at(struct call *c);
+void importance_of_segments(struct call *c);
+void weight_window(struct call *c);
+void emission_guide_fill(struct call *c);
+void emission_guide_warp(struct call *c);
 
 #endif

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 /// The sources that C sees something of, in the order of the manual. (`lib.rs` would bring all of them once
 /// more.)
-const SOURCES: [&str; 21] = [
+const SOURCES: [&str; 22] = [
     "version.rs",
     "status.rs",
     "types.rs",
@@ -39,6 +39,7 @@ const SOURCES: [&str; 21] = [
     "image.rs",
     "film.rs",
     "march.rs",
+    "importance.rs",
 ];
 
 /// The folder of the repository.
