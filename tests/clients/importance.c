@@ -2,7 +2,7 @@
  * A host that guides its light by importance: a lamp in fog, and a camera that looks at a small ball of it. What the lamp's beams
  * leave in the ball is known by quadrature. However the directions are chosen, it must be that, and with fewer beams or less noise.
  */
-#include <covbeam.h>
+#include <covbeam_extra.h>
 
 #include <math.h>
 #include <stdio.h>

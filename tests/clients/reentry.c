@@ -3,7 +3,7 @@
  * that takes such an object. What would change or free an object that is used, or look at one that is changed, answers
  * COVBEAM_BUSY; what only looks at objects that are only looked at works. Nothing of it shows in what the first call does.
  */
-#include <covbeam.h>
+#include <covbeam_extra.h>
 #include <pthread.h>
 #include <stdbool.h>
 #include <stdio.h>

@@ -378,7 +378,7 @@ class ImageSpace(unittest.TestCase):
         with self.assertRaisesRegex(cb.Error, r"rays\[1\].pixel: .4, 0. is outside of the picture"):
             film.add(rays)
         rays["pixel"], rays["rest"] = 0, np.nan
-        with self.assertRaisesRegex(cb.Error, "rays.0.: NaN is not >= 0"):
+        with self.assertRaisesRegex(cb.Error, "rays.0..rest: NaN is not >= 0"):
             film.add(rays)
         with self.assertRaisesRegex(TypeError, "rays: dtype"):
             film.add(np.zeros(2, cb.EYE_RAY))
