@@ -15,7 +15,7 @@
  *       covbeam_light_field_refract(&field, normal, &curvature, eta, &passed);      reflect, scatter, diffuse
  *
  *   covbeam_beam_map_add(map, beam_count, beams, sizeof *beams);
- *   covbeam_grid_deposit(grid, &fog, segment_count, segments, sizeof *segments);
+ *   covbeam_grid_deposit(grid, &fog, segment_count, segments, sizeof *segments, NULL, NULL);
  *   covbeam_grid_resolve(grid);
  *   covbeam_beam_map_commit(map, kernel.max_radius, NULL, NULL);
  *
@@ -24,9 +24,10 @@
  *                               scratch, NULL, NULL);
  *       pixel += weight of the piece x gathered.radiance;   the mean over the passes is the picture
  *
- * examples/c is a whole host.
+ * examples/c is a whole host. What those with hierarchies, kernels or grids of their own need is in covbeam_extra.h.
  *
  * Few eye rays where the picture is smooth: covbeam_film_*. Few shadow rays for light scattered once: covbeam_march_*.
+ * Photons where the picture needs them: covbeam_importance_*, covbeam_weight_window, covbeam_emission_guide_*.
  *
  * Conventions
  *
@@ -43,25 +44,36 @@
  * input may be 0: all elements are then the first. Elements of an output must not overlap. With a count of
  * 0 the pointer is not looked at.
  *
- * Names: covbeam_light_fields_travel is covbeam_light_field_travel for many fields;
- * covbeam_medium_density_at_many asks one medium about many points. Both do what the single function does,
- * to the bit, and check all elements before they change the first.
+ * One element: covbeam_light_field_travel is covbeam_light_fields_travel for one field, covbeam_phase_sample is
+ * covbeam_phase_sample_many for one direction: each follows the function on arrays, which it calls with a count of
+ * 1, and which is described. Those check all elements before they change the first.
  *
  * Options: structs that begin with struct_size, which is to be set to sizeof of themselves. Fields that a
  * newer header adds are 0 for an older host; an older library refuses new fields that are not 0.
  *
  * Failure: every function that can fail returns a covbeam_status. All but COVBEAM_OK leave the outputs
- * unwritten and the objects as they were, and covbeam_last_error() names the parameter, the element and the
- * field, "beams[12].direction: …", and what to do. NaN, infinities without a meaning, and vectors that should have a direction but do not are refused.
- * Nothing is ever printed. A defect of the library that ends in a panic returns COVBEAM_PANICKED; the
- * object that the call was changing then answers COVBEAM_POISONED until it is freed.
+ * unwritten and the objects as they were, unless the function says otherwise, and covbeam_last_error()
+ * names the parameter, the element and the field, "beams[12].direction: ...", and what to do. NaN, infinities
+ * without a meaning, and vectors that should have a direction but do not are refused. Nothing is ever
+ * printed. A defect of the library that ends in a panic returns COVBEAM_PANICKED; the object that the call
+ * was changing then answers COVBEAM_POISONED until it is freed.
+ *
+ * Memory: where it cannot be had the call returns COVBEAM_OUT_OF_MEMORY, and the message says how many
+ * bytes were wanted. (Loaded with dlopen, the library leaves each thread's message, 300 bytes, to the
+ * loader, which ends the process if it has none when a thread calls for the first time. Linked, it has them
+ * from the thread's start.)
  *
  * Handles: made by _new, freed by _free, for which NULL is fine. A handle of the wrong kind is refused; one
  * that has been freed often is, but do not rely on that: its memory may be in other use.
  *
+ * Callbacks run in the thread of the call. They must return (no exception, no longjmp), and may call the
+ * library: what would change or free an object of the call, or look at one that the call changes, returns
+ * COVBEAM_BUSY.
+ *
  * Threads: objects passed by pointer to const may be used by several threads at once, those passed without
- * const by one at a time. The library starts no thread and keeps no state but each thread's last message.
- * The same calls give the same bits.
+ * const by one at a time. A call that comes too early returns COVBEAM_BUSY; do not rely on that, because one
+ * on a handle that another thread is just freeing comes too late to be told. The library starts no thread
+ * and keeps no state but each thread's last message. The same calls give the same bits.
  *
  * Costs: an operator of a light field takes 0.1 to 0.5 us; whatever costs more says so. Everything is
  * linear in its counts unless that is said.
@@ -80,7 +92,7 @@
 /**
  * Of the ABI that the header declares. A host compares it with covbeam_abi_version().
  */
-#define COVBEAM_ABI_VERSION 2
+#define COVBEAM_ABI_VERSION 3
 
 /**
  * Most edges of a segment.
@@ -166,6 +178,10 @@ enum covbeam_status
      * A defect of the library: please report the message.
      */
     COVBEAM_PANICKED = 14,
+    /**
+     * Another call on the object, of this thread or of another, has not returned yet.
+     */
+    COVBEAM_BUSY = 15,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -295,6 +311,16 @@ typedef struct covbeam_film covbeam_film;
  * grid for all photons, deposit in order.
  */
 typedef struct covbeam_grid covbeam_grid;
+
+/**
+ * Where the picture needs photons. Importance is the share of the picture's light, relative to its brightness,
+ * that a watt brings about. It collects what the camera sees (covbeam_importance_add_eye_rays, _add_paths,
+ * _add_surfaces), is resolved once, before the first pass, and is looked up from then on by what traces the
+ * light. Only probabilities follow from it: a wrong importance costs noise and never makes a picture wrong.
+ *
+ * Several threads: as for covbeam_grid, one for each *share of the paths*, merged in order.
+ */
+typedef struct covbeam_importance covbeam_importance;
 
 /**
  * The table along one eye ray, and the memory that placing shadow rays needs: one a thread, for one ray after
@@ -466,20 +492,6 @@ typedef struct covbeam_grid_layout {
 } covbeam_grid_layout;
 
 /**
- * Derivatives of a relative density, in world axes.
- */
-typedef struct covbeam_derivatives {
-    /**
-     * First derivatives [1/m].
-     */
-    float gradient[3];
-    /**
-     * Second derivatives xx, yy, zz, xy, xz, yz [1/m^2].
-     */
-    float hessian[6];
-} covbeam_derivatives;
-
-/**
  * A point of a table of columns.
  */
 typedef struct covbeam_knot {
@@ -492,35 +504,6 @@ typedef struct covbeam_knot {
      */
     float column;
 } covbeam_knot;
-
-/**
- * The column along one ray as a function of the distance. Made by covbeam_medium_column.
- *
- * A host with media of its own may write one: VOXELS with a table of its own, whatever the density is made of.
- */
-typedef struct covbeam_column {
-    /**
-     * A value of covbeam_density_kind; the fields below are read as it needs them.
-     */
-    uint32_t kind;
-    /**
-     * Exponential: relative density at the ray's origin, finite and >= 0.
-     */
-    float density;
-    /**
-     * Exponential: the density falls as exp(-rate x distance) [1/m], of either sign.
-     */
-    float rate;
-    /**
-     * Voxels: the host's table, which stays in place and unchanged while the column is used; NULL if
-     * knot_count is 0.
-     */
-    const struct covbeam_knot *knots;
-    /**
-     * Voxels: number of knots; 0 is empty space.
-     */
-    size_t knot_count;
-} covbeam_column;
 
 /**
  * Where a probe ray meets a surface, for covbeam_find_edges.
@@ -544,7 +527,7 @@ typedef struct covbeam_probe_hit {
 /**
  * Casts a ray from the origin of the search along direction, 3 floats, unit. It sets hit to where the ray meets
  * the nearest surface that casts shadows; before the call distance is infinity, which is nothing met. Return 0,
- * or anything else to give up. Called in the thread of the call; it must return (no exception, no longjmp).
+ * or anything else to give up.
  */
 typedef int32_t (*covbeam_probe)(void *user, const float *direction, struct covbeam_probe_hit *hit);
 
@@ -612,32 +595,9 @@ typedef struct covbeam_segment {
 } covbeam_segment;
 
 /**
- * What one voxel has collected. All 0 is empty.
+ * Asked now and then during a long call: return 0 to go on, anything else to stop.
  */
-typedef struct covbeam_grid_cell {
-    /**
-     * Sum of weight x (xx, yy, zz, xy, xz, yz).
-     */
-    double sum[6];
-    /**
-     * Sum of the weights.
-     */
-    double weight;
-} covbeam_grid_cell;
-
-/**
- * The mean spectrum of one voxel, for look-ups.
- */
-typedef struct covbeam_fluence_cell {
-    /**
-     * Flux-weighted mean of what was deposited.
-     */
-    struct covbeam_spectrum spectrum;
-    /**
-     * Fluence over that of the brightest voxel, in (0, 1]; 0 = no data.
-     */
-    float weight;
-} covbeam_fluence_cell;
+typedef int32_t (*covbeam_poll)(void *user);
 
 /**
  * How the kernel shrinks over the passes of a picture.
@@ -727,12 +687,6 @@ typedef struct covbeam_beam {
      */
     float end_normal[3];
 } covbeam_beam;
-
-/**
- * Asked now and then during a long call, in the thread of the call: return 0 to go on, anything else to stop.
- * It must return (no exception, no longjmp) and must not use the objects of the call.
- */
-typedef int32_t (*covbeam_poll)(void *user);
 
 /**
  * One straight piece of an eye path inside one medium.
@@ -826,39 +780,12 @@ typedef struct covbeam_contact {
 /**
  * Fills values with three floats a contact: scattering coefficient x phase function x transmittance along the
  * eye ray up to the contact x transmittance along the beam up to it, per channel [1/(m sr)]. Return 0, or
- * anything else to give up. Called in the thread of the call; it must return (no exception, no longjmp) and
- * must not use the objects of the call.
+ * anything else to give up.
  */
 typedef int32_t (*covbeam_shade)(void *user,
                                  const struct covbeam_contact *contacts,
                                  size_t count,
                                  float *values);
-
-/**
- * Closest approach of an eye ray's line and a beam's line.
- */
-typedef struct covbeam_crossing {
-    /**
-     * Distance along the eye ray [m]; may lie outside it.
-     */
-    float ray_distance;
-    /**
-     * Distance along the beam [m]; may lie outside it.
-     */
-    float beam_distance;
-    /**
-     * Distance between the two closest points [m].
-     */
-    float gap;
-    /**
-     * Sine of the angle between the directions, in (0, 1].
-     */
-    float sin_theta;
-    /**
-     * Unit common perpendicular, on which the kernel acts.
-     */
-    float axis[3];
-} covbeam_crossing;
 
 /**
  * How much an eye ray changes from one pixel to the next.
@@ -897,24 +824,6 @@ typedef struct covbeam_image_spectrum {
      */
     float weight;
 } covbeam_image_spectrum;
-
-/**
- * Covariance of a Gaussian reconstruction filter [pixels^2]: x to the right, y down. All 0 is no filter.
- */
-typedef struct covbeam_image_filter {
-    /**
-     * Variance across.
-     */
-    float xx;
-    /**
-     * Covariance of across and down.
-     */
-    float xy;
-    /**
-     * Variance down.
-     */
-    float yy;
-} covbeam_image_filter;
 
 /**
  * What one eye ray saw of what it was asked for.
@@ -1035,6 +944,43 @@ typedef struct covbeam_march_sample {
     double mass;
 } covbeam_march_sample;
 
+/**
+ * Importance around a point.
+ */
+typedef struct covbeam_importance_cell {
+    /**
+     * Of a watt of beam on each metre, with the medium's density [1/(W m)].
+     */
+    float beam;
+    /**
+     * Of a watt that is scattered there, by the medium or by a diffuse surface, into no direction more than
+     * others [1/W].
+     */
+    float scattered;
+    /**
+     * Of a watt that arrives on surfaces there [1/W], but for what they scatter.
+     */
+    float surface;
+} covbeam_importance_cell;
+
+/**
+ * What a watt that flies along a segment is worth.
+ */
+typedef struct covbeam_segment_importance {
+    /**
+     * As a beam, of a watt at the segment's start [1/W].
+     */
+    float beam;
+    /**
+     * Of what the medium scatters from a watt on its way [1/W].
+     */
+    float scattered;
+    /**
+     * What is left of a watt where it leaves the voxels, or at its end if that is before.
+     */
+    float transmittance;
+} covbeam_segment_importance;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -1073,233 +1019,13 @@ const char *covbeam_last_error(void);
 /**
  * Light of an exact point source.
  *
- * @param direction of propagation, normalised by the library: any length but 0.
- * @param angular_variance of the emission [cycles^2/rad^2] >= 0: COVBEAM_EVEN_LAMP for a lamp that shines
- *     evenly, because of the fall-off with the square of the distance; more where its intensity changes with
- *     the angle.
- * @param out the light field.
- * @note Thesis 5.3.1.
- */
-covbeam_status covbeam_light_field_point(const float *direction,
-                                         float angular_variance,
-                                         struct covbeam_light_field *out);
-
-/**
- * Light of a disk source, at its centre.
- *
- * @param direction of propagation, normalised by the library: any length but 0.
- * @param normal of the disk, any length, either sign.
- * @param radius [m] >= 0: 0 is a point, infinity a uniform field.
- * @param angular_variance as for covbeam_light_field_point.
- * @param out the light field.
- * @note Thesis 5.3.1.
- */
-covbeam_status covbeam_light_field_disk(const float *direction,
-                                        const float *normal,
-                                        float radius,
-                                        float angular_variance,
-                                        struct covbeam_light_field *out);
-
-/**
- * An exactly parallel beam, such as sunlight or a laser.
- *
- * @param direction of propagation, normalised by the library: any length but 0.
- * @param radius of the beam [m] >= 0: infinity for a uniform one.
- * @param out the light field.
- * @note Thesis 5.3.1.
- */
-covbeam_status covbeam_light_field_collimated(const float *direction,
-                                              float radius,
-                                              struct covbeam_light_field *out);
-
-/**
- * A light field without correlations, from its four variances. A Gaussian of standard deviation w has 1/(4
- * pi^2 w^2).
- *
- * @param direction of propagation, normalised by the library: any length but 0.
- * @param x_axis its part across the direction is the x axis of the variances; some axis if it has none.
- * @param spatial_variance along x and y [cycles^2/m^2], each >= 0: 0 is uniform, infinity a point or a line.
- * @param angular_variance along x and y [cycles^2/rad^2], each >= 0: 0 is isotropic, infinity parallel.
- * @param out the light field.
- * @note Thesis Eq 5.12.
- */
-covbeam_status covbeam_light_field_gaussian(const float *direction,
-                                            const float *x_axis,
-                                            const float *spatial_variance,
-                                            const float *angular_variance,
-                                            struct covbeam_light_field *out);
-
-/**
- * Travel through vacuum or a homogeneous medium.
- *
- * @param field the light field, changed in place.
- * @param distance [m], finite; 0 changes nothing, a negative one goes back.
- * @note Thesis 5.3.1.
- */
-covbeam_status covbeam_light_field_travel(struct covbeam_light_field *field, float distance);
-
-/**
- * Travel through a medium: in a homogeneous one covbeam_light_field_travel, else with the attenuation that
- * varies across the ray.
- *
- * @param field the light field, changed in place; it moves along its direction.
- * @param medium what it travels in; the mean extinction of the channels counts.
- * @param origin where the field is [m].
- * @param distance [m] >= 0, finite.
- * @note Thesis 5.3.1. Costs up to 256 look-ups of the density's derivatives.
- */
-covbeam_status covbeam_light_field_carry(struct covbeam_light_field *field,
-                                         const struct covbeam_medium *medium,
-                                         const float *origin,
-                                         float distance);
-
-/**
- * Turns the frame about the ray, to read covbeam_light_field_slice along given axes. The light stays what it
- * is.
- *
- * @param field the light field, changed in place.
- * @param x_axis any length but 0; its part across the ray becomes the x axis; along the ray: nothing changes.
- * @note Thesis 5.3.1.2.
- */
-covbeam_status covbeam_light_field_rotate(struct covbeam_light_field *field, const float *x_axis);
-
-/**
- * Reflection by a smooth mirror. A ray that grazes it to below 1e-12 is left as it was.
- *
- * @param field the light field, changed in place.
- * @param normal at the hit, any length, either side.
- * @param curvature of the surface on the side of the normal; may be NULL: a plane.
- * @note Coddington's equations.
- */
-covbeam_status covbeam_light_field_reflect(struct covbeam_light_field *field,
-                                           const float *normal,
-                                           const struct covbeam_curvature *curvature);
-
-/**
- * Refraction through a smooth surface.
- *
- * @param field the light field, changed in place.
- * @param normal at the hit, any length, either side.
- * @param curvature of the surface on the side of the normal; may be NULL: a plane.
- * @param eta refractive index on the incoming side over that on the other, > 0.
- * @param passed 1 if light passes; 0 on total reflection (and exactly grazing light), which leaves the field
- *     as it was.
- * @note Coddington's equations.
- */
-covbeam_status covbeam_light_field_refract(struct covbeam_light_field *field,
-                                           const float *normal,
-                                           const struct covbeam_curvature *curvature,
-                                           float eta,
-                                           uint8_t *passed);
-
-/**
- * Occlusion by an edge beside the ray, such as a silhouette that it passes.
- *
- * @param field the light field, changed in place.
- * @param towards_edge from the ray to the nearest point of the edge, any length; along the ray: nothing
- *     changes.
- * @param distance between ray and edge [m] >= 0; infinity is no edge.
- * @note Thesis 5.3.1.
- */
-covbeam_status covbeam_light_field_occlude(struct covbeam_light_field *field,
-                                           const float *towards_edge,
-                                           float distance);
-
-/**
- * Attenuation by a stretch of medium whose optical depth varies across the ray. covbeam_light_field_carry does
- * this for the built-in media.
- *
- * @param field the light field, changed in place.
- * @param gradient of the optical depth of the stretch, in world axes [1/m].
- * @param hessian of the same, [xx, yy, zz, xy, xz, yz] [1/m^2].
- * @note Thesis 5.3.1.
- */
-covbeam_status covbeam_light_field_attenuate(struct covbeam_light_field *field,
-                                             const float *gradient,
-                                             const float *hessian);
-
-/**
- * Narrowing of the directions across one axis, such as by the soft rim of a spot light (a Gaussian rim of
- * standard deviation s has 1/(4 pi^2 s^2)).
- *
- * @param field the light field, changed in place.
- * @param across in which the light falls off, any length; along the ray: nothing changes.
- * @param angular_variance [cycles^2/rad^2] >= 0: 0 changes nothing, infinity leaves one direction.
- * @note Thesis 5.3.1.
- */
-covbeam_status covbeam_light_field_narrow(struct covbeam_light_field *field,
-                                          const float *across,
-                                          float angular_variance);
-
-/**
- * Scattering in a medium, or by a rough surface's lobe, into a new direction.
- *
- * @param field the light field, changed in place.
- * @param direction of propagation after the event, any length but 0.
- * @param angular_variance of the lobe [cycles^2/rad^2] >= 0, see covbeam_phase_angular_variance: 0 is
- *     isotropic, infinity does not blur.
- * @note Thesis 5.3.1.
- */
-covbeam_status covbeam_light_field_scatter(struct covbeam_light_field *field,
-                                           const float *direction,
-                                           float angular_variance);
-
-/**
- * Diffuse reflection or transmission into a new direction. A cosine below 1e-12 on either side leaves the
- * field as it was.
- *
- * @param field the light field, changed in place.
- * @param normal of the surface, any length, either sign.
- * @param direction of propagation after the event, any length but 0.
- * @note Thesis 5.3.1.
- */
-covbeam_status covbeam_light_field_diffuse(struct covbeam_light_field *field,
-                                           const float *normal,
-                                           const float *direction);
-
-/**
- * The spectrum of the fluence across the ray, along the frame's axes.
- *
- * @param field the light field.
- * @param variances [xx, xy, yy] [cycles^2/m^2].
- * @note Thesis Eq 5.14.
- */
-covbeam_status covbeam_light_field_slice(const struct covbeam_light_field *field, float *variances);
-
-/**
- * The spectrum of the fluence around the ray, in world axes.
- *
- * @param field the light field.
- * @param limit largest deviation kept [cycles/m] > 0, such as the Nyquist frequency 1/(2h) of voxels of side
- *     h; infinity keeps all.
- * @param spectrum covariance [cycles^2/m^2].
- * @note Thesis Eq 5.14.
- */
-covbeam_status covbeam_light_field_fluence(const struct covbeam_light_field *field,
-                                           float limit,
-                                           struct covbeam_spectrum *spectrum);
-
-/**
- * Variance of the fluence's spectrum along the ray, from how the rays spread and from extinction; for light
- * that has not been scattered.
- *
- * @param field the light field.
- * @param extinction around the ray [1/m] >= 0.
- * @param variance [cycles^2/m^2] >= 0.
- * @note Derived.
- */
-covbeam_status covbeam_light_field_variance_along_ray(const struct covbeam_light_field *field,
-                                                      float extinction,
-                                                      float *variance);
-
-/**
- * covbeam_light_field_point for `count` light fields.
- *
  * @param count number of fields; with 0 nothing is done.
- * @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
- * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields
- *     the same.
+ * @param directions, direction_stride of propagation, normalised by the library: any length but 0.
+ * @param angular_variances, angular_variance_stride of the emission [cycles^2/rad^2] >= 0:
+ *     COVBEAM_EVEN_LAMP for a lamp that shines evenly, because of the fall-off with the square of the
+ *     distance; more where its intensity changes with the angle.
  * @param out, out_stride the light fields.
+ * @note Thesis 5.3.1.
  */
 covbeam_status covbeam_light_fields_point(size_t count,
                                           const float *directions,
@@ -1309,16 +1035,22 @@ covbeam_status covbeam_light_fields_point(size_t count,
                                           struct covbeam_light_field *out,
                                           size_t out_stride);
 
+static inline covbeam_status covbeam_light_field_point(const float *direction, float angular_variance,
+                                                       struct covbeam_light_field *out)
+{
+    return covbeam_light_fields_point(1, direction, 0, &angular_variance, 0, out, 0);
+}
+
 /**
- * covbeam_light_field_disk for `count` light fields.
+ * Light of a disk source, at its centre.
  *
  * @param count number of fields; with 0 nothing is done.
- * @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
- * @param normals, normal_stride as normal there; a stride of 0 gives all fields the same.
- * @param radii, radius_stride as radius there; a stride of 0 gives all fields the same.
- * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields
- *     the same.
+ * @param directions, direction_stride of propagation, normalised by the library: any length but 0.
+ * @param normals, normal_stride of the disk, any length, either sign.
+ * @param radii, radius_stride [m] >= 0: 0 is a point, infinity a uniform field.
+ * @param angular_variances, angular_variance_stride as for covbeam_light_field_point.
  * @param out, out_stride the light fields.
+ * @note Thesis 5.3.1.
  */
 covbeam_status covbeam_light_fields_disk(size_t count,
                                          const float *directions,
@@ -1332,13 +1064,21 @@ covbeam_status covbeam_light_fields_disk(size_t count,
                                          struct covbeam_light_field *out,
                                          size_t out_stride);
 
+static inline covbeam_status covbeam_light_field_disk(const float *direction, const float *normal,
+                                                      float radius, float angular_variance,
+                                                      struct covbeam_light_field *out)
+{
+    return covbeam_light_fields_disk(1, direction, 0, normal, 0, &radius, 0, &angular_variance, 0, out, 0);
+}
+
 /**
- * covbeam_light_field_collimated for `count` light fields.
+ * An exactly parallel beam, such as sunlight or a laser.
  *
  * @param count number of fields; with 0 nothing is done.
- * @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
- * @param radii, radius_stride as radius there; a stride of 0 gives all fields the same.
+ * @param directions, direction_stride of propagation, normalised by the library: any length but 0.
+ * @param radii, radius_stride of the beam [m] >= 0: infinity for a uniform one.
  * @param out, out_stride the light fields.
+ * @note Thesis 5.3.1.
  */
 covbeam_status covbeam_light_fields_collimated(size_t count,
                                                const float *directions,
@@ -1348,17 +1088,26 @@ covbeam_status covbeam_light_fields_collimated(size_t count,
                                                struct covbeam_light_field *out,
                                                size_t out_stride);
 
+static inline covbeam_status covbeam_light_field_collimated(const float *direction, float radius,
+                                                            struct covbeam_light_field *out)
+{
+    return covbeam_light_fields_collimated(1, direction, 0, &radius, 0, out, 0);
+}
+
 /**
- * covbeam_light_field_gaussian for `count` light fields.
+ * A light field without correlations, from its four variances. A Gaussian of standard deviation w has 1/(4
+ * pi^2 w^2).
  *
  * @param count number of fields; with 0 nothing is done.
- * @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
- * @param x_axes, x_axis_stride as x_axis there; a stride of 0 gives all fields the same.
- * @param spatial_variances, spatial_variance_stride as spatial_variance there; a stride of 0 gives all fields
- *     the same.
- * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields
- *     the same.
+ * @param directions, direction_stride of propagation, normalised by the library: any length but 0.
+ * @param x_axes, x_axis_stride its part across the direction is the x axis of the variances; some axis if
+ *     it has none.
+ * @param spatial_variances, spatial_variance_stride along x and y [cycles^2/m^2], each >= 0: 0 is uniform,
+ *     infinity a point or a line.
+ * @param angular_variances, angular_variance_stride along x and y [cycles^2/rad^2], each >= 0: 0 is
+ *     isotropic, infinity parallel.
  * @param out, out_stride the light fields.
+ * @note Thesis Eq 5.12.
  */
 covbeam_status covbeam_light_fields_gaussian(size_t count,
                                              const float *directions,
@@ -1372,12 +1121,22 @@ covbeam_status covbeam_light_fields_gaussian(size_t count,
                                              struct covbeam_light_field *out,
                                              size_t out_stride);
 
+static inline covbeam_status covbeam_light_field_gaussian(const float *direction, const float *x_axis,
+                                                          const float *spatial_variance,
+                                                          const float *angular_variance,
+                                                          struct covbeam_light_field *out)
+{
+    return covbeam_light_fields_gaussian(1, direction, 0, x_axis, 0, spatial_variance, 0, angular_variance, 0,
+                                         out, 0);
+}
+
 /**
- * covbeam_light_field_travel for `count` light fields.
+ * Travel through vacuum or a homogeneous medium.
  *
  * @param count number of fields; with 0 nothing is done.
- * @param fields, field_stride array of light fields, changed in place.
- * @param distances, distance_stride as distance there; a stride of 0 gives all fields the same.
+ * @param fields, field_stride the light fields, changed in place.
+ * @param distances, distance_stride [m], finite; 0 changes nothing, a negative one goes back.
+ * @note Thesis 5.3.1.
  */
 covbeam_status covbeam_light_fields_travel(size_t count,
                                            struct covbeam_light_field *fields,
@@ -1385,14 +1144,21 @@ covbeam_status covbeam_light_fields_travel(size_t count,
                                            const float *distances,
                                            size_t distance_stride);
 
+static inline covbeam_status covbeam_light_field_travel(struct covbeam_light_field *field, float distance)
+{
+    return covbeam_light_fields_travel(1, field, 0, &distance, 0);
+}
+
 /**
- * covbeam_light_field_carry for `count` light fields in one medium.
+ * Travel through a medium: in a homogeneous one covbeam_light_field_travel, else with the attenuation that
+ * varies across the ray.
  *
  * @param count number of fields; with 0 nothing is done.
- * @param fields, field_stride array of light fields, changed in place.
- * @param medium as medium there.
- * @param origins, origin_stride as origin there; a stride of 0 gives all fields the same.
- * @param distances, distance_stride as distance there; a stride of 0 gives all fields the same.
+ * @param fields, field_stride the light fields, changed in place; they move along their directions.
+ * @param medium what it travels in; the mean extinction of the channels counts.
+ * @param origins, origin_stride where the field is [m].
+ * @param distances, distance_stride [m] >= 0, finite.
+ * @note Thesis 5.3.1. Costs up to 256 look-ups of the density's derivatives.
  */
 covbeam_status covbeam_light_fields_carry(size_t count,
                                           struct covbeam_light_field *fields,
@@ -1403,12 +1169,22 @@ covbeam_status covbeam_light_fields_carry(size_t count,
                                           const float *distances,
                                           size_t distance_stride);
 
+static inline covbeam_status covbeam_light_field_carry(struct covbeam_light_field *field,
+                                                       const struct covbeam_medium *medium,
+                                                       const float *origin, float distance)
+{
+    return covbeam_light_fields_carry(1, field, 0, medium, origin, 0, &distance, 0);
+}
+
 /**
- * covbeam_light_field_rotate for `count` light fields.
+ * Turns the frame about the ray, to read covbeam_light_field_slice along given axes. The light stays what it
+ * is.
  *
  * @param count number of fields; with 0 nothing is done.
- * @param fields, field_stride array of light fields, changed in place.
- * @param x_axes, x_axis_stride as x_axis there; a stride of 0 gives all fields the same.
+ * @param fields, field_stride the light fields, changed in place.
+ * @param x_axes, x_axis_stride any length but 0; its part across the ray becomes the x axis; along the ray:
+ *     nothing changes.
+ * @note Thesis 5.3.1.2.
  */
 covbeam_status covbeam_light_fields_rotate(size_t count,
                                            struct covbeam_light_field *fields,
@@ -1416,13 +1192,20 @@ covbeam_status covbeam_light_fields_rotate(size_t count,
                                            const float *x_axes,
                                            size_t x_axis_stride);
 
+static inline covbeam_status covbeam_light_field_rotate(struct covbeam_light_field *field,
+                                                        const float *x_axis)
+{
+    return covbeam_light_fields_rotate(1, field, 0, x_axis, 0);
+}
+
 /**
- * covbeam_light_field_reflect for `count` light fields.
+ * Reflection by a smooth mirror. A ray that grazes it to below 1e-12 is left as it was.
  *
  * @param count number of fields; with 0 nothing is done.
- * @param fields, field_stride array of light fields, changed in place.
- * @param normals, normal_stride as normal there; a stride of 0 gives all fields the same.
- * @param curvatures, curvature_stride as curvature there; a stride of 0 gives all fields the same.
+ * @param fields, field_stride the light fields, changed in place.
+ * @param normals, normal_stride at the hit, any length, either side.
+ * @param curvatures, curvature_stride of the surface on the side of the normal; may be NULL: a plane.
+ * @note Coddington's equations.
  */
 covbeam_status covbeam_light_fields_reflect(size_t count,
                                             struct covbeam_light_field *fields,
@@ -1432,15 +1215,24 @@ covbeam_status covbeam_light_fields_reflect(size_t count,
                                             const struct covbeam_curvature *curvatures,
                                             size_t curvature_stride);
 
+static inline covbeam_status covbeam_light_field_reflect(struct covbeam_light_field *field,
+                                                         const float *normal,
+                                                         const struct covbeam_curvature *curvature)
+{
+    return covbeam_light_fields_reflect(1, field, 0, normal, 0, curvature, 0);
+}
+
 /**
- * covbeam_light_field_refract for `count` light fields.
+ * Refraction through a smooth surface.
  *
  * @param count number of fields; with 0 nothing is done.
- * @param fields, field_stride array of light fields, changed in place.
- * @param normals, normal_stride as normal there; a stride of 0 gives all fields the same.
- * @param curvatures, curvature_stride as curvature there; a stride of 0 gives all fields the same.
- * @param etas, eta_stride as eta there; a stride of 0 gives all fields the same.
- * @param passed, passed_stride as passed there.
+ * @param fields, field_stride the light fields, changed in place.
+ * @param normals, normal_stride at the hit, any length, either side.
+ * @param curvatures, curvature_stride of the surface on the side of the normal; may be NULL: a plane.
+ * @param etas, eta_stride refractive index on the incoming side over that on the other, > 0.
+ * @param passed, passed_stride 1 if light passes; 0 on total reflection (and exactly grazing light), which
+ *     leaves the field as it was.
+ * @note Coddington's equations.
  */
 covbeam_status covbeam_light_fields_refract(size_t count,
                                             struct covbeam_light_field *fields,
@@ -1454,13 +1246,23 @@ covbeam_status covbeam_light_fields_refract(size_t count,
                                             uint8_t *passed,
                                             size_t passed_stride);
 
+static inline covbeam_status covbeam_light_field_refract(struct covbeam_light_field *field,
+                                                         const float *normal,
+                                                         const struct covbeam_curvature *curvature, float eta,
+                                                         uint8_t *passed)
+{
+    return covbeam_light_fields_refract(1, field, 0, normal, 0, curvature, 0, &eta, 0, passed, 0);
+}
+
 /**
- * covbeam_light_field_occlude for `count` light fields.
+ * Occlusion by an edge beside the ray, such as a silhouette that it passes.
  *
  * @param count number of fields; with 0 nothing is done.
- * @param fields, field_stride array of light fields, changed in place.
- * @param towards_edges, towards_edge_stride as towards_edge there; a stride of 0 gives all fields the same.
- * @param distances, distance_stride as distance there; a stride of 0 gives all fields the same.
+ * @param fields, field_stride the light fields, changed in place.
+ * @param towards_edges, towards_edge_stride from the ray to the nearest point of the edge, any length;
+ *     along the ray: nothing changes.
+ * @param distances, distance_stride between ray and edge [m] >= 0; infinity is no edge.
+ * @note Thesis 5.3.1.
  */
 covbeam_status covbeam_light_fields_occlude(size_t count,
                                             struct covbeam_light_field *fields,
@@ -1470,30 +1272,22 @@ covbeam_status covbeam_light_fields_occlude(size_t count,
                                             const float *distances,
                                             size_t distance_stride);
 
-/**
- * covbeam_light_field_attenuate for `count` light fields.
- *
- * @param count number of fields; with 0 nothing is done.
- * @param fields, field_stride array of light fields, changed in place.
- * @param gradients, gradient_stride as gradient there; a stride of 0 gives all fields the same.
- * @param hessians, hessian_stride as hessian there; a stride of 0 gives all fields the same.
- */
-covbeam_status covbeam_light_fields_attenuate(size_t count,
-                                              struct covbeam_light_field *fields,
-                                              size_t field_stride,
-                                              const float *gradients,
-                                              size_t gradient_stride,
-                                              const float *hessians,
-                                              size_t hessian_stride);
+static inline covbeam_status covbeam_light_field_occlude(struct covbeam_light_field *field,
+                                                         const float *towards_edge, float distance)
+{
+    return covbeam_light_fields_occlude(1, field, 0, towards_edge, 0, &distance, 0);
+}
 
 /**
- * covbeam_light_field_narrow for `count` light fields.
+ * Narrowing of the directions across one axis, such as by the soft rim of a spot light (a Gaussian rim of
+ * standard deviation s has 1/(4 pi^2 s^2)).
  *
  * @param count number of fields; with 0 nothing is done.
- * @param fields, field_stride array of light fields, changed in place.
- * @param acrosses, across_stride as across there; a stride of 0 gives all fields the same.
- * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields
- *     the same.
+ * @param fields, field_stride the light fields, changed in place.
+ * @param acrosses, across_stride in which the light falls off, any length; along the ray: nothing changes.
+ * @param angular_variances, angular_variance_stride [cycles^2/rad^2] >= 0: 0 changes nothing, infinity
+ *     leaves one direction.
+ * @note Thesis 5.3.1.
  */
 covbeam_status covbeam_light_fields_narrow(size_t count,
                                            struct covbeam_light_field *fields,
@@ -1503,14 +1297,21 @@ covbeam_status covbeam_light_fields_narrow(size_t count,
                                            const float *angular_variances,
                                            size_t angular_variance_stride);
 
+static inline covbeam_status covbeam_light_field_narrow(struct covbeam_light_field *field,
+                                                        const float *across, float angular_variance)
+{
+    return covbeam_light_fields_narrow(1, field, 0, across, 0, &angular_variance, 0);
+}
+
 /**
- * covbeam_light_field_scatter for `count` light fields.
+ * Scattering in a medium, or by a rough surface's lobe, into a new direction.
  *
  * @param count number of fields; with 0 nothing is done.
- * @param fields, field_stride array of light fields, changed in place.
- * @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
- * @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields
- *     the same.
+ * @param fields, field_stride the light fields, changed in place.
+ * @param directions, direction_stride of propagation after the event, any length but 0.
+ * @param angular_variances, angular_variance_stride of the lobe [cycles^2/rad^2] >= 0, see
+ *     covbeam_phase_angular_variance: 0 is isotropic, infinity does not blur.
+ * @note Thesis 5.3.1.
  */
 covbeam_status covbeam_light_fields_scatter(size_t count,
                                             struct covbeam_light_field *fields,
@@ -1520,13 +1321,21 @@ covbeam_status covbeam_light_fields_scatter(size_t count,
                                             const float *angular_variances,
                                             size_t angular_variance_stride);
 
+static inline covbeam_status covbeam_light_field_scatter(struct covbeam_light_field *field,
+                                                         const float *direction, float angular_variance)
+{
+    return covbeam_light_fields_scatter(1, field, 0, direction, 0, &angular_variance, 0);
+}
+
 /**
- * covbeam_light_field_diffuse for `count` light fields.
+ * Diffuse reflection or transmission into a new direction. A cosine below 1e-12 on either side leaves the
+ * field as it was.
  *
  * @param count number of fields; with 0 nothing is done.
- * @param fields, field_stride array of light fields, changed in place.
- * @param normals, normal_stride as normal there; a stride of 0 gives all fields the same.
- * @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
+ * @param fields, field_stride the light fields, changed in place.
+ * @param normals, normal_stride of the surface, any length, either sign.
+ * @param directions, direction_stride of propagation after the event, any length but 0.
+ * @note Thesis 5.3.1.
  */
 covbeam_status covbeam_light_fields_diffuse(size_t count,
                                             struct covbeam_light_field *fields,
@@ -1536,12 +1345,19 @@ covbeam_status covbeam_light_fields_diffuse(size_t count,
                                             const float *directions,
                                             size_t direction_stride);
 
+static inline covbeam_status covbeam_light_field_diffuse(struct covbeam_light_field *field,
+                                                         const float *normal, const float *direction)
+{
+    return covbeam_light_fields_diffuse(1, field, 0, normal, 0, direction, 0);
+}
+
 /**
- * covbeam_light_field_slice for `count` light fields.
+ * The spectrum of the fluence across the ray, along the frame's axes.
  *
  * @param count number of fields; with 0 nothing is done.
- * @param fields, field_stride array of light fields.
- * @param variances_out, out_stride as variances there.
+ * @param fields, field_stride the light fields.
+ * @param variances_out, out_stride [xx, xy, yy] [cycles^2/m^2].
+ * @note Thesis Eq 5.14.
  */
 covbeam_status covbeam_light_fields_slice(size_t count,
                                           const struct covbeam_light_field *fields,
@@ -1549,13 +1365,20 @@ covbeam_status covbeam_light_fields_slice(size_t count,
                                           float *variances_out,
                                           size_t out_stride);
 
+static inline covbeam_status covbeam_light_field_slice(const struct covbeam_light_field *field, float *out)
+{
+    return covbeam_light_fields_slice(1, field, 0, out, 0);
+}
+
 /**
- * covbeam_light_field_fluence for `count` light fields.
+ * The spectrum of the fluence around the ray, in world axes.
  *
  * @param count number of fields; with 0 nothing is done.
- * @param fields, field_stride array of light fields.
- * @param limits, limit_stride as limit there; a stride of 0 gives all fields the same.
- * @param spectrum_out, out_stride as spectrum there.
+ * @param fields, field_stride the light fields.
+ * @param limits, limit_stride largest deviation kept [cycles/m] > 0, such as the Nyquist frequency 1/(2h)
+ *     of voxels of side h; infinity keeps all.
+ * @param spectrum_out, out_stride covariance [cycles^2/m^2].
+ * @note Thesis Eq 5.14.
  */
 covbeam_status covbeam_light_fields_fluence(size_t count,
                                             const struct covbeam_light_field *fields,
@@ -1565,69 +1388,22 @@ covbeam_status covbeam_light_fields_fluence(size_t count,
                                             struct covbeam_spectrum *spectrum_out,
                                             size_t out_stride);
 
-/**
- * covbeam_light_field_variance_along_ray for `count` light fields.
- *
- * @param count number of fields; with 0 nothing is done.
- * @param fields, field_stride array of light fields.
- * @param extinctions, extinction_stride as extinction there; a stride of 0 gives all fields the same.
- * @param variance_out, out_stride as variance there.
- */
-covbeam_status covbeam_light_fields_variance_along_ray(size_t count,
-                                                       const struct covbeam_light_field *fields,
-                                                       size_t field_stride,
-                                                       const float *extinctions,
-                                                       size_t extinction_stride,
-                                                       float *variance_out,
-                                                       size_t out_stride);
-
-/**
- * The value of a phase function [1/sr]: 1 in all over the sphere.
- *
- * @param phase the phase function.
- * @param cos_theta dot(propagation before, propagation after), forward 1; in [-1, 1], rounding past the ends
- *     is harmless.
- * @param value [1/sr] >= 0.
- */
-covbeam_status covbeam_phase_evaluate(const struct covbeam_phase *phase, float cos_theta, float *value);
-
-/**
- * covbeam_phase_evaluate for `count` cosines.
- *
- * @param phase as phase there.
- * @param count number of values; with 0 nothing is done.
- * @param cosines, cosine_stride as cos_theta there.
- * @param values, value_stride as value there.
- */
-covbeam_status covbeam_phase_evaluate_many(const struct covbeam_phase *phase,
-                                           size_t count,
-                                           const float *cosines,
-                                           size_t cosine_stride,
-                                           float *values,
-                                           size_t value_stride);
+static inline covbeam_status covbeam_light_field_fluence(const struct covbeam_light_field *field, float limit,
+                                                         struct covbeam_spectrum *out)
+{
+    return covbeam_light_fields_fluence(1, field, 0, &limit, 0, out, 0);
+}
 
 /**
  * Samples a direction after scattering in proportion to the phase function: the weight (value / density) is 1.
  *
  * @param phase the phase function.
- * @param direction of propagation before the event, unit.
- * @param xi two independent uniform numbers in [0, 1).
- * @param scattered direction of propagation after the event, unit; may be the same array as direction.
- * @note The angle of a narrow lobe is exact: it does not pass through its cosine.
- */
-covbeam_status covbeam_phase_sample(const struct covbeam_phase *phase,
-                                    const float *direction,
-                                    const float *xi,
-                                    float *scattered);
-
-/**
- * covbeam_phase_sample for `count` directions.
- *
- * @param phase as phase there.
  * @param count number of directions; with 0 nothing is done.
- * @param directions, direction_stride as direction there; a stride of 0 scatters one direction `count` times.
- * @param xis, xi_stride as xi there.
- * @param scattered, scattered_stride as scattered there.
+ * @param directions, direction_stride of propagation before the event, unit.
+ * @param xis, xi_stride two independent uniform numbers in [0, 1).
+ * @param scattered, scattered_stride direction of propagation after the event, unit; may be the same array
+ *     as directions.
+ * @note The angle of a narrow lobe is exact: it does not pass through its cosine.
  */
 covbeam_status covbeam_phase_sample_many(const struct covbeam_phase *phase,
                                          size_t count,
@@ -1638,29 +1414,11 @@ covbeam_status covbeam_phase_sample_many(const struct covbeam_phase *phase,
                                          float *scattered,
                                          size_t scattered_stride);
 
-/**
- * Samples the cosine of the scattering angle in proportion to the phase function.
- *
- * @param phase the phase function.
- * @param xi uniform in [0, 1); 0 gives -1, and the cosine grows with it.
- * @param cos_theta in [-1, 1].
- */
-covbeam_status covbeam_phase_sample_cosine(const struct covbeam_phase *phase, float xi, float *cos_theta);
-
-/**
- * covbeam_phase_sample_cosine for `count` random numbers.
- *
- * @param phase as phase there.
- * @param count number of cosines; with 0 nothing is done.
- * @param xis, xi_stride as xi there.
- * @param cosines, cosine_stride as cos_theta there.
- */
-covbeam_status covbeam_phase_sample_cosine_many(const struct covbeam_phase *phase,
-                                                size_t count,
-                                                const float *xis,
-                                                size_t xi_stride,
-                                                float *cosines,
-                                                size_t cosine_stride);
+static inline covbeam_status covbeam_phase_sample(const struct covbeam_phase *phase, const float *direction,
+                                                  const float *xi, float *scattered)
+{
+    return covbeam_phase_sample_many(phase, 1, direction, 0, xi, 0, scattered, 0);
+}
 
 /**
  * What covbeam_light_field_scatter takes: variance, per axis, of the angular spectrum of the lobe.
@@ -1690,112 +1448,9 @@ covbeam_status covbeam_density_new(const struct covbeam_grid_layout *layout,
 /**
  * Frees a density. Beam maps that were made with it keep what they need.
  *
- * @param density NULL is ignored.
+ * @param density NULL is fine.
  */
-void covbeam_density_free(struct covbeam_density *density);
-
-/**
- * Relative density of a medium at a point.
- *
- * @param medium the medium.
- * @param position [m].
- * @param density >= 0: 1 where the medium's coefficients hold. An exponential one is held beyond e^80 and
- *     e^-80.
- * @note Costs nothing, an exponential, or a trilinear look-up.
- */
-covbeam_status covbeam_medium_density_at(const struct covbeam_medium *medium,
-                                         const float *position,
-                                         float *density);
-
-/**
- * covbeam_medium_density_at for `count` points.
- *
- * @param medium as medium there.
- * @param count number of points; with 0 nothing is done.
- * @param positions, position_stride as position there.
- * @param densities, density_stride as density there.
- */
-covbeam_status covbeam_medium_density_at_many(const struct covbeam_medium *medium,
-                                              size_t count,
-                                              const float *positions,
-                                              size_t position_stride,
-                                              float *densities,
-                                              size_t density_stride);
-
-/**
- * Derivatives of the relative density at a point. Their integrals along a way, times the extinction, are what
- * covbeam_light_field_attenuate takes.
- *
- * @param medium the medium.
- * @param position [m].
- * @param derivatives exact for an exponential density; differences between neighbouring voxels, 0 outside the
- *     box.
- */
-covbeam_status covbeam_medium_derivatives_at(const struct covbeam_medium *medium,
-                                             const float *position,
-                                             struct covbeam_derivatives *derivatives);
-
-/**
- * covbeam_medium_derivatives_at for `count` points.
- *
- * @param medium as medium there.
- * @param count number of points; with 0 nothing is done.
- * @param positions, position_stride as position there.
- * @param derivatives, derivative_stride as derivatives there.
- */
-covbeam_status covbeam_medium_derivatives_at_many(const struct covbeam_medium *medium,
-                                                  size_t count,
-                                                  const float *positions,
-                                                  size_t position_stride,
-                                                  struct covbeam_derivatives *derivatives,
-                                                  size_t derivative_stride);
-
-/**
- * Largest step [m] over which the second derivatives may be taken as constant, for a host that sums them
- * itself.
- *
- * @param medium the medium.
- * @param step [m] > 0: infinity where the medium is homogeneous, half the scale height, or a voxel's smallest
- *     side.
- */
-covbeam_status covbeam_medium_step(const struct covbeam_medium *medium, float *step);
-
-/**
- * Column along a ray: the integral of the relative density. Extinction x column is the optical depth.
- *
- * @param medium the medium.
- * @param origin of the ray [m].
- * @param direction of the ray, unit.
- * @param distance along the ray [m] >= 0; infinity allowed.
- * @param column [m] >= 0; infinite only for an infinite distance in a homogeneous medium.
- * @note Voxels: exact, about 20 ns a voxel passed. For many distances on one ray see covbeam_medium_column.
- */
-covbeam_status covbeam_medium_column_at(const struct covbeam_medium *medium,
-                                        const float *origin,
-                                        const float *direction,
-                                        float distance,
-                                        float *column);
-
-/**
- * covbeam_medium_column_at for `count` rays.
- *
- * @param medium as medium there.
- * @param count number of rays; with 0 nothing is done.
- * @param origins, origin_stride as origin there; a stride of 0 gives all rays the same.
- * @param directions, direction_stride as direction there; a stride of 0 gives all rays the same.
- * @param distances, distance_stride as distance there; a stride of 0 gives all rays the same.
- * @param columns, column_stride as column there.
- */
-covbeam_status covbeam_medium_column_at_many(const struct covbeam_medium *medium,
-                                             size_t count,
-                                             const float *origins,
-                                             size_t origin_stride,
-                                             const float *directions,
-                                             size_t direction_stride,
-                                             const float *distances,
-                                             size_t distance_stride,
-                                             float *columns,
-                                             size_t column_stride);
+covbeam_status covbeam_density_free(struct covbeam_density *density);
 
 /**
  * Distance along a ray at which a column is reached: the inverse of covbeam_medium_column_at.
@@ -1804,30 +1459,14 @@ covbeam_status covbeam_medium_column_at_many(const struct covbeam_medium *medium
  * extinction of one channel; light that gets infinity reaches the end of the ray.
  *
  * @param medium the medium.
- * @param origin of the ray [m].
- * @param direction of the ray, unit.
- * @param length of the ray [m] >= 0; infinity allowed.
- * @param column [m] >= 0; infinity allowed.
- * @param distance [m]; infinity if the ray ends before.
- * @note Voxels: the column there is within 5e-4 of the one asked for, relatively; about 20 ns a voxel passed.
- */
-covbeam_status covbeam_medium_distance_at(const struct covbeam_medium *medium,
-                                          const float *origin,
-                                          const float *direction,
-                                          float length,
-                                          float column,
-                                          float *distance);
-
-/**
- * covbeam_medium_distance_at for `count` rays.
- *
- * @param medium as medium there.
  * @param count number of rays; with 0 nothing is done.
- * @param origins, origin_stride as origin there; a stride of 0 gives all rays the same.
- * @param directions, direction_stride as direction there; a stride of 0 gives all rays the same.
- * @param lengths, length_stride as length there; a stride of 0 gives all rays the same.
- * @param columns, column_stride as column there; a stride of 0 gives all rays the same.
- * @param distances, distance_stride as distance there.
+ * @param origins, origin_stride of the ray [m].
+ * @param directions, direction_stride of the ray, unit.
+ * @param lengths, length_stride of the ray [m] >= 0; infinity allowed.
+ * @param columns, column_stride [m] >= 0; infinity allowed.
+ * @param distances, distance_stride [m]; infinity if the ray ends before.
+ * @note Voxels: the column there is within 5e-4 of the one asked for, relatively; about 20 ns a voxel
+ *     passed.
  */
 covbeam_status covbeam_medium_distance_at_many(const struct covbeam_medium *medium,
                                                size_t count,
@@ -1842,31 +1481,24 @@ covbeam_status covbeam_medium_distance_at_many(const struct covbeam_medium *medi
                                                float *distances,
                                                size_t distance_stride);
 
+static inline covbeam_status covbeam_medium_distance_at(const struct covbeam_medium *medium,
+                                                        const float *origin, const float *direction,
+                                                        float length, float column, float *distance)
+{
+    return covbeam_medium_distance_at_many(medium, 1, origin, 0, direction, 0, &length, 0, &column, 0,
+                                           distance, 0);
+}
+
 /**
  * The share of light that a stretch of medium leaves, per channel.
  *
  * @param medium the medium.
- * @param origin of the ray [m].
- * @param direction of the ray, unit.
- * @param distance along the ray [m] >= 0; infinity allowed.
- * @param transmittance three numbers in [0, 1]: exp(-extinction x column).
- * @note The column of covbeam_medium_column_at, and one exponential if the channels are equal, else three.
- */
-covbeam_status covbeam_medium_transmittance(const struct covbeam_medium *medium,
-                                            const float *origin,
-                                            const float *direction,
-                                            float distance,
-                                            float *transmittance);
-
-/**
- * covbeam_medium_transmittance for `count` rays.
- *
- * @param medium as medium there.
  * @param count number of rays; with 0 nothing is done.
- * @param origins, origin_stride as origin there; a stride of 0 gives all rays the same.
- * @param directions, direction_stride as direction there; a stride of 0 gives all rays the same.
- * @param distances, distance_stride as distance there; a stride of 0 gives all rays the same.
- * @param transmittances, transmittance_stride as transmittance there.
+ * @param origins, origin_stride of the ray [m].
+ * @param directions, direction_stride of the ray, unit.
+ * @param distances, distance_stride along the ray [m] >= 0; infinity allowed.
+ * @param transmittances, transmittance_stride three numbers in [0, 1]: exp(-extinction x column).
+ * @note The column of covbeam_medium_column_at, and one exponential if the channels are equal, else three.
  */
 covbeam_status covbeam_medium_transmittance_many(const struct covbeam_medium *medium,
                                                  size_t count,
@@ -1879,31 +1511,13 @@ covbeam_status covbeam_medium_transmittance_many(const struct covbeam_medium *me
                                                  float *transmittances,
                                                  size_t transmittance_stride);
 
-/**
- * The share of light that a column leaves, per channel: for a host that has the column already.
- *
- * @param medium the medium; its density does not matter.
- * @param column [m] >= 0; infinity allowed.
- * @param transmittance three numbers in [0, 1]: exp(-extinction x column).
- */
-covbeam_status covbeam_medium_column_transmittance(const struct covbeam_medium *medium,
-                                                   float column,
-                                                   float *transmittance);
-
-/**
- * covbeam_medium_column_transmittance for `count` columns.
- *
- * @param medium as medium there.
- * @param count number of columns; with 0 nothing is done.
- * @param columns, column_stride as column there.
- * @param transmittances, transmittance_stride as transmittance there.
- */
-covbeam_status covbeam_medium_column_transmittance_many(const struct covbeam_medium *medium,
-                                                        size_t count,
-                                                        const float *columns,
-                                                        size_t column_stride,
-                                                        float *transmittances,
-                                                        size_t transmittance_stride);
+static inline covbeam_status covbeam_medium_transmittance(const struct covbeam_medium *medium,
+                                                          const float *origin, const float *direction,
+                                                          float distance, float *transmittance)
+{
+    return covbeam_medium_transmittance_many(medium, 1, origin, 0, direction, 0, &distance, 0, transmittance,
+                                             0);
+}
 
 /**
  * The column after which light of every channel is down to e^-17 = 4e-8. In a homogeneous medium it is a
@@ -1919,25 +1533,12 @@ covbeam_status covbeam_medium_opaque_column(const struct covbeam_medium *medium,
  * beam that no surface ends.
  *
  * @param medium the medium.
- * @param origin of the ray [m].
- * @param direction of the ray, unit.
- * @param distance [m]: where the medium becomes opaque, hardly goes on, or its voxels end; infinite if there
- *     is no such place.
- * @note Voxels: about 20 ns a voxel passed.
- */
-covbeam_status covbeam_medium_reach(const struct covbeam_medium *medium,
-                                    const float *origin,
-                                    const float *direction,
-                                    float *distance);
-
-/**
- * covbeam_medium_reach for `count` rays.
- *
- * @param medium as medium there.
  * @param count number of rays; with 0 nothing is done.
- * @param origins, origin_stride as origin there; a stride of 0 gives all rays the same.
- * @param directions, direction_stride as direction there; a stride of 0 gives all rays the same.
- * @param distances, distance_stride as distance there.
+ * @param origins, origin_stride of the ray [m].
+ * @param directions, direction_stride of the ray, unit.
+ * @param distances, distance_stride [m]: where the medium becomes opaque, hardly goes on, or its voxels
+ *     end; infinite if there is no such place.
+ * @note Voxels: about 20 ns a voxel passed.
  */
 covbeam_status covbeam_medium_reach_many(const struct covbeam_medium *medium,
                                          size_t count,
@@ -1948,181 +1549,11 @@ covbeam_status covbeam_medium_reach_many(const struct covbeam_medium *medium,
                                          float *distances,
                                          size_t distance_stride);
 
-/**
- * The table of columns along a ray through voxels: points between which a straight line is within `error` of
- * the column. None for other densities, whose columns are closed forms.
- *
- * @param medium the medium.
- * @param origin of the ray [m].
- * @param direction of the ray, unit.
- * @param length of the ray [m] >= 0; infinity ends where it leaves the voxels.
- * @param error of a column [m] > 0; infinity keeps the ends alone. Times the extinction it is the error of the
- *     optical depth.
- * @param most the table ends at the first point with a larger column [m] >= 0; infinity for the whole ray.
- * @param knots packed, room for `capacity` of them; NULL with a capacity of 0 only counts.
- * @param capacity of knots; 64 x (voxels along x + y + z + 2) is always enough.
- * @param count number of knots.
- * @note If the capacity is too small: COVBEAM_SHORT_BUFFER, and the message says what is needed. About 40 ns a
- *     voxel passed.
- */
-covbeam_status covbeam_medium_knots(const struct covbeam_medium *medium,
-                                    const float *origin,
-                                    const float *direction,
-                                    float length,
-                                    float error,
-                                    float most,
-                                    struct covbeam_knot *knots,
-                                    size_t capacity,
-                                    size_t *count);
-
-/**
- * covbeam_medium_knots as a gather wants them: within 5e-4 of the optical depth of the channel that is
- * attenuated most, up to where every channel is opaque.
- *
- * @param medium the medium.
- * @param origin of the ray [m].
- * @param direction of the ray, unit.
- * @param length of the ray [m] >= 0; infinity ends where it leaves the voxels.
- * @param knots packed, room for `capacity` of them; NULL with a capacity of 0 only counts.
- * @param capacity of knots.
- * @param count number of knots.
- * @note A capacity that is too small is answered as by covbeam_medium_knots. About 40 ns a voxel passed.
- */
-covbeam_status covbeam_medium_tabulate(const struct covbeam_medium *medium,
-                                       const float *origin,
-                                       const float *direction,
-                                       float length,
-                                       struct covbeam_knot *knots,
-                                       size_t capacity,
-                                       size_t *count);
-
-/**
- * The column along a ray, by value: a closed form, or the table that covbeam_medium_tabulate made of it.
- *
- * @param medium the medium.
- * @param origin of the ray [m].
- * @param direction of the ray, unit.
- * @param knots packed, not copied: they stay in place while the column is used; ignored, and may be NULL,
- *     unless the density is voxels.
- * @param knot_count number of knots.
- * @param column the column.
- * @note Checks the table: finite, distances and columns not falling. Nothing that is given a column checks
- *     that again.
- */
-covbeam_status covbeam_medium_column(const struct covbeam_medium *medium,
-                                     const float *origin,
-                                     const float *direction,
-                                     const struct covbeam_knot *knots,
-                                     size_t knot_count,
-                                     struct covbeam_column *column);
-
-/**
- * The column up to a distance.
- *
- * @param column the column along the ray.
- * @param distance along the ray [m] >= 0; infinity allowed.
- * @param value [m] >= 0, never falling with distance.
- * @note Costs nothing, an exponential, or a binary search. The order of the knots is not checked; without it,
- *     value means nothing.
- */
-covbeam_status covbeam_column_at(const struct covbeam_column *column, float distance, float *value);
-
-/**
- * covbeam_column_at for `count` distances along one ray.
- *
- * @param column as column there.
- * @param count number of distances; with 0 nothing is done.
- * @param distances, distance_stride as distance there.
- * @param values, value_stride as value there.
- */
-covbeam_status covbeam_column_at_many(const struct covbeam_column *column,
-                                      size_t count,
-                                      const float *distances,
-                                      size_t distance_stride,
-                                      float *values,
-                                      size_t value_stride);
-
-/**
- * The distance at which the column reaches a value: the inverse of covbeam_column_at. See
- * covbeam_medium_distance_at.
- *
- * @param column the column along the ray.
- * @param value [m] >= 0; infinity allowed.
- * @param distance [m]; infinity if it never does.
- * @note Costs nothing, a logarithm, or a binary search. The order of the knots is not checked; without it,
- *     distance means nothing.
- */
-covbeam_status covbeam_column_distance_at(const struct covbeam_column *column, float value, float *distance);
-
-/**
- * covbeam_column_distance_at for `count` values along one ray.
- *
- * @param column as column there.
- * @param count number of values; with 0 nothing is done.
- * @param values, value_stride as value there.
- * @param distances, distance_stride as distance there.
- */
-covbeam_status covbeam_column_distance_at_many(const struct covbeam_column *column,
-                                               size_t count,
-                                               const float *values,
-                                               size_t value_stride,
-                                               float *distances,
-                                               size_t distance_stride);
-
-/**
- * A spectrum's variance along an axis: what covbeam_kernel_radius_from_error takes.
- *
- * @param spectrum of the fluence.
- * @param axis unit.
- * @param variance [cycles^2/m^2] >= 0, to a few roundings of xx + yy + zz.
- * @note Thesis 5.3.4.
- */
-covbeam_status covbeam_spectrum_variance_along(const struct covbeam_spectrum *spectrum,
-                                               const float *axis,
-                                               float *variance);
-
-/**
- * covbeam_spectrum_variance_along for `count` spectra.
- *
- * @param count number of spectra; with 0 nothing is done.
- * @param spectra, spectrum_stride as spectrum there; a stride of 0 asks one spectrum for all axes.
- * @param axes, axis_stride as axis there; a stride of 0 gives all spectra the same.
- * @param variances, variance_stride as variance there.
- */
-covbeam_status covbeam_spectra_variance_along(size_t count,
-                                              const struct covbeam_spectrum *spectra,
-                                              size_t spectrum_stride,
-                                              const float *axes,
-                                              size_t axis_stride,
-                                              float *variances,
-                                              size_t variance_stride);
-
-/**
- * Adds a variance along an axis, such as that of covbeam_light_field_variance_along_ray.
- *
- * @param spectrum of the fluence, changed in place.
- * @param axis unit.
- * @param variance [cycles^2/m^2], finite and >= 0.
- */
-covbeam_status covbeam_spectrum_add_along(struct covbeam_spectrum *spectrum,
-                                          const float *axis,
-                                          float variance);
-
-/**
- * covbeam_spectrum_add_along for `count` spectra.
- *
- * @param count number of spectra; with 0 nothing is done.
- * @param spectra, spectrum_stride as spectrum there.
- * @param axes, axis_stride as axis there; a stride of 0 gives all spectra the same.
- * @param variances, variance_stride as variance there; a stride of 0 gives all spectra the same.
- */
-covbeam_status covbeam_spectra_add_along(size_t count,
-                                         struct covbeam_spectrum *spectra,
-                                         size_t spectrum_stride,
-                                         const float *axes,
-                                         size_t axis_stride,
-                                         const float *variances,
-                                         size_t variance_stride);
+static inline covbeam_status covbeam_medium_reach(const struct covbeam_medium *medium, const float *origin,
+                                                  const float *direction, float *distance)
+{
+    return covbeam_medium_reach_many(medium, 1, origin, 0, direction, 0, distance, 0);
+}
 
 /**
  * The number of one decision of one light path, uniform in [0, 1). The first COVBEAM_EMISSION_DIMENSIONS
@@ -2132,25 +1563,10 @@ covbeam_status covbeam_spectra_add_along(size_t count,
  *
  * @param seed another seed is another scramble of all sequences.
  * @param sequence keeps sequences of one seed apart, such as paths with light fields and those without.
- * @param path its place in the sequence, counted on over the passes of a picture.
- * @param dimension which decision of the path, from 0 on.
- * @param number in [0, 1), a multiple of 2^-24.
- */
-covbeam_status covbeam_path_number(uint32_t seed,
-                                   uint32_t sequence,
-                                   uint32_t path,
-                                   uint32_t dimension,
-                                   float *number);
-
-/**
- * covbeam_path_number for `count` paths.
- *
- * @param seed as there.
- * @param sequence as there.
  * @param count number of paths; with 0 nothing is done.
- * @param paths, path_stride as path there.
- * @param dimension as there.
- * @param numbers, number_stride as number there.
+ * @param paths, path_stride the path's place in the sequence, counted on over the passes of a picture.
+ * @param dimension which decision of the path, from 0 on.
+ * @param numbers, number_stride in [0, 1), a multiple of 2^-24.
  */
 covbeam_status covbeam_path_numbers(uint32_t seed,
                                     uint32_t sequence,
@@ -2160,6 +1576,12 @@ covbeam_status covbeam_path_numbers(uint32_t seed,
                                     uint32_t dimension,
                                     float *numbers,
                                     size_t number_stride);
+
+static inline covbeam_status covbeam_path_number(uint32_t seed, uint32_t sequence, uint32_t path,
+                                                 uint32_t dimension, float *number)
+{
+    return covbeam_path_numbers(seed, sequence, 1, &path, 0, dimension, number, 0);
+}
 
 /**
  * Edges of occluders beside a ray, from nothing but rays that the host casts: those up to four that mask its
@@ -2188,27 +1610,14 @@ covbeam_status covbeam_find_edges(const float *direction,
  * The light field at a distance from a segment's origin: moved on through the medium, and occluded by each edge
  * up to there where it passes it.
  *
- * @param segment the segment; origin, field and edges count, the rest is not looked at.
+ * @param count number of segments; with 0 nothing is done.
+ * @param segments, segment_stride of each, origin, field and edges count; the rest is not looked at.
  * @param medium what it travels in; the mean extinction of the channels counts. Of no scattering and no
  *     absorption in vacuum.
- * @param distance [m] >= 0, finite: to the photon's next event, at most to the surface on which the segment
- *     ends.
- * @param out the light field there; segment->field is fine.
+ * @param distances, distance_stride [m] >= 0, finite: to the photon's next event, at most to the surface on
+ *     which the segment ends.
+ * @param out, out_stride the light fields there; segment->field is fine.
  * @note Thesis 5.3.1. In a density that varies, up to 256 look-ups of its derivatives from edge to edge.
- */
-covbeam_status covbeam_segment_field_at(const struct covbeam_segment *segment,
-                                        const struct covbeam_medium *medium,
-                                        float distance,
-                                        struct covbeam_light_field *out);
-
-/**
- * covbeam_segment_field_at for `count` segments.
- *
- * @param count number of segments; with 0 nothing is done.
- * @param segments, segment_stride as segment there.
- * @param medium as there.
- * @param distances, distance_stride as distance there; a stride of 0 gives all segments the same.
- * @param out, out_stride as out there.
  */
 covbeam_status covbeam_segments_field_at(size_t count,
                                          const struct covbeam_segment *segments,
@@ -2218,6 +1627,13 @@ covbeam_status covbeam_segments_field_at(size_t count,
                                          size_t distance_stride,
                                          struct covbeam_light_field *out,
                                          size_t out_stride);
+
+static inline covbeam_status covbeam_segment_field_at(const struct covbeam_segment *segment,
+                                                      const struct covbeam_medium *medium, float distance,
+                                                      struct covbeam_light_field *out)
+{
+    return covbeam_segments_field_at(1, segment, 0, medium, &distance, 0, out, 0);
+}
 
 /**
  * Makes an empty grid in the library's memory: 56 bytes a voxel, and 28 more from the first
@@ -2229,35 +1645,11 @@ covbeam_status covbeam_segments_field_at(size_t count,
 covbeam_status covbeam_grid_new(const struct covbeam_grid_layout *layout, struct covbeam_grid **out);
 
 /**
- * Makes a grid in the host's memory, which is the grid's until it is freed: between calls on the grid the host
- * may read it, and write it too (numbers that deposits cannot make are voxels without data).
- *
- * @param layout box and resolution.
- * @param cells, cell_count as many as the layout has; their content stays: zero them for an empty grid.
- * @param means, mean_count as many as the layout has; written by covbeam_grid_resolve.
- * @param out the handle.
- */
-covbeam_status covbeam_grid_new_in(const struct covbeam_grid_layout *layout,
-                                   struct covbeam_grid_cell *cells,
-                                   size_t cell_count,
-                                   struct covbeam_fluence_cell *means,
-                                   size_t mean_count,
-                                   struct covbeam_grid **out);
-
-/**
  * Frees a grid; memory of the host's stays the host's, with what is in it.
  *
- * @param grid NULL is ignored.
+ * @param grid NULL is fine.
  */
-void covbeam_grid_free(struct covbeam_grid *grid);
-
-/**
- * The grid's box and resolution.
- *
- * @param grid the grid.
- * @param layout receives them.
- */
-covbeam_status covbeam_grid_get_layout(const struct covbeam_grid *grid, struct covbeam_grid_layout *layout);
+covbeam_status covbeam_grid_free(struct covbeam_grid *grid);
 
 /**
  * Empties a grid, and forgets what was resolved.
@@ -2268,11 +1660,14 @@ covbeam_status covbeam_grid_clear(struct covbeam_grid *grid);
 
 /**
  * Adds the light fields along segments of light paths, in their order; past each edge what the edge has left.
+ * Stopped, the grid keeps what it has of the first segments: covbeam_grid_clear forgets that.
  *
  * @param grid the grid.
  * @param medium what the segments run through; the mean extinction of the channels counts.
  * @param count number of segments; with 0 nothing is done.
  * @param segments, segment_stride the segments.
+ * @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with COVBEAM_CANCELLED.
+ * @param user given to poll.
  * @note Thesis 5.3.1, Eq 5.14 and 5.15. 0.2 us a voxel on the way, 0.7 us where the density varies; 2 to 40 us
  *     a segment. A tenth of a pass' photons is enough.
  */
@@ -2280,26 +1675,9 @@ covbeam_status covbeam_grid_deposit(struct covbeam_grid *grid,
                                     const struct covbeam_medium *medium,
                                     size_t count,
                                     const struct covbeam_segment *segments,
-                                    size_t segment_stride);
-
-/**
- * Adds spectra to the voxels around points, in their order: for hosts that estimate bandwidth in a way of
- * their own.
- *
- * @param grid the grid.
- * @param count number of points; with 0 nothing is done.
- * @param positions, position_stride points [m]; one outside the grid adds nothing.
- * @param spectra, spectrum_stride spectra [cycles^2/m^2], finite; covariances, or the grid cannot be saved.
- * @param weights, weight_stride contributions to the fluence [W m], finite and >= 0.
- */
-covbeam_status covbeam_grid_deposit_spectra(struct covbeam_grid *grid,
-                                            size_t count,
-                                            const float *positions,
-                                            size_t position_stride,
-                                            const struct covbeam_spectrum *spectra,
-                                            size_t spectrum_stride,
-                                            const float *weights,
-                                            size_t weight_stride);
+                                    size_t segment_stride,
+                                    covbeam_poll poll,
+                                    void *user);
 
 /**
  * Adds what other grids of the same layout have collected, in their order.
@@ -2320,49 +1698,6 @@ covbeam_status covbeam_grid_merge(struct covbeam_grid *grid,
  * @note About 10 ns a voxel.
  */
 covbeam_status covbeam_grid_resolve(struct covbeam_grid *grid);
-
-/**
- * The spectrum of the fluence around points: the flux-weighted mean of the eight voxels around each, with
- * trilinear weights.
- *
- * @param grid a grid that has been resolved.
- * @param count number of points; with 0 nothing is done.
- * @param positions, position_stride points [m].
- * @param spectra, spectrum_stride receive the spectra [cycles^2/m^2]; 0 where the grid has no data.
- * @param found, found_stride receive 1, or 0 where the grid has no data: outside, and where no light has
- *     passed. May be NULL.
- * @note Thesis Eq 5.15. 20 ns a point.
- */
-covbeam_status covbeam_grid_look_up(const struct covbeam_grid *grid,
-                                    size_t count,
-                                    const float *positions,
-                                    size_t position_stride,
-                                    struct covbeam_spectrum *spectra,
-                                    size_t spectrum_stride,
-                                    uint8_t *found,
-                                    size_t found_stride);
-
-/**
- * What the voxels have collected, to read or to upload.
- *
- * @param grid the grid.
- * @param cells receives the first; valid until the grid is changed or freed.
- * @param count receives their number.
- */
-covbeam_status covbeam_grid_get_cells(const struct covbeam_grid *grid,
-                                      const struct covbeam_grid_cell **cells,
-                                      size_t *count);
-
-/**
- * The mean spectra that look-ups see, to read or to upload.
- *
- * @param grid a grid that has been resolved.
- * @param means receives the first; valid until the grid is changed or freed.
- * @param count receives their number.
- */
-covbeam_status covbeam_grid_get_means(const struct covbeam_grid *grid,
-                                      const struct covbeam_fluence_cell **means,
-                                      size_t *count);
 
 /**
  * Number of bytes that covbeam_grid_save writes.
@@ -2408,99 +1743,6 @@ covbeam_status covbeam_schedule_kernel(const struct covbeam_schedule *schedule,
                                        struct covbeam_kernel *kernel);
 
 /**
- * The progressive radius of a pass: r_1 = radius, r_(i+1) = r_i (i + alpha) / (i + 1).
- *
- * @param radius of pass 1 [m] > 0.
- * @param alpha in (0, 1]; 1 keeps the radius.
- * @param pass i, counted from 1.
- * @param result [m].
- * @note A few ns a pass up to pass 4096, and no more from there on. Jarosz et al. 2011.
- */
-covbeam_status covbeam_progressive_radius(float radius, float alpha, uint32_t pass, float *result);
-
-/**
- * The bound on the relative bias in a pass: error x pass^(-2/5), so that the bias of the mean over passes goes
- * to 0.
- *
- * @param error in pass 1, > 0.
- * @param pass counted from 1.
- * @param result the bound in that pass.
- */
-covbeam_status covbeam_error_bound(float error,
-                                   uint32_t pass,
-                                   float *result);
-
-/**
- * A kernel's value K_r(d).
- *
- * @param shape a value of covbeam_kernel_shape.
- * @param distance d [m], of either sign.
- * @param radius r [m] > 0.
- * @param value [1/m]: 0 where the distance is r or more.
- */
-covbeam_status covbeam_kernel_evaluate(uint32_t shape, float distance, float radius, float *value);
-
-/**
- * Second moment of a kernel of radius 1; that of radius r is r^2 times it.
- *
- * @param shape a value of covbeam_kernel_shape.
- * @param moment of the kernel.
- */
-covbeam_status covbeam_kernel_second_moment(uint32_t shape, float *moment);
-
-/**
- * The radius at which the kernel costs a relative bias: sqrt(error / (2 pi^2 second_moment variance)).
- *
- * @param shape a value of covbeam_kernel_shape.
- * @param error the relative bias > 0.
- * @param variance of the fluence's spectrum along the kernel's axis [cycles^2/m^2] >= 0; infinity gives 0.
- * @param radius [m]: infinite for a variance of 0.
- * @note Thesis 5.3.4.
- */
-covbeam_status covbeam_kernel_radius_from_error(uint32_t shape, float error, float variance, float *radius);
-
-/**
- * The kernel radius of a pair of beam and eye ray.
- *
- * @param kernel the kernel of the pass.
- * @param grid where the spectrum is looked up, resolved; NULL gives the progressive radius.
- * @param position the closest point on the eye ray [m].
- * @param axis of the kernel, unit, across ray and beam: that of the covbeam_crossing.
- * @param radius [m] in [min_radius, max_radius].
- * @param sigma deviation of the spectrum along the axis [cycles/m]; 0 where the grid has no data.
- * @note Thesis 5.3.4.
- */
-covbeam_status covbeam_kernel_radius_at(const struct covbeam_kernel *kernel,
-                                        const struct covbeam_grid *grid,
-                                        const float *position,
-                                        const float *axis,
-                                        float *radius,
-                                        float *sigma);
-
-/**
- * covbeam_kernel_radius_at for `count` pairs.
- *
- * @param kernel as kernel there.
- * @param grid as grid there.
- * @param count number of pairs; with 0 nothing is done.
- * @param positions, position_stride as position there; a stride of 0 gives all pairs the same.
- * @param axes, axis_stride as axis there; a stride of 0 gives all pairs the same.
- * @param radii, radius_stride as radius there.
- * @param sigmas, sigma_stride as sigma there.
- */
-covbeam_status covbeam_kernel_radius_at_many(const struct covbeam_kernel *kernel,
-                                             const struct covbeam_grid *grid,
-                                             size_t count,
-                                             const float *positions,
-                                             size_t position_stride,
-                                             const float *axes,
-                                             size_t axis_stride,
-                                             float *radii,
-                                             size_t radius_stride,
-                                             float *sigmas,
-                                             size_t sigma_stride);
-
-/**
  * Makes a map without beams.
  *
  * @param medium what its beams run through; copied, and voxels are kept alive. For
@@ -2512,9 +1754,9 @@ covbeam_status covbeam_beam_map_new(const struct covbeam_medium *medium, struct 
 /**
  * Frees a map.
  *
- * @param map NULL is ignored.
+ * @param map NULL is fine.
  */
-void covbeam_beam_map_free(struct covbeam_beam_map *map);
+covbeam_status covbeam_beam_map_free(struct covbeam_beam_map *map);
 
 /**
  * Begins a pass: forgets all beams, keeps their memory.
@@ -2551,22 +1793,6 @@ covbeam_status covbeam_beam_map_commit(struct covbeam_beam_map *map,
                                        void *user);
 
 /**
- * How many beams a map has.
- *
- * @param map the map, committed or not.
- * @param count receives their number.
- */
-covbeam_status covbeam_beam_map_get_count(const struct covbeam_beam_map *map, size_t *count);
-
-/**
- * How much memory a map holds.
- *
- * @param map the map, committed or not.
- * @param bytes receives it.
- */
-covbeam_status covbeam_beam_map_get_memory(const struct covbeam_beam_map *map, size_t *bytes);
-
-/**
  * Makes the memory of a thread's gathers.
  *
  * @param out the handle.
@@ -2576,9 +1802,9 @@ covbeam_status covbeam_scratch_new(struct covbeam_scratch **out);
 /**
  * Frees a thread's memory.
  *
- * @param scratch NULL is ignored.
+ * @param scratch NULL is fine.
  */
-void covbeam_scratch_free(struct covbeam_scratch *scratch);
+covbeam_status covbeam_scratch_free(struct covbeam_scratch *scratch);
 
 /**
  * Gathers the light that beams scatter into eye rays. Stopped or failed, nothing is written.
@@ -2634,150 +1860,20 @@ covbeam_status covbeam_beam_map_gather_shaded(const struct covbeam_beam_map *map
                                               void *user);
 
 /**
- * Closest approach of an eye ray's line and a beam's line.
- *
- * @param ray the eye ray; its length does not matter.
- * @param beam the beam; its length does not matter.
- * @param crossing the closest approach; untouched if they are nearly parallel.
- * @param crosses 1, or 0 if the sine of the angle between them is below 1e-5: such pairs are never gathered.
- */
-covbeam_status covbeam_cross(const struct covbeam_eye_ray *ray,
-                             const struct covbeam_beam *beam,
-                             struct covbeam_crossing *crossing,
-                             uint8_t *crosses);
-
-/**
- * covbeam_cross for `count` beams.
- *
- * @param ray as ray there.
- * @param count number of beams; with 0 nothing is done.
- * @param beams, beam_stride as beam there.
- * @param crossings, crossing_stride as crossing there.
- * @param crosses, cross_stride as crosses there.
- */
-covbeam_status covbeam_cross_many(const struct covbeam_eye_ray *ray,
-                                  size_t count,
-                                  const struct covbeam_beam *beams,
-                                  size_t beam_stride,
-                                  struct covbeam_crossing *crossings,
-                                  size_t crossing_stride,
-                                  uint8_t *crosses,
-                                  size_t cross_stride);
-
-/**
- * Gathers one beam, and adds it to what the eye ray has gathered: scattering x phase function x transmittance
- * along both x flux of the beam x kernel(gap) / sin(angle), if the gap is less than the kernel's radius,
- * looked up on the eye ray.
- *
- * @param ray the eye ray.
- * @param beam the beam, in the same medium.
- * @param from, to part of the beam that counts [m] >= 0, [from, to): 0 and the beam's length, or more, for all
- *     of it. Cutting a beam into adjoining parts changes nothing.
- * @param medium that both lie in.
- * @param ray_column along the ray; NULL takes the closed form (voxels have none: COVBEAM_NULL_POINTER).
- * @param beam_column along the beam; NULL likewise.
- * @param kernel the kernel of the pass.
- * @param grid as in covbeam_kernel_radius_at.
- * @param gathered in and out: finite numbers, all 0 to begin with.
- * @param accepted 1 if the pair counts, else 0.
- * @note Thesis 5.3.4. A beam that starts or ends on a surface is cut by its tangent plane. The order of the
- *     columns' knots is not checked.
- */
-covbeam_status covbeam_gather_pair(const struct covbeam_eye_ray *ray,
-                                   const struct covbeam_beam *beam,
-                                   float from,
-                                   float to,
-                                   const struct covbeam_medium *medium,
-                                   const struct covbeam_column *ray_column,
-                                   const struct covbeam_column *beam_column,
-                                   const struct covbeam_kernel *kernel,
-                                   const struct covbeam_grid *grid,
-                                   struct covbeam_gathered *gathered,
-                                   uint8_t *accepted);
-
-/**
- * covbeam_gather_pair for one eye ray and `count` beams, added in their order.
- *
- * @param ray as ray there.
- * @param count number of beams; with 0 nothing is done.
- * @param beams, beam_stride as beam there.
- * @param froms, from_stride as from there; a stride of 0 gives all beams the same.
- * @param tos, to_stride as to there; a stride of 0 gives all beams the same.
- * @param medium as medium there.
- * @param ray_column as ray_column there.
- * @param beam_columns, beam_column_stride as beam_column there; NULL for all of them.
- * @param kernel as kernel there.
- * @param grid as grid there.
- * @param gathered as gathered there, one for all beams.
- * @param accepted, accepted_stride as accepted there.
- */
-covbeam_status covbeam_gather_pairs(const struct covbeam_eye_ray *ray,
-                                    size_t count,
-                                    const struct covbeam_beam *beams,
-                                    size_t beam_stride,
-                                    const float *froms,
-                                    size_t from_stride,
-                                    const float *tos,
-                                    size_t to_stride,
-                                    const struct covbeam_medium *medium,
-                                    const struct covbeam_column *ray_column,
-                                    const struct covbeam_column *beam_columns,
-                                    size_t beam_column_stride,
-                                    const struct covbeam_kernel *kernel,
-                                    const struct covbeam_grid *grid,
-                                    struct covbeam_gathered *gathered,
-                                    uint8_t *accepted,
-                                    size_t accepted_stride);
-
-/**
- * Which of many beams an eye ray may be paired with: eight at a time, without looking at grid or surfaces.
- * Errs towards accepting (a parallel beam always passes): covbeam_gather_pair refuses every beam that it
- * refuses.
- *
- * @param ray the eye ray.
- * @param count number of beams; with 0 nothing is done.
- * @param beams, beam_stride the beams, each as a whole.
- * @param max_radius largest kernel radius [m] > 0: that of the covbeam_kernel.
- * @param masks, mask_stride 1 for a beam that may come within the max_radius, else 0.
- */
-covbeam_status covbeam_filter_beams(const struct covbeam_eye_ray *ray,
-                                    size_t count,
-                                    const struct covbeam_beam *beams,
-                                    size_t beam_stride,
-                                    float max_radius,
-                                    uint8_t *masks,
-                                    size_t mask_stride);
-
-/**
  * The spectrum of the in-scattered light around a pixel, read off a grid along its eye ray: how fast the
  * picture varies there.
  *
  * @param grid a grid that has been resolved.
  * @param medium what the ray is in.
- * @param ray from the eye to where the light that it gathers ends, or infinite.
- * @param steps two: how the ray changes with a pixel to the right, and with one down.
- * @param spectrum positive semi-definite up to rounding; all 0 where the grid has no data.
- * @note Surfaces that end the rays of neighbouring pixels at other distances are no part of it: see
- *     covbeam_film_regions. Thesis 5.3.2, with the exact second derivatives of density x transmittance for its
- *     attenuation. About 40 ns a voxel passed in a homogeneous medium, 95 ns in an exponential one, 200 ns in
- *     voxels.
- */
-covbeam_status covbeam_image_spectrum_along(const struct covbeam_grid *grid,
-                                            const struct covbeam_medium *medium,
-                                            const struct covbeam_eye_ray *ray,
-                                            const struct covbeam_pixel_step *steps,
-                                            struct covbeam_image_spectrum *spectrum);
-
-/**
- * covbeam_image_spectrum_along for `count` pixels.
- *
- * @param grid as grid there.
- * @param medium as medium there.
  * @param count number of pixels; with 0 nothing is done.
- * @param rays, ray_stride as ray there.
- * @param steps, step_stride as steps there, the two of a pixel side by side; a stride of 0 gives all pixels the
- *     same.
- * @param spectra, spectrum_stride as spectrum there.
+ * @param rays, ray_stride from the eye to where the light that it gathers ends, or infinite.
+ * @param steps, step_stride two a pixel, side by side: how the ray changes with a pixel to the right, and with
+ *     one down.
+ * @param spectra, spectrum_stride positive semi-definite up to rounding; all 0 where the grid has no data.
+ * @note Surfaces that end the rays of neighbouring pixels at other distances are no part of it: see
+ *     covbeam_film_regions. Thesis 5.3.2, with the exact second derivatives of density x transmittance for
+ *     its attenuation. About 40 ns a voxel passed in a homogeneous medium, 95 ns in an exponential one, 200
+ *     ns in voxels.
  */
 covbeam_status covbeam_image_spectra_along(const struct covbeam_grid *grid,
                                            const struct covbeam_medium *medium,
@@ -2789,61 +1885,14 @@ covbeam_status covbeam_image_spectra_along(const struct covbeam_grid *grid,
                                            struct covbeam_image_spectrum *spectra,
                                            size_t spectrum_stride);
 
-/**
- * The reconstruction filter that blurs the picture by a relative bias: a Gaussian of covariance
- * error / (4 pi^2) x the inverse of the spectrum's, wide where the spectrum is narrow.
- *
- * @param spectrum the spectrum around the pixel.
- * @param error the relative bias > 0, half of it along each principal axis.
- * @param widest largest standard deviation [pixels] > 0.
- * @param filter all 0 where the spectrum has a weight of 0.
- * @note Thesis 5.3.2, whose filter has an error of 1.
- */
-covbeam_status covbeam_image_spectrum_filter(const struct covbeam_image_spectrum *spectrum,
-                                             float error,
-                                             float widest,
-                                             struct covbeam_image_filter *filter);
-
-/**
- * covbeam_image_spectrum_filter for `count` pixels.
- *
- * @param count number of pixels; with 0 nothing is done.
- * @param spectra, spectrum_stride as spectrum there.
- * @param errors, error_stride as error there; a stride of 0 gives all pixels the same.
- * @param widests, widest_stride as widest there; a stride of 0 gives all pixels the same.
- * @param filters, filter_stride as filter there.
- */
-covbeam_status covbeam_image_spectra_filter(size_t count,
-                                            const struct covbeam_image_spectrum *spectra,
-                                            size_t spectrum_stride,
-                                            const float *errors,
-                                            size_t error_stride,
-                                            const float *widests,
-                                            size_t widest_stride,
-                                            struct covbeam_image_filter *filters,
-                                            size_t filter_stride);
-
-/**
- * Eye rays that a pixel needs in a pass: two under each filter.
- *
- * @param filter the pixel's filter.
- * @param density in (0, 1]; no filter gives 1.
- * @note Thesis 5.3.2.
- */
-covbeam_status covbeam_image_filter_density(const struct covbeam_image_filter *filter, float *density);
-
-/**
- * covbeam_image_filter_density for `count` pixels.
- *
- * @param count number of pixels; with 0 nothing is done.
- * @param filters, filter_stride as filter there.
- * @param densities, density_stride as density there.
- */
-covbeam_status covbeam_image_filters_density(size_t count,
-                                             const struct covbeam_image_filter *filters,
-                                             size_t filter_stride,
-                                             float *densities,
-                                             size_t density_stride);
+static inline covbeam_status covbeam_image_spectrum_along(const struct covbeam_grid *grid,
+                                                          const struct covbeam_medium *medium,
+                                                          const struct covbeam_eye_ray *ray,
+                                                          const struct covbeam_pixel_step *step,
+                                                          struct covbeam_image_spectrum *spectrum)
+{
+    return covbeam_image_spectra_along(grid, medium, 1, ray, 0, step, 0, spectrum, 0);
+}
 
 /**
  * A pixel's threshold in a pass: the pixel gets an eye ray if its density is above. At any density the pixels
@@ -2851,19 +1900,9 @@ covbeam_status covbeam_image_filters_density(size_t count,
  *
  * @param pass any number; each chooses other pixels.
  * @param seed any number; shifts the pattern.
- * @param pixel two numbers: x to the right and y down, any.
- * @param threshold in [0, 1).
- */
-covbeam_status covbeam_pixel_threshold(uint32_t pass, uint32_t seed, const uint32_t *pixel, float *threshold);
-
-/**
- * covbeam_pixel_threshold for `count` pixels, such as those of a tile.
- *
- * @param pass as pass there.
- * @param seed as seed there.
  * @param count number of pixels; with 0 nothing is done.
- * @param pixels, pixel_stride as pixel there.
- * @param thresholds, threshold_stride as threshold there.
+ * @param pixels, pixel_stride two numbers: x to the right and y down, any.
+ * @param thresholds, threshold_stride in [0, 1).
  */
 covbeam_status covbeam_pixel_threshold_many(uint32_t pass,
                                             uint32_t seed,
@@ -2872,6 +1911,12 @@ covbeam_status covbeam_pixel_threshold_many(uint32_t pass,
                                             size_t pixel_stride,
                                             float *thresholds,
                                             size_t threshold_stride);
+
+static inline covbeam_status covbeam_pixel_threshold(uint32_t pass, uint32_t seed, const uint32_t *pixel,
+                                                     float *threshold)
+{
+    return covbeam_pixel_threshold_many(pass, seed, 1, pixel, 0, threshold, 0);
+}
 
 /**
  * Splits a picture into regions in which the depth of the first surface is continuous: filters do not reach
@@ -2917,17 +1962,9 @@ covbeam_status covbeam_film_new(uint32_t width,
 /**
  * Frees a film.
  *
- * @param film NULL is ignored.
+ * @param film NULL is fine.
  */
-void covbeam_film_free(struct covbeam_film *film);
-
-/**
- * How much memory a film holds.
- *
- * @param film the film.
- * @param bytes receives it.
- */
-covbeam_status covbeam_film_get_memory(const struct covbeam_film *film, size_t *bytes);
+covbeam_status covbeam_film_free(struct covbeam_film *film);
 
 /**
  * At how many pixels the spectrum of the picture is wanted: about 43 x 43, whatever the picture's size.
@@ -3081,9 +2118,9 @@ covbeam_status covbeam_march_new(struct covbeam_march **out);
 /**
  * Frees a thread's memory.
  *
- * @param march NULL is ignored.
+ * @param march NULL is fine.
  */
-void covbeam_march_free(struct covbeam_march *march);
+covbeam_status covbeam_march_free(struct covbeam_march *march);
 
 /**
  * Takes the table of the next eye ray, in place of the one before.

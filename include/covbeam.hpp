@@ -1,5 +1,6 @@
 /*
- * covbeam for C++11 and later: owners, exceptions and views over covbeam.h, which is the manual. Header only.
+ * covbeam for C++11 and later: owners, exceptions and views over covbeam.h and
+ * covbeam_extra.h, which are the manual. Header only.
  * MIT or Apache-2.0.
  *
  * Every call that fails throws covbeam::Error. Nothing is thrown through the library: an exception of a callback stops the
@@ -9,7 +10,7 @@
 #ifndef COVBEAM_HPP
 #define COVBEAM_HPP
 
-#include "covbeam.h"
+#include "covbeam_extra.h"
 
 #include <exception>
 #include <memory>
@@ -128,10 +129,11 @@ template <class... Rest> size_t common(size_t a, size_t b, Rest... rest) {
     return common(a != Floats::any ? a : b, rest...);
 }
 
-template <class T, void (*Free)(T*)> struct Deleter {
+/// An owner that ends inside a call on its object is refused (COVBEAM_BUSY), and the object leaks.
+template <class T, covbeam_status (*Free)(T*)> struct Deleter {
     void operator()(T* handle) const noexcept { Free(handle); }
 };
-template <class T, void (*Free)(T*)> using Owner = std::unique_ptr<T, Deleter<T, Free>>;
+template <class T, covbeam_status (*Free)(T*)> using Owner = std::unique_ptr<T, Deleter<T, Free>>;
 
 /// Host callables as C callbacks: their exceptions are kept until the call is over.
 template <class Poll, class Shade> struct Calls {
@@ -314,23 +316,21 @@ struct LightField : covbeam_light_field {
                                const float* angular) {
         LightField f; check(covbeam_light_field_gaussian(direction, x_axis, spatial, angular, &f)); return f;
     }
-    void travel(float distance) { check(covbeam_light_field_travel(this, distance)); }
-    void carry(const covbeam_medium& medium, const float* origin, float distance) {
-        check(covbeam_light_field_carry(this, &medium, origin, distance));
+    // Made by `cargo run -p covbeam-tests --bin header`:
+    void travel(float distance) {
+        check(covbeam_light_field_travel(this, distance));
     }
-    void rotate(const float* new_x_axis) { check(covbeam_light_field_rotate(this, new_x_axis)); }
+    void rotate(const float* new_x_axis) {
+        check(covbeam_light_field_rotate(this, new_x_axis));
+    }
     void reflect(const float* normal, const covbeam_curvature* curvature = nullptr) {
         check(covbeam_light_field_reflect(this, normal, curvature));
-    }
-    /// False on total reflection, which leaves the field as it was.
-    bool refract(const float* normal, const covbeam_curvature* curvature, float eta) {
-        uint8_t passed; check(covbeam_light_field_refract(this, normal, curvature, eta, &passed)); return passed != 0;
     }
     void occlude(const float* towards_edge, float distance) {
         check(covbeam_light_field_occlude(this, towards_edge, distance));
     }
-    void attenuate(const float* gradient, const float* hessian6) {
-        check(covbeam_light_field_attenuate(this, gradient, hessian6));
+    void attenuate(const float* gradient, const float* hessian) {
+        check(covbeam_light_field_attenuate(this, gradient, hessian));
     }
     void narrow(const float* across, float angular_variance) {
         check(covbeam_light_field_narrow(this, across, angular_variance));
@@ -340,6 +340,14 @@ struct LightField : covbeam_light_field {
     }
     void diffuse(const float* normal, const float* new_direction) {
         check(covbeam_light_field_diffuse(this, normal, new_direction));
+    }
+    // As far as it is made.
+    void carry(const covbeam_medium& medium, const float* origin, float distance) {
+        check(covbeam_light_field_carry(this, &medium, origin, distance));
+    }
+    /// False on total reflection, which leaves the field as it was.
+    bool refract(const float* normal, const covbeam_curvature* curvature, float eta) {
+        uint8_t passed; check(covbeam_light_field_refract(this, normal, curvature, eta, &passed)); return passed != 0;
     }
     /// [xx, xy, yy].
     void slice(float* variances3) const { check(covbeam_light_field_slice(this, variances3)); }
@@ -397,7 +405,12 @@ public:
     covbeam_grid_layout layout() const { covbeam_grid_layout l; check(covbeam_grid_get_layout(get(), &l)); return l; }
     void clear() { check(covbeam_grid_clear(get())); }
     void deposit(const covbeam_medium& medium, Segments s) {
-        check(covbeam_grid_deposit(get(), &medium, s.count, s.data, s.stride));
+        check(covbeam_grid_deposit(get(), &medium, s.count, s.data, s.stride, nullptr, nullptr));
+    }
+    /// A poll is any callable () -> bool, true to go on.
+    template <class Poll> void deposit(const covbeam_medium& medium, Segments s, Poll&& go_on) {
+        detail::Calls<Poll, Poll> calls(go_on, go_on);
+        calls.check(covbeam_grid_deposit(get(), &medium, s.count, s.data, s.stride, calls.poll, &calls));
     }
     void deposit_spectra(Vectors at, SpectraIn s, Floats weights) {
         const size_t n = detail::common(at.count, s.count, weights.count);
@@ -653,6 +666,74 @@ private:
     detail::Owner<covbeam_march, covbeam_march_free> handle_;
 };
 
+/// Where the picture needs photons: collected from the camera, resolved, and looked up by what traces the light.
+class Importance {
+public:
+    using Pieces = Strided<const covbeam_eye_ray>;
+
+    explicit Importance(const covbeam_grid_layout& layout) {
+        covbeam_importance* i = nullptr; check(covbeam_importance_new(&layout, &i)); handle_.reset(i);
+    }
+    covbeam_importance* get() noexcept { return handle_.get(); }
+    const covbeam_importance* get() const noexcept { return handle_.get(); }
+
+    void add_eye_rays(const covbeam_medium& medium, Pieces rays, Floats weights) {
+        const size_t n = detail::common(rays.count, weights.count);
+        check(covbeam_importance_add_eye_rays(get(), &medium, n, rays.data, rays.stride, weights.data, weights.stride));
+    }
+    void add_paths(const covbeam_medium& medium, Pieces paths, Floats weights) {
+        const size_t n = detail::common(paths.count, weights.count);
+        check(covbeam_importance_add_paths(get(), &medium, n, paths.data, paths.stride, weights.data, weights.stride));
+    }
+    void add_surfaces(Vectors at, Floats weights) {
+        const size_t n = detail::common(at.count, weights.count);
+        check(covbeam_importance_add_surfaces(get(), n, at.data, at.stride, weights.data, weights.stride));
+    }
+    void merge(const Importance& other) {
+        const covbeam_importance* one = other.get(); check(covbeam_importance_merge(get(), &one, 1));
+    }
+    void resolve() { check(covbeam_importance_resolve(get())); }
+    void at(Vectors positions, Strided<covbeam_importance_cell> cells) const {
+        const size_t n = detail::common(positions.count, cells.count);
+        check(covbeam_importance_at(get(), n, positions.data, positions.stride, cells.data, cells.stride));
+    }
+    void of_segments(const covbeam_medium& medium, Pieces segments, Strided<covbeam_segment_importance> worths) const {
+        const size_t n = detail::common(segments.count, worths.count);
+        check(covbeam_importance_of_segments(get(), &medium, n, segments.data, segments.stride, worths.data,
+                                             worths.stride));
+    }
+
+private:
+    detail::Owner<covbeam_importance, covbeam_importance_free> handle_;
+};
+
+/// Turns how many of each candidate should go on into the factors of their power.
+inline void weight_window(FloatsOut factors, float u) {
+    check(covbeam_weight_window(factors.count, factors.data, factors.stride, u));
+}
+
+/// More of a lamp's paths where they are worth more.
+class EmissionGuide {
+public:
+    /// `weights` are side x side.
+    EmissionGuide(uint32_t side, const std::vector<float>& weights, float even)
+        : side_(side), numbers_(side * (size_t(side) + 1)) {
+        check(covbeam_emission_guide_fill(side, weights.data(), weights.size(), even, numbers_.data(), numbers_.size()));
+    }
+    /// As covbeam_emission_guide_fill has written them.
+    const std::vector<float>& numbers() const noexcept { return numbers_; }
+
+    void warp(Strided<const float, 2> points, Strided<float, 2> places, FloatsOut densities) const {
+        const size_t n = detail::common(points.count, places.count, densities.count);
+        check(covbeam_emission_guide_warp(side_, numbers_.data(), numbers_.size(), n, points.data, points.stride,
+                                          places.data, places.stride, densities.data, densities.stride));
+    }
+
+private:
+    uint32_t side_;
+    std::vector<float> numbers_;
+};
+
 /// One pair of eye ray and beam. False if they are nearly parallel: the crossing is then untouched.
 inline bool cross(const covbeam_eye_ray& ray, const covbeam_beam& beam, covbeam_crossing& crossing) {
     uint8_t v; check(covbeam_cross(&ray, &beam, &crossing, &v)); return v != 0;
@@ -709,7 +790,32 @@ inline void gaussian(Vectors directions, Vectors x_axes, Strided<const float, 2>
                      Strided<const float, 2> angular, Fields out) {
     detail::each(covbeam_light_fields_gaussian, directions, x_axes, spatial, angular, out);
 }
-inline void travel(Fields f, Floats distances) { detail::each(covbeam_light_fields_travel, f, distances); }
+// Made by `cargo run -p covbeam-tests --bin header`:
+inline void travel(Fields fields, Floats distances) {
+    detail::each(covbeam_light_fields_travel, fields, distances);
+}
+inline void rotate(Fields fields, Vectors x_axes) {
+    detail::each(covbeam_light_fields_rotate, fields, x_axes);
+}
+inline void reflect(Fields fields, Vectors normals, Curvatures curvatures = Curvatures()) {
+    detail::each(covbeam_light_fields_reflect, fields, normals, curvatures);
+}
+inline void occlude(Fields fields, Vectors towards_edges, Floats distances) {
+    detail::each(covbeam_light_fields_occlude, fields, towards_edges, distances);
+}
+inline void attenuate(Fields fields, Vectors gradients, Strided<const float, 6> hessians) {
+    detail::each(covbeam_light_fields_attenuate, fields, gradients, hessians);
+}
+inline void narrow(Fields fields, Vectors acrosses, Floats angular_variances) {
+    detail::each(covbeam_light_fields_narrow, fields, acrosses, angular_variances);
+}
+inline void scatter(Fields fields, Vectors directions, Floats angular_variances) {
+    detail::each(covbeam_light_fields_scatter, fields, directions, angular_variances);
+}
+inline void diffuse(Fields fields, Vectors normals, Vectors directions) {
+    detail::each(covbeam_light_fields_diffuse, fields, normals, directions);
+}
+// As far as it is made.
 inline void carry(Fields f, const covbeam_medium& medium, Vectors origins, Floats distances) {
     const size_t n = detail::common(f.count, origins.count, distances.count);
     check(covbeam_light_fields_carry(n, f.data, f.stride, &medium, origins.data, origins.stride, distances.data,
@@ -725,27 +831,8 @@ inline void path_numbers(uint32_t seed, uint32_t sequence, Strided<const uint32_
     const size_t n = detail::common(paths.count, out.count);
     check(covbeam_path_numbers(seed, sequence, n, paths.data, paths.stride, dimension, out.data, out.stride));
 }
-inline void rotate(Fields f, Vectors x_axes) { detail::each(covbeam_light_fields_rotate, f, x_axes); }
-inline void reflect(Fields f, Vectors normals, Curvatures c = Curvatures()) {
-    detail::each(covbeam_light_fields_reflect, f, normals, c);
-}
 inline void refract(Fields f, Vectors normals, Curvatures c, Floats etas, Flags passed) {
     detail::each(covbeam_light_fields_refract, f, normals, c, etas, passed);
-}
-inline void occlude(Fields f, Vectors towards_edges, Floats distances) {
-    detail::each(covbeam_light_fields_occlude, f, towards_edges, distances);
-}
-inline void attenuate(Fields f, Vectors gradients, Strided<const float, 6> hessians) {
-    detail::each(covbeam_light_fields_attenuate, f, gradients, hessians);
-}
-inline void narrow(Fields f, Vectors across, Floats variances) {
-    detail::each(covbeam_light_fields_narrow, f, across, variances);
-}
-inline void scatter(Fields f, Vectors directions, Floats variances) {
-    detail::each(covbeam_light_fields_scatter, f, directions, variances);
-}
-inline void diffuse(Fields f, Vectors normals, Vectors directions) {
-    detail::each(covbeam_light_fields_diffuse, f, normals, directions);
 }
 inline void slice(FieldsIn f, VectorsOut variances) { detail::each(covbeam_light_fields_slice, f, variances); }
 inline void fluence(FieldsIn f, Floats limits, Spectra out) {

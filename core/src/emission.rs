@@ -68,8 +68,9 @@ impl<'a> EmissionGuide<'a> {
     ///
     /// - `weights`: what light that leaves through each of `side` x `side` cells is worth, the second number of
     ///   the square running fastest; >= 0, their scale does not matter.
-    /// - `even`: share of the paths that go everywhere alike, in (0, 1\]: no more than 1/`even` times its own
-    ///   power has any path, however wrong the weights are. Where all weights are 0, all do.
+    /// - `even`: share of the paths that go everywhere alike, in (0, 1\], and no less than
+    ///   [`f32::MIN_POSITIVE`] a cell: no more than 1/`even` times its own power has any path, however wrong the
+    ///   weights are. Where all weights are 0, all do.
     /// - `cumulative`: [`EmissionGuide::size`] numbers, overwritten.
     ///
     /// # Errors
@@ -85,7 +86,9 @@ impl<'a> EmissionGuide<'a> {
             return Err(GridError::Length);
         }
         let total: f64 = weights.iter().map(|&weight| f64::from(weight)).sum();
-        if !(even > 0.0 && even <= 1.0 && weights.iter().all(|&weight| weight >= 0.0) && total.is_finite()) {
+        let even_in_cell = f64::from(even) / (side * side) as f64;
+        let even_fits = even <= 1.0 && even_in_cell >= f64::from(f32::MIN_POSITIVE);
+        if !(even_fits && weights.iter().all(|&weight| weight >= 0.0) && total.is_finite()) {
             return Err(GridError::Value);
         }
         let even = if total > 0.0 { f64::from(even) } else { 1.0 };

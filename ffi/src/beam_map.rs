@@ -3,6 +3,7 @@
 use crate::check::positive;
 use crate::grid::covbeam_grid;
 use crate::handle::{Opaque, free, handle_to, run_on, shared};
+use crate::heap::{grow, out_of_memory};
 use crate::kernel::{self, covbeam_kernel};
 use crate::medium::{KeptMedium, covbeam_medium};
 use crate::memory::{Element, Slot, inputs, outputs};
@@ -32,14 +33,12 @@ impl Opaque for covbeam_scratch {
     const NAME: &'static str = "covbeam_scratch";
 }
 
-/// Asked now and then during a long call, in the thread of the call: return 0 to go on, anything else to stop.
-/// It must return (no exception, no longjmp) and must not use the objects of the call.
+/// Asked now and then during a long call: return 0 to go on, anything else to stop.
 pub type covbeam_poll = Option<unsafe extern "C" fn(user: *mut c_void) -> i32>;
 
 /// Fills values with three floats a contact: scattering coefficient x phase function x transmittance along the
 /// eye ray up to the contact x transmittance along the beam up to it, per channel [1/(m sr)]. Return 0, or
-/// anything else to give up. Called in the thread of the call; it must return (no exception, no longjmp) and
-/// must not use the objects of the call.
+/// anything else to give up.
 pub type covbeam_shade = Option<
     unsafe extern "C" fn(
         user: *mut c_void,
@@ -55,9 +54,11 @@ pub(crate) struct Beams {
     state: State,
 }
 
+// One a map: what it takes does not matter.
+#[expect(clippy::large_enum_variant)]
 enum State {
     Adding(Vec<Beam>),
-    Committed(Box<BeamMap>),
+    Committed(BeamMap),
 }
 
 /// What a `covbeam_scratch` is.
@@ -105,6 +106,7 @@ pub(crate) fn go_on(poll: covbeam_poll, user: *mut c_void) -> impl FnMut() -> bo
 /// @param medium what its beams run through; copied, and voxels are kept alive. For
 ///     covbeam_beam_map_gather_shaded: any homogeneous one.
 /// @param out the handle.
+/// @kinds <medium +map
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_new(
     medium: *const covbeam_medium,
@@ -114,23 +116,25 @@ pub unsafe extern "C" fn covbeam_beam_map_new(
         let out = Slot::new(out, "out")?;
         // SAFETY: by the caller's promise.
         let medium = unsafe { KeptMedium::read(medium, "medium") }?;
-        out.set(handle_to(Beams { medium, state: State::Adding(Vec::new()) }));
+        out.set(handle_to(Beams { medium, state: State::Adding(Vec::new()) })?);
         Ok(())
     })
 }
 
 /// Frees a map.
 ///
-/// @param map NULL is ignored.
+/// @param map NULL is fine.
+/// @kinds !map
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_beam_map_free(map: *mut covbeam_beam_map) {
+pub unsafe extern "C" fn covbeam_beam_map_free(map: *mut covbeam_beam_map) -> covbeam_status {
     // SAFETY: by the caller's promise.
-    unsafe { free(map) }
+    unsafe { free(map, "map") }
 }
 
 /// Begins a pass: forgets all beams, keeps their memory.
 ///
 /// @param map the map.
+/// @kinds !map
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_clear(map: *mut covbeam_beam_map) -> covbeam_status {
     let clear = |map: &mut Beams| {
@@ -157,6 +161,7 @@ impl Default for State {
 /// @param map a map that is not committed.
 /// @param count number of beams; with 0 nothing is done. At most 2^28 beams in all.
 /// @param beams, beam_stride the beams, copied.
+/// @kinds !map.adding <beam
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_add(
     map: *mut covbeam_beam_map,
@@ -172,9 +177,7 @@ pub unsafe extern "C" fn covbeam_beam_map_add(
             let message = format_args!("count: {before} and {count} beams are more than {MAX_BEAMS}");
             return Err(fail(COVBEAM_INVALID_ARRAY, message));
         }
-        if all.try_reserve(count).is_err() {
-            return Err(fail(COVBEAM_OUT_OF_MEMORY, format_args!("no memory for {count} more beams")));
-        }
+        grow(all, count)?;
         for i in 0..count {
             match beam(beams.get(i)) {
                 Ok(beam) => all.push(beam),
@@ -198,6 +201,7 @@ pub unsafe extern "C" fn covbeam_beam_map_add(
 /// @param user given to poll.
 /// @note n log n in the number of beams: at a million, 0.7 us a beam in a homogeneous medium and 2.8 us in
 ///     voxels; 190 and about 390 bytes a beam afterwards.
+/// @kinds !map.adding $+
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_commit(
     map: *mut covbeam_beam_map,
@@ -210,7 +214,7 @@ pub unsafe extern "C" fn covbeam_beam_map_commit(
         let beams = take(map.adding()?);
         match BeamMap::build_while(beams, max_radius, &map.medium.view(), &mut go_on(poll, user)) {
             Ok(built) => {
-                map.state = State::Committed(Box::new(built));
+                map.state = State::Committed(built);
                 Ok(())
             }
             Err(unfinished) => {
@@ -219,10 +223,7 @@ pub unsafe extern "C" fn covbeam_beam_map_commit(
                     Stop::Cancelled => cancelled(),
                     Stop::TooMany => unreachable!("covbeam_beam_map_add takes no more than MAX_BEAMS"),
                     Stop::OtherMedium => unreachable!("no medium was there before"),
-                    Stop::OutOfMemory => fail(
-                        COVBEAM_OUT_OF_MEMORY,
-                        format_args!("no memory for the hierarchy over the beams"),
-                    ),
+                    Stop::OutOfMemory { bytes } => out_of_memory(bytes),
                 })
             }
         }
@@ -235,6 +236,8 @@ pub unsafe extern "C" fn covbeam_beam_map_commit(
 ///
 /// @param map the map, committed or not.
 /// @param count receives their number.
+/// @kinds @map >size
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_get_count(
     map: *const covbeam_beam_map,
@@ -255,6 +258,8 @@ pub unsafe extern "C" fn covbeam_beam_map_get_count(
 ///
 /// @param map the map, committed or not.
 /// @param bytes receives it.
+/// @kinds @map >size
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_get_memory(
     map: *const covbeam_beam_map,
@@ -274,22 +279,24 @@ pub unsafe extern "C" fn covbeam_beam_map_get_memory(
 /// Makes the memory of a thread's gathers.
 ///
 /// @param out the handle.
+/// @kinds +scratch
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_scratch_new(out: *mut *mut covbeam_scratch) -> covbeam_status {
     run(|| {
         let out = Slot::new(out, "out")?;
-        out.set(handle_to(Scratch::default()));
+        out.set(handle_to(Scratch::default())?);
         Ok(())
     })
 }
 
 /// Frees a thread's memory.
 ///
-/// @param scratch NULL is ignored.
+/// @param scratch NULL is fine.
+/// @kinds !scratch?
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_scratch_free(scratch: *mut covbeam_scratch) {
+pub unsafe extern "C" fn covbeam_scratch_free(scratch: *mut covbeam_scratch) -> covbeam_status {
     // SAFETY: by the caller's promise.
-    unsafe { free(scratch) }
+    unsafe { free(scratch, "scratch") }
 }
 
 /// What both gathers have in common: checks, copies the rays, and writes the results once all of them are
@@ -322,14 +329,13 @@ unsafe fn gather(
         outputs!(count, gathered, gathered_stride);
         scratch.rays.clear();
         scratch.gathered.clear();
-        let none = |_| fail(COVBEAM_OUT_OF_MEMORY, format_args!("no memory for {count} rays"));
-        scratch.rays.try_reserve(count).map_err(none)?;
-        scratch.gathered.try_reserve(count).map_err(none)?;
+        grow(&mut scratch.rays, count)?;
+        grow(&mut scratch.gathered, count)?;
         for i in 0..count {
             scratch.rays.push(eye_ray(rays.get(i))?);
         }
         scratch.gathered.resize(count, Gathered::default());
-        body(beams, built, &kernel, scratch)?;
+        body(&beams, built, &kernel, scratch)?;
         for (i, result) in scratch.gathered.iter().enumerate() {
             gathered.set(i, (*result).into());
         }
@@ -358,6 +364,7 @@ unsafe fn gather(
 /// @param user given to poll.
 /// @note Thesis 5.3.4. An accepted pair costs 38 ns in a homogeneous medium, 59 ns in an exponential one, 61 ns
 ///     in voxels and 3.3 us a ray.
+/// @kinds @map.committed <kernel @grid.resolved? <ray >gathered !scratch?
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_gather(
     map: *const covbeam_beam_map,
@@ -378,6 +385,7 @@ pub unsafe extern "C" fn covbeam_beam_map_gather(
         let medium = beams.medium.view();
         built.gather_while(&medium, rays, kernel, gathered, core, &mut go_on).map_err(|reason| match reason {
             Stop::Cancelled => cancelled(),
+            Stop::OutOfMemory { bytes } => out_of_memory(bytes),
             other => unreachable!("a gather in the map's own medium ends with {other}"),
         })
     };
@@ -394,6 +402,7 @@ pub unsafe extern "C" fn covbeam_beam_map_gather(
 /// @param poll may be NULL, as there.
 /// @param user given to shade and to poll.
 /// @note About 30 ns a pair on top of what shade takes.
+/// @kinds @map.committed <kernel @grid.resolved? <ray >gathered !scratch?
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_beam_map_gather_shaded(
     map: *const covbeam_beam_map,
@@ -424,13 +433,11 @@ pub unsafe extern "C" fn covbeam_beam_map_gather_shaded(
             returned == 0
         };
         let found = built.gather_contacts(rays, kernel, gathered, core, &mut shade, &mut go_on(poll, user));
-        if found.is_ok() {
-            Ok(())
-        } else if returned != 0 {
-            Err(fail(COVBEAM_CALLBACK_FAILED, format_args!("shade: returned {returned}")))
-        } else {
-            Err(cancelled())
-        }
+        found.map_err(|reason| match reason {
+            Stop::OutOfMemory { bytes } => out_of_memory(bytes),
+            _ if returned != 0 => fail(COVBEAM_CALLBACK_FAILED, format_args!("shade: returned {returned}")),
+            _ => cancelled(),
+        })
     };
     // SAFETY: by the caller's promise.
     unsafe { gather(map, kernel, grid, count, rays, ray_stride, gathered, gathered_stride, scratch, body) }

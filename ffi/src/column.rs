@@ -13,6 +13,7 @@ use glam::Vec3;
 /// The column along one ray as a function of the distance. Made by covbeam_medium_column.
 ///
 /// A host with media of its own may write one: VOXELS with a table of its own, whatever the density is made of.
+/// @extra
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct covbeam_column {
@@ -160,6 +161,8 @@ unsafe fn fill(
 /// @param count number of knots.
 /// @note If the capacity is too small: COVBEAM_SHORT_BUFFER, and the message says what is needed. About 40 ns a
 ///     voxel passed.
+/// @kinds <medium <f:fff <f:uuu $p $P $p >knot k >size
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_knots(
     medium: *const covbeam_medium,
@@ -200,6 +203,8 @@ pub unsafe extern "C" fn covbeam_medium_knots(
 /// @param capacity of knots.
 /// @param count number of knots.
 /// @note A capacity that is too small is answered as by covbeam_medium_knots. About 40 ns a voxel passed.
+/// @kinds <medium <f:fff <f:uuu $p >knot k >size
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_tabulate(
     medium: *const covbeam_medium,
@@ -232,6 +237,8 @@ pub unsafe extern "C" fn covbeam_medium_tabulate(
 /// @param column the column.
 /// @note Checks the table: finite, distances and columns not falling. Nothing that is given a column checks
 ///     that again.
+/// @kinds <medium <f:fff <f:uuu <knot k >column
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_column(
     medium: *const covbeam_medium,
@@ -266,26 +273,14 @@ unsafe fn read_column<'a>(pointer: *const covbeam_column) -> Result<Column<'a>, 
 /// The column up to a distance.
 ///
 /// @param column the column along the ray.
-/// @param distance along the ray [m] >= 0; infinity allowed.
-/// @param value [m] >= 0, never falling with distance.
-/// @note Costs nothing, an exponential, or a binary search. The order of the knots is not checked; without it,
-///     value means nothing.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_column_at(
-    column: *const covbeam_column,
-    distance: f32,
-    value: *mut f32,
-) -> covbeam_status {
-    // SAFETY: the caller's promises about single values are those about arrays of one.
-    unsafe { covbeam_column_at_many(column, 1, &distance, 0, value, 0) }
-}
-
-/// covbeam_column_at for `count` distances along one ray.
-///
-/// @param column as column there.
 /// @param count number of distances; with 0 nothing is done.
-/// @param distances, distance_stride as distance there.
-/// @param values, value_stride as value there.
+/// @param distances, distance_stride along the ray [m] >= 0; infinity allowed.
+/// @param values, value_stride [m] >= 0, never falling with distance.
+/// @note Costs nothing, an exponential, or a binary search. The order of the knots is not checked; without
+///     it, value means nothing.
+/// @kinds <column <f:p >f:p
+/// @single covbeam_column_at
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_column_at_many(
     column: *const covbeam_column,
@@ -308,26 +303,14 @@ pub unsafe extern "C" fn covbeam_column_at_many(
 /// covbeam_medium_distance_at.
 ///
 /// @param column the column along the ray.
-/// @param value [m] >= 0; infinity allowed.
-/// @param distance [m]; infinity if it never does.
+/// @param count number of values; with 0 nothing is done.
+/// @param values, value_stride [m] >= 0; infinity allowed.
+/// @param distances, distance_stride [m]; infinity if it never does.
 /// @note Costs nothing, a logarithm, or a binary search. The order of the knots is not checked; without it,
 ///     distance means nothing.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_column_distance_at(
-    column: *const covbeam_column,
-    value: f32,
-    distance: *mut f32,
-) -> covbeam_status {
-    // SAFETY: the caller's promises about single values are those about arrays of one.
-    unsafe { covbeam_column_distance_at_many(column, 1, &value, 0, distance, 0) }
-}
-
-/// covbeam_column_distance_at for `count` values along one ray.
-///
-/// @param column as column there.
-/// @param count number of values; with 0 nothing is done.
-/// @param values, value_stride as value there.
-/// @param distances, distance_stride as distance there.
+/// @kinds <column <f:p >f:p
+/// @single covbeam_column_distance_at
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_column_distance_at_many(
     column: *const covbeam_column,
@@ -351,7 +334,7 @@ pub unsafe extern "C" fn covbeam_column_distance_at_many(
 mod tests {
     use super::*;
     use crate::hostile::{Rule::*, UNTOUCHED, refuses};
-    use crate::medium::samples::{haze, smoke};
+    use crate::medium::samples::smoke;
 
     use crate::hostile::Rule;
 
@@ -426,12 +409,12 @@ mod tests {
             };
             assert_eq!((status, out.kind != 77), (expected, expected == COVBEAM_OK), "{distance} {column}");
         }
-        for function in [covbeam_column_at, covbeam_column_distance_at] {
+        for function in [covbeam_column_at_many, covbeam_column_distance_at_many] {
             refuses(2, &[(0.5, FiniteNotNegative), (1.0, NotNegative)], |bad, n| {
                 let column =
                     covbeam_column { kind: 1, density: n[0], rate: 0.5, knots: ptr::null(), knot_count: 0 };
                 let mut out = UNTOUCHED;
-                let status = unsafe { function(bad.at(0, &column), n[1], bad.at_mut(1, &mut out)) };
+                let status = unsafe { function(bad.at(0, &column), 1, &n[1], 0, bad.at_mut(1, &mut out), 0) };
                 (status, out.to_bits() != UNTOUCHED.to_bits())
             });
             let knot = covbeam_knot { distance: 1.0, column: 0.5 };
@@ -449,7 +432,7 @@ mod tests {
                 (voxels(ptr::null(), 0), COVBEAM_OK),
             ] {
                 let mut out = UNTOUCHED;
-                assert_eq!(unsafe { function(&column, 0.25, &mut out) }, expected, "{column:?}");
+                assert_eq!(unsafe { function(&column, 1, &0.25, 0, &mut out, 0) }, expected, "{column:?}");
                 assert_eq!(out != UNTOUCHED, expected == COVBEAM_OK);
             }
         }
@@ -483,46 +466,5 @@ mod tests {
         assert_eq!(tabulate(knots.as_mut_ptr(), needed, &mut count), COVBEAM_OK);
         assert_eq!(count, needed);
         assert!(knots.iter().all(|knot| *knot != NO_KNOT));
-    }
-
-    #[test]
-    fn many_are_the_same_bits_as_one_each() {
-        let smoke = smoke();
-        let (origin, direction) = ([0.2, 0.3, -1.0], [0.0, 0.6, 0.8]);
-        let mut knots = [NO_KNOT; 400];
-        let mut count = 0;
-        let mut columns = [no_column(); 2];
-        let (o, d) = (origin.as_ptr(), direction.as_ptr());
-        let statuses = unsafe {
-            [
-                covbeam_medium_tabulate(&smoke.medium, o, d, 9.0, knots.as_mut_ptr(), 400, &mut count),
-                covbeam_medium_column(&smoke.medium, o, d, knots.as_ptr(), count, &mut columns[0]),
-                covbeam_medium_column(&haze(), o, d, ptr::null(), 0, &mut columns[1]),
-            ]
-        };
-        assert_eq!(statuses, [COVBEAM_OK; 3]);
-        let asked: [f32; 4] = [0.0, 0.3, 1.5, 4.0];
-        for column in &columns {
-            let (mut values, mut distances) = ([UNTOUCHED; 8], [UNTOUCHED; 8]);
-            let statuses = unsafe {
-                [
-                    covbeam_column_at_many(column, 4, asked.as_ptr(), 4, values.as_mut_ptr(), 8),
-                    covbeam_column_distance_at_many(column, 4, asked.as_ptr(), 4, distances.as_mut_ptr(), 8),
-                ]
-            };
-            assert_eq!(statuses, [COVBEAM_OK; 2]);
-            for (i, asked) in asked.into_iter().enumerate() {
-                let mut one = [UNTOUCHED; 2];
-                let [value, distance] = &mut one;
-                let statuses = unsafe {
-                    [
-                        covbeam_column_at(column, asked, value),
-                        covbeam_column_distance_at(column, asked, distance),
-                    ]
-                };
-                assert_eq!((statuses, one), ([COVBEAM_OK; 2], [values[2 * i], distances[2 * i]]));
-                assert_eq!([values[2 * i + 1], distances[2 * i + 1]], [UNTOUCHED; 2]);
-            }
-        }
     }
 }

@@ -2,18 +2,18 @@
 
 use crate::grid::refusal;
 use crate::handle::{Opaque, free, handle_to};
+use crate::heap::{Owner, reserved};
 use crate::memory::{Slot, inputs, read};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
 use crate::types::covbeam_grid_layout;
 use covbeam_core::{Density, DensityGrid, GridLayout};
-use std::sync::Arc;
 
 /// A relative density given at the centres of voxels, copied from the host. Nothing changes it: any number of
 /// threads and beam maps may use it at once.
 pub struct covbeam_density(());
 
 impl Opaque for covbeam_density {
-    type Object = Arc<Volume>;
+    type Object = Owner<Volume>;
     const TAG: u64 = u64::from_le_bytes(*b"cb-densi");
     const NAME: &'static str = "covbeam_density";
 }
@@ -22,12 +22,12 @@ impl Opaque for covbeam_density {
 pub(crate) struct Volume {
     // Before the values: dropped first.
     grid: DensityGrid<'static>,
-    _values: Box<[f32]>,
+    _values: Vec<f32>,
 }
 
 impl Volume {
-    fn new(layout: GridLayout, values: Box<[f32]>) -> Result<Self, Failure> {
-        // SAFETY: the boxed values neither move nor change, nor are they freed before `grid`, which is private and leaves
+    fn new(layout: GridLayout, values: Vec<f32>) -> Result<Self, Failure> {
+        // SAFETY: the values neither move nor change, nor are they freed before `grid`, which is private and leaves
         // this struct only with the lifetime of a borrow of it.
         let forever: &'static [f32] = unsafe { core::slice::from_raw_parts(values.as_ptr(), values.len()) };
         let grid = DensityGrid::new(layout, forever).map_err(|error| refusal("values", error))?;
@@ -46,6 +46,7 @@ impl Volume {
 /// @param values, value_stride, value_count one a voxel, each finite and >= 0, x first, then y, then z.
 /// @param out the handle.
 /// @note Copies the values: 4 bytes a voxel.
+/// @kinds <layout <f:q k +density
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_density_new(
     layout: *const covbeam_grid_layout,
@@ -66,29 +67,17 @@ pub unsafe extern "C" fn covbeam_density_new(
         }
         let mut copy = reserved(value_count)?;
         copy.extend((0..value_count).map(|i| values.get(i).value));
-        let volume = Volume::new(layout, copy.into_boxed_slice())?;
-        out.set(handle_to(Arc::new(volume)));
+        out.set(handle_to(Owner::new(Volume::new(layout, copy)?)?)?);
         Ok(())
     })
 }
 
 /// Frees a density. Beam maps that were made with it keep what they need.
 ///
-/// @param density NULL is ignored.
+/// @param density NULL is fine.
+/// @kinds !density
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_density_free(density: *mut covbeam_density) {
+pub unsafe extern "C" fn covbeam_density_free(density: *mut covbeam_density) -> covbeam_status {
     // SAFETY: by the caller's promise.
-    unsafe { free(density) }
-}
-
-/// An empty vector with room for `count` elements.
-pub(crate) fn reserved<T>(count: usize) -> Result<Vec<T>, Failure> {
-    let mut vector = Vec::new();
-    match vector.try_reserve_exact(count) {
-        Ok(()) => Ok(vector),
-        Err(_) => {
-            let message = format_args!("no memory for {count} elements of {} bytes", size_of::<T>());
-            Err(fail(COVBEAM_OUT_OF_MEMORY, message))
-        }
-    }
+    unsafe { free(density, "density") }
 }

@@ -9,7 +9,7 @@ use covbeam_core::{ProbeHit, find_edges};
 
 /// Casts a ray from the origin of the search along direction, 3 floats, unit. It sets hit to where the ray meets
 /// the nearest surface that casts shadows; before the call distance is infinity, which is nothing met. Return 0,
-/// or anything else to give up. Called in the thread of the call; it must return (no exception, no longjmp).
+/// or anything else to give up.
 pub type covbeam_probe = Option<
     unsafe extern "C" fn(user: *mut c_void, direction: *const f32, hit: *mut covbeam_probe_hit) -> i32,
 >;
@@ -41,6 +41,7 @@ fn probe_hit(e: Element<covbeam_probe_hit>) -> Result<Option<ProbeHit>, Failure>
 /// @note 28 probes where there is no edge, about 80 where there are some. The nearest edge is within 20 % on
 ///     spheres, and in nine of ten cases on figurines and tracery; bars and tips that pass between the probes
 ///     are missed.
+/// @kinds <f:uuu <hit? >edges >word
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_find_edges(
     direction: *const f32,

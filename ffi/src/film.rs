@@ -6,8 +6,8 @@
 
 use crate::beam_map::{covbeam_poll, go_on};
 use crate::check::{finite_not_negative, positive};
-use crate::density::reserved;
 use crate::handle::{Opaque, free, handle_to, run_on, shared};
+use crate::heap::reserved;
 use crate::memory::{Element, Inputs, Slot, field, inputs, outputs};
 use crate::picture::{Film, Seen};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
@@ -61,6 +61,7 @@ fn as_many(count: usize, wanted: usize, what: core::fmt::Arguments) -> Result<()
 ///     pixel at a border, which filters leave alone, because its own light may come from both sides.
 /// @note Two neighbours are apart where neither surface, continued as a plane, comes within 1 % of the other in
 ///     inverse depth: floors seen at a grazing angle are no edges. Needs 8 bytes a pixel for the call.
+/// @kinds #extent #extent <f:* >f:i
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_film_regions(
     width: u32,
@@ -111,6 +112,7 @@ impl Opaque for covbeam_film {
 /// @param regions, region_stride of covbeam_film_regions, copied: filters do not reach from one into another, and
 ///     leave pixels with 0 alone. NULL is one region everywhere.
 /// @param out the handle.
+/// @kinds #extent #extent $+ <f:i? +picture
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_film_new(
     width: u32,
@@ -132,24 +134,27 @@ pub unsafe extern "C" fn covbeam_film_new(
         let mut labels = reserved(count)?;
         labels.extend((0..count).map(|i| regions.get(i).value));
         let lattice = FilmLattice::new(width, height).expect("checked above");
-        out.set(handle_to(Film::new(lattice, typical, labels)?));
+        out.set(handle_to(Film::new(lattice, typical, labels)?)?);
         Ok(())
     })
 }
 
 /// Frees a film.
 ///
-/// @param film NULL is ignored.
+/// @param film NULL is fine.
+/// @kinds !picture
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_film_free(film: *mut covbeam_film) {
+pub unsafe extern "C" fn covbeam_film_free(film: *mut covbeam_film) -> covbeam_status {
     // SAFETY: by the caller's promise.
-    unsafe { free(film) }
+    unsafe { free(film, "film") }
 }
 
 /// How much memory a film holds.
 ///
 /// @param film the film.
 /// @param bytes receives it.
+/// @kinds @picture >size
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_film_get_memory(
     film: *const covbeam_film,
@@ -167,6 +172,7 @@ pub unsafe extern "C" fn covbeam_film_get_memory(
 ///
 /// @param film the film.
 /// @param count receives their number.
+/// @kinds @picture >size
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_film_get_node_count(
     film: *const covbeam_film,
@@ -185,6 +191,7 @@ pub unsafe extern "C" fn covbeam_film_get_node_count(
 /// @param film the film.
 /// @param count as many as covbeam_film_get_node_count says.
 /// @param pixels, pixel_stride receive two numbers each: x to the right and y down.
+/// @kinds @picture >f:ii
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_film_nodes(
     film: *const covbeam_film,
@@ -194,7 +201,8 @@ pub unsafe extern "C" fn covbeam_film_nodes(
 ) -> covbeam_status {
     run(|| {
         // SAFETY: by the caller's promise.
-        let lattice = unsafe { shared(film, "film") }?.lattice();
+        let film = unsafe { shared(film, "film") }?;
+        let lattice = film.lattice();
         as_many(count, lattice.node_count(), format_args!("the nodes of the film"))?;
         outputs!(count, pixels: [u32; 2], pixel_stride);
         for i in 0..count {
@@ -219,6 +227,7 @@ pub unsafe extern "C" fn covbeam_film_nodes(
 /// @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with COVBEAM_CANCELLED.
 /// @param user given to poll.
 /// @note Thesis 5.3.2. 1 us a node and 30 ns a pixel.
+/// @kinds !picture #any $+ #any <image
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_film_plan(
     film: *mut covbeam_film,
@@ -254,6 +263,7 @@ fn not_planned() -> Failure {
 /// @param film a film with a plan whose pass has not been added.
 /// @param count width x height.
 /// @param densities, density_stride receive numbers in (0, 1].
+/// @kinds @picture.resolved >f:l
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_film_density(
     film: *const covbeam_film,
@@ -280,6 +290,7 @@ pub unsafe extern "C" fn covbeam_film_density(
 /// @param count number of rays, in any order, any number of them through a pixel; 0 is a pass that saw nothing.
 /// @param rays, ray_stride all of the pass.
 /// @note 20 ns a ray and 2 ns a pixel.
+/// @kinds !picture.resolved <seen
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_film_add(
     film: *mut covbeam_film,
@@ -339,6 +350,7 @@ fn film_ray(rays: &Inputs<covbeam_film_ray>, i: usize, [width, height]: [u32; 2]
 ///     COVBEAM_CANCELLED.
 /// @param user given to poll.
 /// @note After O. V. Lepski (1991): the widest filter that agrees with all narrower ones. 50 ms, and 30 ns a pixel.
+/// @kinds !picture
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_film_verify(
     film: *mut covbeam_film,
@@ -356,6 +368,7 @@ pub unsafe extern "C" fn covbeam_film_verify(
 /// @param count width x number of rows, which is a multiple of 8 or reaches the last row.
 /// @param pixels, pixel_stride receive the rows; 0 in a picture without rays.
 /// @note 0.2 us a pixel where filters are wide, up to 3 us where they are not.
+/// @kinds @picture.committed #row >shown
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_film_picture(
     film: *const covbeam_film,
@@ -405,6 +418,7 @@ pub unsafe extern "C" fn covbeam_film_picture(
 /// @param pixels, pixel_stride of covbeam_film_picture.
 /// @param errors, error_stride receive the standard error of each pixel's luminance (Rec. 709) [W/(m^2 sr)].
 /// @note 40 ns and 20 bytes a pixel for the call.
+/// @kinds #extent #extent <pixel >f:q
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_film_errors(
     width: u32,

@@ -1,8 +1,9 @@
 //! Covariance grids: what photons leave in them, and what a gather looks up.
 
+use crate::beam_map::{cancelled, covbeam_poll, go_on};
 use crate::check::{finite_not_negative, vector};
-use crate::density::reserved;
 use crate::handle::{Opaque, free, handle_to, run_on, shared};
+use crate::heap::reserved;
 use crate::medium::{self, covbeam_medium};
 use crate::memory::{Inputs, Outputs, Slot, aligned, inputs, outputs, read};
 use crate::segment::whole;
@@ -29,6 +30,9 @@ impl Opaque for covbeam_grid {
     const TAG: u64 = u64::from_le_bytes(*b"cb-grid ");
     const NAME: &'static str = "covbeam_grid";
 }
+
+/// Voxels that segments cross between two polls: a millisecond.
+const VOXELS: usize = 1500;
 
 /// Cells of the library's or of the host's.
 enum Cells<T> {
@@ -117,7 +121,7 @@ pub(crate) fn refusal(name: &str, error: GridError) -> Failure {
 }
 
 /// Number of voxels of a layout that a grid may have.
-fn sound(layout: GridLayout) -> Result<usize, Failure> {
+pub(crate) fn sound(layout: GridLayout) -> Result<usize, Failure> {
     // A grid of no cells has the wrong length, unless its layout is refused first.
     match CovarianceGrid::new(layout, &mut []) {
         Err(GridError::Length) => Ok(layout.cell_count()),
@@ -131,6 +135,7 @@ fn sound(layout: GridLayout) -> Result<usize, Failure> {
 ///
 /// @param layout box and resolution.
 /// @param out the handle.
+/// @kinds <layout +grid
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_new(
     layout: *const covbeam_grid_layout,
@@ -140,7 +145,7 @@ pub unsafe extern "C" fn covbeam_grid_new(
         let out = Slot::new(out, "out")?;
         // SAFETY: by the caller's promise.
         let grid = Grid::own(unsafe { read(layout, "layout") }?.into())?;
-        out.set(handle_to(grid));
+        out.set(handle_to(grid)?);
         Ok(())
     })
 }
@@ -152,6 +157,8 @@ pub unsafe extern "C" fn covbeam_grid_new(
 /// @param cells, cell_count as many as the layout has; their content stays: zero them for an empty grid.
 /// @param means, mean_count as many as the layout has; written by covbeam_grid_resolve.
 /// @param out the handle.
+/// @kinds <layout =cell k =mean k +grid
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_new_in(
     layout: *const covbeam_grid_layout,
@@ -181,24 +188,27 @@ pub unsafe extern "C" fn covbeam_grid_new_in(
             resolved: false,
             knots: Vec::new(),
         };
-        out.set(handle_to(grid));
+        out.set(handle_to(grid)?);
         Ok(())
     })
 }
 
 /// Frees a grid; memory of the host's stays the host's, with what is in it.
 ///
-/// @param grid NULL is ignored.
+/// @param grid NULL is fine.
+/// @kinds !grid
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_grid_free(grid: *mut covbeam_grid) {
+pub unsafe extern "C" fn covbeam_grid_free(grid: *mut covbeam_grid) -> covbeam_status {
     // SAFETY: by the caller's promise.
-    unsafe { free(grid) }
+    unsafe { free(grid, "grid") }
 }
 
 /// The grid's box and resolution.
 ///
 /// @param grid the grid.
 /// @param layout receives them.
+/// @kinds @grid >layout
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_get_layout(
     grid: *const covbeam_grid,
@@ -215,6 +225,7 @@ pub unsafe extern "C" fn covbeam_grid_get_layout(
 /// Empties a grid, and forgets what was resolved.
 ///
 /// @param grid the grid.
+/// @kinds !grid
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_clear(grid: *mut covbeam_grid) -> covbeam_status {
     let clear = |grid: &mut Grid| {
@@ -227,13 +238,17 @@ pub unsafe extern "C" fn covbeam_grid_clear(grid: *mut covbeam_grid) -> covbeam_
 }
 
 /// Adds the light fields along segments of light paths, in their order; past each edge what the edge has left.
+/// Stopped, the grid keeps what it has of the first segments: covbeam_grid_clear forgets that.
 ///
 /// @param grid the grid.
 /// @param medium what the segments run through; the mean extinction of the channels counts.
 /// @param count number of segments; with 0 nothing is done.
 /// @param segments, segment_stride the segments.
+/// @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with COVBEAM_CANCELLED.
+/// @param user given to poll.
 /// @note Thesis 5.3.1, Eq 5.14 and 5.15. 0.2 us a voxel on the way, 0.7 us where the density varies; 2 to 40 us
 ///     a segment. A tenth of a pass' photons is enough.
+/// @kinds !grid <medium <segment
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_deposit(
     grid: *mut covbeam_grid,
@@ -241,8 +256,11 @@ pub unsafe extern "C" fn covbeam_grid_deposit(
     count: usize,
     segments: *const covbeam_segment,
     segment_stride: usize,
+    poll: covbeam_poll,
+    user: *mut c_void,
 ) -> covbeam_status {
     let deposit = |grid: &mut Grid| {
+        let layout = grid.layout;
         // SAFETY: by the caller's promise.
         let medium = unsafe { medium::read(medium, "medium") }?;
         inputs!(count, segments, segment_stride);
@@ -250,7 +268,13 @@ pub unsafe extern "C" fn covbeam_grid_deposit(
             whole(segments.get(i))?;
         }
         let (mut grid, knots) = grid.collecting();
+        medium::reserve_table(&medium, knots)?;
+        let (mut go_on, voxels) = (go_on(poll, user), layout.cells.map(|count| count as usize));
+        let interval = (VOXELS / voxels.iter().sum::<usize>()).max(1);
         for i in 0..count {
+            if i % interval == 0 && !go_on() {
+                return Err(cancelled());
+            }
             let (way, table) = whole(segments.get(i))?;
             let covbeam_segment { length, power, unscattered, .. } = segments.get(i).value;
             let column = match table {
@@ -274,6 +298,8 @@ pub unsafe extern "C" fn covbeam_grid_deposit(
 /// @param positions, position_stride points [m]; one outside the grid adds nothing.
 /// @param spectra, spectrum_stride spectra [cycles^2/m^2], finite; covariances, or the grid cannot be saved.
 /// @param weights, weight_stride contributions to the fluence [W m], finite and >= 0.
+/// @kinds !grid <f:fff <spectrum <f:q
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_deposit_spectra(
     grid: *mut covbeam_grid,
@@ -312,6 +338,7 @@ pub unsafe extern "C" fn covbeam_grid_deposit_spectra(
 /// @param others array of other_count handles, none of them `grid`; they stay as they are.
 /// @param other_count number of handles; with 0 nothing is done.
 /// @note The sums are f64: 10^9 equal deposits keep their mean to 1e-7.
+/// @kinds !grid <grids k
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_merge(
     grid: *mut covbeam_grid,
@@ -351,6 +378,7 @@ pub unsafe extern "C" fn covbeam_grid_merge(
 ///
 /// @param grid the grid.
 /// @note About 10 ns a voxel.
+/// @kinds !grid
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_resolve(grid: *mut covbeam_grid) -> covbeam_status {
     // SAFETY: by the caller's promise.
@@ -367,6 +395,8 @@ pub unsafe extern "C" fn covbeam_grid_resolve(grid: *mut covbeam_grid) -> covbea
 /// @param found, found_stride receive 1, or 0 where the grid has no data: outside, and where no light has
 ///     passed. May be NULL.
 /// @note Thesis Eq 5.15. 20 ns a point.
+/// @kinds @grid.resolved <f:fff >spectrum >flag?
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_look_up(
     grid: *const covbeam_grid,
@@ -380,7 +410,8 @@ pub unsafe extern "C" fn covbeam_grid_look_up(
 ) -> covbeam_status {
     run(|| {
         // SAFETY: by the caller's promise.
-        let grid = resolved(unsafe { shared(grid, "grid") }?)?;
+        let grid = unsafe { shared(grid, "grid") }?;
+        let grid = resolved(&grid)?;
         inputs!(count, positions: [f32; 3], position_stride);
         outputs!(count, spectra, spectrum_stride);
         let mut found = if found.is_null() {
@@ -414,6 +445,8 @@ pub(crate) fn resolved(grid: &Grid) -> Result<FluenceGrid<'_>, Failure> {
 /// @param grid the grid.
 /// @param cells receives the first; valid until the grid is changed or freed.
 /// @param count receives their number.
+/// @kinds @grid >pointer >size
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_get_cells(
     grid: *const covbeam_grid,
@@ -423,7 +456,8 @@ pub unsafe extern "C" fn covbeam_grid_get_cells(
     run(|| {
         let (cells, count) = (Slot::new(cells, "cells")?, Slot::new(count, "count")?);
         // SAFETY: by the caller's promise.
-        let all = unsafe { shared(grid, "grid") }?.cells.all();
+        let grid = unsafe { shared(grid, "grid") }?;
+        let all = grid.cells.all();
         cells.set(all.as_ptr().cast());
         count.set(all.len());
         Ok(())
@@ -435,6 +469,8 @@ pub unsafe extern "C" fn covbeam_grid_get_cells(
 /// @param grid a grid that has been resolved.
 /// @param means receives the first; valid until the grid is changed or freed.
 /// @param count receives their number.
+/// @kinds @grid.resolved >pointer >size
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_get_means(
     grid: *const covbeam_grid,
@@ -445,7 +481,7 @@ pub unsafe extern "C" fn covbeam_grid_get_means(
         let (means, count) = (Slot::new(means, "means")?, Slot::new(count, "count")?);
         // SAFETY: by the caller's promise.
         let grid = unsafe { shared(grid, "grid") }?;
-        resolved(grid)?;
+        resolved(&grid)?;
         means.set(grid.means.all().as_ptr().cast());
         count.set(grid.means.all().len());
         Ok(())
@@ -456,6 +492,7 @@ pub unsafe extern "C" fn covbeam_grid_get_means(
 ///
 /// @param grid the grid.
 /// @param size receives it: 56 and 56 a voxel.
+/// @kinds @grid >size
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_get_saved_size(
     grid: *const covbeam_grid,
@@ -475,6 +512,7 @@ pub unsafe extern "C" fn covbeam_grid_get_saved_size(
 /// @param bytes, size memory of covbeam_grid_get_saved_size bytes.
 /// @note 0.1 us a voxel. Cells that covariances cannot add up to are refused: written by the host, or deposited
 ///     as spectra that are none.
+/// @kinds @grid >byte k
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_save(
     grid: *const covbeam_grid,
@@ -483,7 +521,8 @@ pub unsafe extern "C" fn covbeam_grid_save(
 ) -> covbeam_status {
     run(|| {
         // SAFETY: by the caller's promise.
-        let Grid { layout, cells, .. } = unsafe { shared(grid, "grid") }?;
+        let grid = unsafe { shared(grid, "grid") }?;
+        let Grid { layout, cells, .. } = &*grid;
         let needed = layout.saved_size();
         aligned(bytes.cast::<u8>(), "bytes")?;
         if size != needed {
@@ -504,6 +543,7 @@ pub unsafe extern "C" fn covbeam_grid_save(
 /// @param bytes, size the bytes.
 /// @param out the handle; the grid is not resolved yet.
 /// @note Memory is had only for as many voxels as there are bytes for.
+/// @kinds <saved k +grid
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_grid_load(
     bytes: *const c_void,
@@ -525,7 +565,7 @@ pub unsafe extern "C" fn covbeam_grid_load(
         };
         let mut grid = Grid::own(GridLayout::of_saved(bytes).map_err(damaged)?)?;
         grid.collecting().0.load(bytes).map_err(damaged)?;
-        out.set(handle_to(grid));
+        out.set(handle_to(grid)?);
         Ok(())
     })
 }

@@ -1,9 +1,10 @@
 //! Opaque handles: made, checked, used and freed here and nowhere else.
 
+use crate::heap::boxed;
 use crate::memory::aligned;
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
-use core::ptr;
-use std::sync::atomic::{AtomicBool, Ordering};
+use core::ops::Deref;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 /// What a C type stands for.
 pub(crate) trait Opaque {
@@ -18,50 +19,136 @@ pub(crate) trait Opaque {
 #[repr(C)]
 struct Boxed<T> {
     tag: u64,
+    /// How many calls look at the object, or [`CHANGING`].
+    users: AtomicU32,
     poisoned: AtomicBool,
     object: T,
 }
 
+/// Users of an object that one call has for itself.
+const CHANGING: u32 = u32::MAX;
+
 /// Moves an object to memory of its own, and returns its handle.
-pub(crate) fn handle_to<H: Opaque>(object: H::Object) -> *mut H {
-    let boxed = Boxed { tag: H::TAG, poisoned: AtomicBool::new(false), object };
-    Box::into_raw(Box::new(boxed)).cast()
+pub(crate) fn handle_to<H: Opaque>(object: H::Object) -> Result<*mut H, Failure> {
+    let (users, poisoned) = (AtomicU32::new(0), AtomicBool::new(false));
+    Ok(Box::into_raw(boxed(Boxed { tag: H::TAG, users, poisoned, object })?).cast())
 }
 
-unsafe fn checked<'a, H: Opaque>(handle: *const H, name: &str) -> Result<&'a Boxed<H::Object>, Failure> {
+/// The memory of a handle, checked to be of its kind. Nobody's reference to all of it ever exists: what another call
+/// changes is only looked at as `users` allows.
+unsafe fn of_kind<H: Opaque>(handle: *const H, name: &str) -> Result<*mut Boxed<H::Object>, Failure> {
     let boxed: *const Boxed<H::Object> = handle.cast();
     aligned(boxed, name)?;
     // SAFETY: not NULL and aligned; that it points to a live handle of some kind is the host's promise, and every
     // kind begins with a tag.
-    let tag = unsafe { ptr::read(boxed.cast::<u64>()) };
-    if tag != H::TAG {
+    if unsafe { boxed.cast::<u64>().read() } != H::TAG {
         return Err(fail(COVBEAM_INVALID_HANDLE, format_args!("{name}: not a {}, or freed", H::NAME)));
     }
+    Ok(boxed.cast_mut())
+}
+
+/// Like [`of_kind`], and fit to be used.
+unsafe fn checked<H: Opaque>(handle: *const H, name: &str) -> Result<*mut Boxed<H::Object>, Failure> {
+    // SAFETY: the host's promise.
+    let boxed = unsafe { of_kind(handle, name) }?;
     // SAFETY: the tag says that `handle_to` made it of this type.
-    let boxed = unsafe { &*boxed };
-    if boxed.poisoned.load(Ordering::Relaxed) {
+    if unsafe { &(*boxed).poisoned }.load(Ordering::Relaxed) {
         let message = format_args!("{name}: an earlier call on this {} panicked; free it", H::NAME);
         return Err(fail(COVBEAM_POISONED, message));
     }
     Ok(boxed)
 }
 
+fn busy<H: Opaque>(name: &str) -> Failure {
+    let message = format_args!("{name}: busy, another call on this {} has not returned yet", H::NAME);
+    fail(COVBEAM_BUSY, message)
+}
+
+/// An object that calls look at, as long as this lives.
+pub(crate) struct Shared<'a, T> {
+    object: &'a T,
+    users: &'a AtomicU32,
+}
+
+impl<'a, T> Shared<'a, T> {
+    /// The object, for a [`View`] of it.
+    pub(crate) fn object(&self) -> &'a T {
+        self.object
+    }
+}
+
+impl<T> Deref for Shared<'_, T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        self.object
+    }
+}
+
+impl<T> Drop for Shared<'_, T> {
+    fn drop(&mut self) {
+        self.users.fetch_sub(1, Ordering::Release);
+    }
+}
+
+/// A view of an object that calls look at, as long as this lives; or a value that needs none.
+pub(crate) struct View<'a, V, T> {
+    pub(crate) value: V,
+    pub(crate) object: Option<Shared<'a, T>>,
+}
+
+impl<V, T> Deref for View<'_, V, T> {
+    type Target = V;
+
+    fn deref(&self) -> &V {
+        &self.value
+    }
+}
+
 /// The object behind a `const` handle.
-pub(crate) unsafe fn shared<'a, H: Opaque>(handle: *const H, name: &str) -> Result<&'a H::Object, Failure> {
-    // SAFETY: the host's promise: a handle that nobody changes during the call.
-    unsafe { checked(handle, name) }.map(|boxed| &boxed.object)
+pub(crate) unsafe fn shared<'a, H: Opaque>(
+    handle: *const H,
+    name: &str,
+) -> Result<Shared<'a, H::Object>, Failure> {
+    // SAFETY: the host's promise: a live handle.
+    let boxed = unsafe { checked(handle, name) }?;
+    // SAFETY: checked above; an atomic may be looked at whoever uses the object.
+    let users = unsafe { &(*boxed).users };
+    let one_more = |users: u32| (users < CHANGING - 1).then(|| users + 1);
+    let counted = users.fetch_update(Ordering::Acquire, Ordering::Relaxed, one_more);
+    counted.map_err(|_| busy::<H>(name))?;
+    // SAFETY: no call changes the object before `users` is 0 again.
+    Ok(Shared { object: unsafe { &(*boxed).object }, users })
 }
 
 /// Like [`shared`], for a handle that may be NULL.
 pub(crate) unsafe fn optional<'a, H: Opaque>(
     handle: *const H,
     name: &str,
-) -> Result<Option<&'a H::Object>, Failure> {
+) -> Result<Option<Shared<'a, H::Object>>, Failure> {
     if handle.is_null() {
         return Ok(None);
     }
     // SAFETY: as for `shared`.
     unsafe { shared(handle, name) }.map(Some)
+}
+
+/// An object that one call has for itself, as long as this lives.
+struct Alone<'a>(&'a AtomicU32);
+
+impl<'a> Alone<'a> {
+    fn with<H: Opaque>(users: &'a AtomicU32, name: &str) -> Result<Self, Failure> {
+        match users.compare_exchange(0, CHANGING, Ordering::Acquire, Ordering::Relaxed) {
+            Ok(_) => Ok(Self(users)),
+            Err(_) => Err(busy::<H>(name)),
+        }
+    }
+}
+
+impl Drop for Alone<'_> {
+    fn drop(&mut self) {
+        self.0.store(0, Ordering::Release);
+    }
 }
 
 /// Runs the body of a call that changes an object. If it panics, the object is poisoned.
@@ -72,31 +159,37 @@ pub(crate) unsafe fn run_on<H: Opaque>(
 ) -> covbeam_status {
     let status = run(|| {
         // SAFETY: the host's promise: a live handle.
-        unsafe { checked(handle.cast_const(), name) }?;
-        // SAFETY: checked above, and exclusive by the host's promise for pointers that are not const.
-        body(unsafe { &mut (*handle.cast::<Boxed<H::Object>>()).object })
+        let boxed = unsafe { checked(handle.cast_const(), name) }?;
+        // SAFETY: checked above; an atomic may be looked at whoever uses the object.
+        let _alone = Alone::with::<H>(unsafe { &(*boxed).users }, name)?;
+        // SAFETY: no other call uses the object.
+        body(unsafe { &mut (*boxed).object })
     });
     if status == COVBEAM_PANICKED {
         // SAFETY: only the body panics, and it ran because the handle was live.
-        unsafe { (*handle.cast::<Boxed<H::Object>>()).poisoned.store(true, Ordering::Relaxed) };
+        unsafe { &(*handle.cast::<Boxed<H::Object>>()).poisoned }.store(true, Ordering::Relaxed);
     }
     status
 }
 
-/// Frees a handle; NULL is ignored. One that is poisoned is freed too; the tag is wiped, so that a second free
+/// Frees a handle; NULL is fine. One that is poisoned is freed too; the tag is wiped, so that a second free
 /// or a later use is noticed as long as the memory is not used for something else.
-pub(crate) unsafe fn free<H: Opaque>(handle: *mut H) {
-    let boxed: *mut Boxed<H::Object> = handle.cast();
-    if boxed.is_null() || !boxed.is_aligned() {
-        return;
+pub(crate) unsafe fn free<H: Opaque>(handle: *mut H, name: &str) -> covbeam_status {
+    if handle.is_null() {
+        return COVBEAM_OK;
     }
-    // SAFETY: the host's promise: NULL or a live handle of this kind, which `handle_to` boxed.
-    unsafe {
-        if (*boxed).tag == H::TAG {
+    run(|| {
+        // SAFETY: the host's promise: a live handle.
+        let boxed = unsafe { of_kind(handle.cast_const(), name) }?;
+        // SAFETY: checked above.
+        core::mem::forget(Alone::with::<H>(unsafe { &(*boxed).users }, name)?);
+        // SAFETY: `handle_to` boxed it, and no other call uses it.
+        unsafe {
             (*boxed).tag = 0;
             drop(Box::from_raw(boxed));
         }
-    }
+        Ok(())
+    })
 }
 
 #[cfg(test)]
@@ -106,6 +199,7 @@ mod tests {
     use crate::status::covbeam_last_error;
     use crate::types::covbeam_grid_layout;
     use core::ffi::CStr;
+    use core::ptr;
     use std::process::Command;
 
     const LAYOUT: covbeam_grid_layout = covbeam_grid_layout { min: [0.0; 3], max: [1.0; 3], cells: [2; 3] };
@@ -136,8 +230,7 @@ mod tests {
             assert_eq!(covbeam_grid_get_layout(hit, &mut layout), COVBEAM_POISONED);
             assert_eq!(covbeam_grid_merge(other, &hit.cast_const(), 1), COVBEAM_POISONED);
             assert_eq!(covbeam_grid_resolve(other), COVBEAM_OK);
-            free(hit);
-            free(other);
+            assert_eq!([free(hit, "grid"), free(other, "grid")], [COVBEAM_OK; 2]);
         }
     }
 
@@ -147,12 +240,11 @@ mod tests {
         // SAFETY: a live handle, used by this thread alone.
         unsafe {
             let status = run(|| {
-                let _grid: &Grid = shared(grid.cast_const(), "grid")?;
+                let _grid = shared(grid.cast_const(), "grid")?;
                 panic!("injected")
             });
             assert_eq!(status, COVBEAM_PANICKED);
-            assert_eq!(covbeam_grid_clear(grid), COVBEAM_OK);
-            free(grid);
+            assert_eq!([covbeam_grid_clear(grid), free(grid, "grid")], [COVBEAM_OK; 2]);
         }
     }
 
@@ -184,10 +276,9 @@ mod tests {
         assert_eq!(message(), "map: not a covbeam_beam_map, or freed");
         // SAFETY: a free of the wrong kind is refused by the tag, too; then the right one.
         unsafe {
-            crate::beam_map::covbeam_beam_map_free(grid.cast());
+            assert_eq!(crate::beam_map::covbeam_beam_map_free(grid.cast()), COVBEAM_INVALID_HANDLE);
             assert_eq!(covbeam_grid_clear(grid), COVBEAM_OK);
-            covbeam_grid_free(grid);
-            covbeam_grid_free(ptr::null_mut());
+            assert_eq!([covbeam_grid_free(grid), covbeam_grid_free(ptr::null_mut())], [COVBEAM_OK; 2]);
         }
     }
 }

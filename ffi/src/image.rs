@@ -15,34 +15,17 @@ use covbeam_core::{ImageSpectrum, pixel_threshold};
 ///
 /// @param grid a grid that has been resolved.
 /// @param medium what the ray is in.
-/// @param ray from the eye to where the light that it gathers ends, or infinite.
-/// @param steps two: how the ray changes with a pixel to the right, and with one down.
-/// @param spectrum positive semi-definite up to rounding; all 0 where the grid has no data.
-/// @note Surfaces that end the rays of neighbouring pixels at other distances are no part of it: see
-///     covbeam_film_regions. Thesis 5.3.2, with the exact second derivatives of density x transmittance for its
-///     attenuation. About 40 ns a voxel passed in a homogeneous medium, 95 ns in an exponential one, 200 ns in
-///     voxels.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_image_spectrum_along(
-    grid: *const covbeam_grid,
-    medium: *const covbeam_medium,
-    ray: *const covbeam_eye_ray,
-    steps: *const covbeam_pixel_step,
-    spectrum: *mut covbeam_image_spectrum,
-) -> covbeam_status {
-    // SAFETY: the caller's promises about single values are those about arrays of one.
-    unsafe { covbeam_image_spectra_along(grid, medium, 1, ray, 0, steps, 0, spectrum, 0) }
-}
-
-/// covbeam_image_spectrum_along for `count` pixels.
-///
-/// @param grid as grid there.
-/// @param medium as medium there.
 /// @param count number of pixels; with 0 nothing is done.
-/// @param rays, ray_stride as ray there.
-/// @param steps, step_stride as steps there, the two of a pixel side by side; a stride of 0 gives all pixels the
-///     same.
-/// @param spectra, spectrum_stride as spectrum there.
+/// @param rays, ray_stride from the eye to where the light that it gathers ends, or infinite.
+/// @param steps, step_stride two a pixel, side by side: how the ray changes with a pixel to the right, and with
+///     one down.
+/// @param spectra, spectrum_stride positive semi-definite up to rounding; all 0 where the grid has no data.
+/// @note Surfaces that end the rays of neighbouring pixels at other distances are no part of it: see
+///     covbeam_film_regions. Thesis 5.3.2, with the exact second derivatives of density x transmittance for
+///     its attenuation. About 40 ns a voxel passed in a homogeneous medium, 95 ns in an exponential one, 200
+///     ns in voxels.
+/// @kinds @grid.resolved <medium <ray <steps >image
+/// @single covbeam_image_spectrum_along
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_image_spectra_along(
     grid: *const covbeam_grid,
@@ -57,7 +40,8 @@ pub unsafe extern "C" fn covbeam_image_spectra_along(
 ) -> covbeam_status {
     run(|| {
         // SAFETY: by the caller's promise.
-        let grid = resolved(unsafe { shared(grid, "grid") }?)?;
+        let grid = unsafe { shared(grid, "grid") }?;
+        let grid = resolved(&grid)?;
         // SAFETY: by the caller's promise.
         let medium = unsafe { medium::read(medium, "medium") }?;
         inputs!(count, rays, ray_stride);
@@ -71,6 +55,7 @@ pub unsafe extern "C" fn covbeam_image_spectra_along(
             arguments(i)?;
         }
         let mut knots = Vec::new();
+        medium::reserve_table(&medium, &mut knots)?;
         for i in 0..count {
             let (ray, steps) = arguments(i)?;
             let column = medium::tabulated(&medium, ray.origin, ray.direction, ray.length, &mut knots);
@@ -84,29 +69,15 @@ pub unsafe extern "C" fn covbeam_image_spectra_along(
 /// The reconstruction filter that blurs the picture by a relative bias: a Gaussian of covariance
 /// error / (4 pi^2) x the inverse of the spectrum's, wide where the spectrum is narrow.
 ///
-/// @param spectrum the spectrum around the pixel.
-/// @param error the relative bias > 0, half of it along each principal axis.
-/// @param widest largest standard deviation [pixels] > 0.
-/// @param filter all 0 where the spectrum has a weight of 0.
-/// @note Thesis 5.3.2, whose filter has an error of 1.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_image_spectrum_filter(
-    spectrum: *const covbeam_image_spectrum,
-    error: f32,
-    widest: f32,
-    filter: *mut covbeam_image_filter,
-) -> covbeam_status {
-    // SAFETY: the caller's promises about single values are those about arrays of one.
-    unsafe { covbeam_image_spectra_filter(1, spectrum, 0, &error, 0, &widest, 0, filter, 0) }
-}
-
-/// covbeam_image_spectrum_filter for `count` pixels.
-///
 /// @param count number of pixels; with 0 nothing is done.
-/// @param spectra, spectrum_stride as spectrum there.
-/// @param errors, error_stride as error there; a stride of 0 gives all pixels the same.
-/// @param widests, widest_stride as widest there; a stride of 0 gives all pixels the same.
-/// @param filters, filter_stride as filter there.
+/// @param spectra, spectrum_stride the spectrum around the pixel.
+/// @param errors, error_stride the relative bias > 0, half of it along each principal axis.
+/// @param widests, widest_stride largest standard deviation [pixels] > 0.
+/// @param filters, filter_stride all 0 where the spectrum has a weight of 0.
+/// @note Thesis 5.3.2, whose filter has an error of 1.
+/// @kinds <image <f:+ <f:+ >filter
+/// @single covbeam_image_spectrum_filter
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_image_spectra_filter(
     count: usize,
@@ -134,23 +105,13 @@ pub unsafe extern "C" fn covbeam_image_spectra_filter(
 
 /// Eye rays that a pixel needs in a pass: two under each filter.
 ///
-/// @param filter the pixel's filter.
-/// @param density in (0, 1]; no filter gives 1.
-/// @note Thesis 5.3.2.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_image_filter_density(
-    filter: *const covbeam_image_filter,
-    density: *mut f32,
-) -> covbeam_status {
-    // SAFETY: the caller's promises about single values are those about arrays of one.
-    unsafe { covbeam_image_filters_density(1, filter, 0, density, 0) }
-}
-
-/// covbeam_image_filter_density for `count` pixels.
-///
 /// @param count number of pixels; with 0 nothing is done.
-/// @param filters, filter_stride as filter there.
-/// @param densities, density_stride as density there.
+/// @param filters, filter_stride the pixel's filter.
+/// @param densities, density_stride in (0, 1]; no filter gives 1.
+/// @note Thesis 5.3.2.
+/// @kinds <filter >f:l
+/// @single covbeam_image_filter_density
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_image_filters_density(
     count: usize,
@@ -171,26 +132,11 @@ pub unsafe extern "C" fn covbeam_image_filters_density(
 ///
 /// @param pass any number; each chooses other pixels.
 /// @param seed any number; shifts the pattern.
-/// @param pixel two numbers: x to the right and y down, any.
-/// @param threshold in [0, 1).
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_pixel_threshold(
-    pass: u32,
-    seed: u32,
-    pixel: *const u32,
-    threshold: *mut f32,
-) -> covbeam_status {
-    // SAFETY: the caller's promises about single values are those about arrays of one.
-    unsafe { covbeam_pixel_threshold_many(pass, seed, 1, pixel, 0, threshold, 0) }
-}
-
-/// covbeam_pixel_threshold for `count` pixels, such as those of a tile.
-///
-/// @param pass as pass there.
-/// @param seed as seed there.
 /// @param count number of pixels; with 0 nothing is done.
-/// @param pixels, pixel_stride as pixel there.
-/// @param thresholds, threshold_stride as threshold there.
+/// @param pixels, pixel_stride two numbers: x to the right and y down, any.
+/// @param thresholds, threshold_stride in [0, 1).
+/// @kinds #any #any <f:ii >f:r
+/// @single covbeam_pixel_threshold
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_pixel_threshold_many(
     pass: u32,
@@ -215,7 +161,7 @@ mod tests {
     use crate::grid::{
         covbeam_grid_deposit_spectra, covbeam_grid_free, covbeam_grid_new, covbeam_grid_resolve,
     };
-    use crate::hostile::{Rule, Rule::*, UNTOUCHED, padded, refuses, values};
+    use crate::hostile::{Rule, Rule::*, UNTOUCHED, refuses};
     use crate::medium::samples::{fog, haze, smoke};
     use crate::status::covbeam_status::*;
     use core::ptr;
@@ -265,12 +211,16 @@ mod tests {
             refuses(5, &[&ray[..], &step, &step].concat(), |bad, n| {
                 let mut out = NO_SPECTRUM;
                 let status = unsafe {
-                    covbeam_image_spectrum_along(
+                    covbeam_image_spectra_along(
                         bad.at(0, grid),
                         bad.at(1, &medium),
+                        1,
                         bad.at(2, n.as_ptr()).cast(),
+                        0,
                         bad.at(3, n[7..].as_ptr()).cast(),
+                        0,
                         bad.at_mut(4, &mut out),
+                        0,
                     )
                 };
                 (status, out != NO_SPECTRUM)
@@ -288,19 +238,20 @@ mod tests {
             let mut out = NO_FILTER;
             let spectrum = bad.at(0, n.as_ptr()).cast();
             let to = bad.at_mut(1, &mut out);
-            let status = unsafe { covbeam_image_spectrum_filter(spectrum, n[4], n[5], to) };
+            let status = unsafe { covbeam_image_spectra_filter(1, spectrum, 0, &n[4], 0, &n[5], 0, to, 0) };
             (status, out != NO_FILTER)
         });
         refuses(2, &[(4.0, FiniteNotNegative), (0.5, Finite), (9.0, FiniteNotNegative)], |bad, n| {
             let mut out = UNTOUCHED;
             let to = bad.at_mut(1, &mut out);
-            let status = unsafe { covbeam_image_filter_density(bad.at(0, n.as_ptr()).cast(), to) };
+            let status = unsafe { covbeam_image_filters_density(1, bad.at(0, n.as_ptr()).cast(), 0, to, 0) };
             (status, out != UNTOUCHED)
         });
         refuses(2, &[], |bad, _| {
             let (pixel, mut out) = ([3_u32, 4], UNTOUCHED);
             let to = bad.at_mut(1, &mut out);
-            let status = unsafe { covbeam_pixel_threshold(1, 2, bad.at(0, pixel.as_ptr()), to) };
+            let status =
+                unsafe { covbeam_pixel_threshold_many(1, 2, 1, bad.at(0, pixel.as_ptr()), 0, to, 0) };
             (status, out != UNTOUCHED)
         });
         unsafe { covbeam_grid_free(grid) };
@@ -310,7 +261,9 @@ mod tests {
     fn the_spectrum_of_a_pixel_is_the_grids_in_pixels() {
         let grid = lit();
         let mut found = NO_SPECTRUM;
-        let status = unsafe { covbeam_image_spectrum_along(grid, &fog(), &RAY, STEPS.as_ptr(), &mut found) };
+        let status = unsafe {
+            covbeam_image_spectra_along(grid, &fog(), 1, &RAY, 0, STEPS.as_ptr(), 0, &mut found, 0)
+        };
         assert_eq!(status, COVBEAM_OK);
         // 4 x 0.1^2, 0.5 x 0.1 x 0.2, 9 x 0.2^2, to a few roundings.
         for (found, expected) in [(found.xx, 0.04), (found.xy, 0.01), (found.yy, 0.36)] {
@@ -319,7 +272,10 @@ mod tests {
         assert!(found.weight > 0.0);
         // An error of 1 and the covariance matrix is inverted: det = 0.0143.
         let mut filter = NO_FILTER;
-        assert_eq!(unsafe { covbeam_image_spectrum_filter(&found, 1.0, 1e3, &mut filter) }, COVBEAM_OK);
+        assert_eq!(
+            unsafe { covbeam_image_spectra_filter(1, &found, 0, &1.0, 0, &1e3, 0, &mut filter, 0) },
+            COVBEAM_OK
+        );
         let scale = 1.0 / (4.0 * core::f32::consts::PI.powi(2) * 0.0143);
         for (found, expected) in [(filter.xx, 0.36), (filter.xy, -0.01), (filter.yy, 0.04)] {
             assert!((found / (scale * expected) - 1.0).abs() < 1e-4, "{found} for {expected}");
@@ -334,89 +290,10 @@ mod tests {
         let statuses = unsafe {
             [
                 covbeam_grid_new(&layout, &mut grid),
-                covbeam_image_spectrum_along(grid, &fog(), &RAY, STEPS.as_ptr(), &mut out),
+                covbeam_image_spectra_along(grid, &fog(), 1, &RAY, 0, STEPS.as_ptr(), 0, &mut out, 0),
             ]
         };
         assert_eq!((statuses, out), ([COVBEAM_OK, COVBEAM_WRONG_ORDER], NO_SPECTRUM));
-        unsafe { covbeam_grid_free(grid) };
-    }
-
-    #[test]
-    fn many_are_the_same_bits_as_one_each() {
-        let (grid, smoke) = (lit(), smoke());
-        let rays = [0.3, 0.5, 0.7].map(|x| covbeam_eye_ray { origin: [x, 0.4, -1.0], ..RAY });
-        let steps = [STEPS, [STEPS[1], STEPS[0]], STEPS];
-        let (rays, steps) = (padded(&rays), padded(&steps));
-        let mut spectra = padded(&[NO_SPECTRUM; 3]);
-        let mut filters = padded(&[NO_FILTER; 3]);
-        let mut densities = padded(&[UNTOUCHED; 3]);
-        let pixels = padded(&[[0_u32, 0], [7, 3], [u32::MAX, 1]]);
-        let mut thresholds = padded(&[UNTOUCHED; 3]);
-        let statuses = unsafe {
-            [
-                covbeam_image_spectra_along(
-                    grid,
-                    &smoke.medium,
-                    3,
-                    &rays[0].value,
-                    size_of_val(&rays[0]),
-                    steps[0].value.as_ptr(),
-                    size_of_val(&steps[0]),
-                    &mut spectra[0].value,
-                    size_of_val(&spectra[1]),
-                ),
-                covbeam_image_spectra_filter(
-                    3,
-                    &spectra[0].value,
-                    size_of_val(&spectra[1]),
-                    &0.1,
-                    0,
-                    [4.0_f32, 8.0, 0.5].as_ptr(),
-                    4,
-                    &mut filters[0].value,
-                    size_of_val(&filters[1]),
-                ),
-                covbeam_image_filters_density(
-                    3,
-                    &filters[0].value,
-                    size_of_val(&filters[1]),
-                    &mut densities[0].value,
-                    size_of_val(&densities[1]),
-                ),
-                covbeam_pixel_threshold_many(
-                    5,
-                    9,
-                    3,
-                    pixels[0].value.as_ptr(),
-                    size_of_val(&pixels[0]),
-                    &mut thresholds[0].value,
-                    size_of_val(&thresholds[1]),
-                ),
-            ]
-        };
-        assert_eq!(statuses, [COVBEAM_OK; 4]);
-        let (rays, steps, pixels) = (values(&rays), values(&steps), values(&pixels));
-        for i in 0..3 {
-            let (mut spectrum, mut filter) = (NO_SPECTRUM, NO_FILTER);
-            let (mut density, mut threshold) = (UNTOUCHED, UNTOUCHED);
-            let statuses = unsafe {
-                [
-                    covbeam_image_spectrum_along(
-                        grid,
-                        &smoke.medium,
-                        &rays[i],
-                        steps[i].as_ptr(),
-                        &mut spectrum,
-                    ),
-                    covbeam_image_spectrum_filter(&spectrum, 0.1, [4.0, 8.0, 0.5][i], &mut filter),
-                    covbeam_image_filter_density(&filter, &mut density),
-                    covbeam_pixel_threshold(5, 9, pixels[i].as_ptr(), &mut threshold),
-                ]
-            };
-            assert_eq!(statuses, [COVBEAM_OK; 4]);
-            assert_eq!((spectrum, filter), (values(&spectra)[i], values(&filters)[i]));
-            assert_eq!((density, threshold), (values(&densities)[i], values(&thresholds)[i]));
-        }
         unsafe { covbeam_grid_free(grid) };
     }
 }

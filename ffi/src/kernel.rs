@@ -1,8 +1,8 @@
 //! Kernels, their radii, and how both shrink over the passes.
 
 use crate::check::{finite, not_negative, positive, unit, vector};
-use crate::grid::{covbeam_grid, resolved};
-use crate::handle::optional;
+use crate::grid::{Grid, covbeam_grid, resolved};
+use crate::handle::{View, optional};
 use crate::memory::{Element, Slot, inputs, outputs, read_options};
 use crate::status::{Failure, covbeam_status, run};
 use covbeam_core::{Kernel, KernelShape, Schedule, error_bound, progressive_radius};
@@ -71,7 +71,7 @@ fn shape(e: Element<u32>) -> Result<KernelShape, Failure> {
 pub(crate) unsafe fn read<'a>(
     kernel: *const covbeam_kernel,
     grid: *const covbeam_grid,
-) -> Result<Kernel<'a>, Failure> {
+) -> Result<View<'a, Kernel<'a>, Grid>, Failure> {
     // SAFETY: by this function's contract.
     let options = unsafe { read_options(kernel, size_of::<covbeam_kernel>(), "kernel") }?;
     let shape = shape(Element::single(options.shape, "kernel.shape"))?;
@@ -83,8 +83,9 @@ pub(crate) unsafe fn read<'a>(
     }
     let error = positive(Element::single(options.error, "kernel.error"))?;
     // SAFETY: by this function's contract.
-    let grid = unsafe { optional(grid, "grid") }?.map(resolved).transpose()?;
-    Ok(Kernel { shape, min_radius, max_radius, error, grid })
+    let object = unsafe { optional(grid, "grid") }?;
+    let grid = object.as_ref().map(|grid| resolved(grid.object())).transpose()?;
+    Ok(View { value: Kernel { shape, min_radius, max_radius, error, grid }, object })
 }
 
 fn alpha(e: Element<f32>) -> Result<f32, Failure> {
@@ -109,6 +110,7 @@ fn pass(value: u32) -> Result<u32, Failure> {
 ///     covbeam_progressive_radius(radius, alpha, pass), max_radius = the larger of max_radius and min_radius,
 ///     error = covbeam_error_bound(error, pass).
 /// @note COVBEAM_INVALID_VALUE too if the radius or the error of the pass falls below the smallest float.
+/// @kinds <schedule #pass =kernel
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_schedule_kernel(
     schedule: *const covbeam_schedule,
@@ -148,6 +150,8 @@ pub unsafe extern "C" fn covbeam_schedule_kernel(
 /// @param pass i, counted from 1.
 /// @param result [m].
 /// @note A few ns a pass up to pass 4096, and no more from there on. Jarosz et al. 2011.
+/// @kinds $m $l #pass >f:+
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_progressive_radius(
     radius: f32,
@@ -170,6 +174,8 @@ pub unsafe extern "C" fn covbeam_progressive_radius(
 /// @param error in pass 1, > 0.
 /// @param pass counted from 1.
 /// @param result the bound in that pass.
+/// @kinds $+ #pass >f:+
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_error_bound(error: f32, pass: u32, result: *mut f32) -> covbeam_status {
     run(|| {
@@ -186,6 +192,8 @@ pub unsafe extern "C" fn covbeam_error_bound(error: f32, pass: u32, result: *mut
 /// @param distance d [m], of either sign.
 /// @param radius r [m] > 0.
 /// @param value [1/m]: 0 where the distance is r or more.
+/// @kinds #shape $f $+ >f:p
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_kernel_evaluate(
     shape: u32,
@@ -207,6 +215,8 @@ pub unsafe extern "C" fn covbeam_kernel_evaluate(
 ///
 /// @param shape a value of covbeam_kernel_shape.
 /// @param moment of the kernel.
+/// @kinds #shape >f:+
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_kernel_second_moment(shape: u32, moment: *mut f32) -> covbeam_status {
     run(|| {
@@ -223,6 +233,8 @@ pub unsafe extern "C" fn covbeam_kernel_second_moment(shape: u32, moment: *mut f
 /// @param variance of the fluence's spectrum along the kernel's axis [cycles^2/m^2] >= 0; infinity gives 0.
 /// @param radius [m]: infinite for a variance of 0.
 /// @note Thesis 5.3.4.
+/// @kinds #shape $+ $p >f:p
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_kernel_radius_from_error(
     shape: u32,
@@ -244,33 +256,16 @@ pub unsafe extern "C" fn covbeam_kernel_radius_from_error(
 ///
 /// @param kernel the kernel of the pass.
 /// @param grid where the spectrum is looked up, resolved; NULL gives the progressive radius.
-/// @param position the closest point on the eye ray [m].
-/// @param axis of the kernel, unit, across ray and beam: that of the covbeam_crossing.
-/// @param radius [m] in [min_radius, max_radius].
-/// @param sigma deviation of the spectrum along the axis [cycles/m]; 0 where the grid has no data.
-/// @note Thesis 5.3.4.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_kernel_radius_at(
-    kernel: *const covbeam_kernel,
-    grid: *const covbeam_grid,
-    position: *const f32,
-    axis: *const f32,
-    radius: *mut f32,
-    sigma: *mut f32,
-) -> covbeam_status {
-    // SAFETY: the caller's promises about single values are those about arrays of one.
-    unsafe { covbeam_kernel_radius_at_many(kernel, grid, 1, position, 0, axis, 0, radius, 0, sigma, 0) }
-}
-
-/// covbeam_kernel_radius_at for `count` pairs.
-///
-/// @param kernel as kernel there.
-/// @param grid as grid there.
 /// @param count number of pairs; with 0 nothing is done.
-/// @param positions, position_stride as position there; a stride of 0 gives all pairs the same.
-/// @param axes, axis_stride as axis there; a stride of 0 gives all pairs the same.
-/// @param radii, radius_stride as radius there.
-/// @param sigmas, sigma_stride as sigma there.
+/// @param positions, position_stride the closest point on the eye ray [m].
+/// @param axes, axis_stride of the kernel, unit, across ray and beam: that of the covbeam_crossing.
+/// @param radii, radius_stride [m] in [min_radius, max_radius].
+/// @param sigmas, sigma_stride deviation of the spectrum along the axis [cycles/m]; 0 where the grid has no
+///     data.
+/// @note Thesis 5.3.4.
+/// @kinds <kernel @grid.resolved? <f:fff <f:uuu >f:+ >f:q
+/// @single covbeam_kernel_radius_at
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_kernel_radius_at_many(
     kernel: *const covbeam_kernel,
@@ -311,7 +306,7 @@ pub unsafe extern "C" fn covbeam_kernel_radius_at_many(
 mod tests {
     use super::*;
     use crate::grid::{covbeam_grid_free, covbeam_grid_new};
-    use crate::hostile::{Rule::*, UNTOUCHED, padded, refuses, values};
+    use crate::hostile::{Rule::*, UNTOUCHED, refuses};
     use crate::status::covbeam_status::*;
     use crate::types::covbeam_grid_layout;
     use core::ptr;
@@ -380,13 +375,18 @@ mod tests {
                 covbeam_kernel { shape: 0, min_radius: 0.75, max_radius: n[6], error: n[7], ..BLANK };
             let (mut radius, mut sigma) = (UNTOUCHED, UNTOUCHED);
             let status = unsafe {
-                covbeam_kernel_radius_at(
+                covbeam_kernel_radius_at_many(
                     bad.at(0, &kernel),
                     ptr::null(),
+                    1,
                     bad.at(1, n.as_ptr()),
+                    0,
                     bad.at(2, n[3..].as_ptr()),
+                    0,
                     bad.at_mut(3, &mut radius),
+                    0,
                     bad.at_mut(4, &mut sigma),
+                    0,
                 )
             };
             (status, (radius, sigma) != (UNTOUCHED, UNTOUCHED))
@@ -489,39 +489,23 @@ mod tests {
         let (position, axis) = ([0.5; 3], [1.0, 0.0, 0.0]);
         let (mut radius, mut sigma) = (UNTOUCHED, UNTOUCHED);
         let status = unsafe {
-            covbeam_kernel_radius_at(&kernel, grid, position.as_ptr(), axis.as_ptr(), &mut radius, &mut sigma)
+            covbeam_kernel_radius_at_many(
+                &kernel,
+                grid,
+                1,
+                position.as_ptr(),
+                0,
+                axis.as_ptr(),
+                0,
+                &mut radius,
+                0,
+                &mut sigma,
+                0,
+            )
         };
         assert_eq!((status, radius, sigma), (COVBEAM_WRONG_ORDER, UNTOUCHED, UNTOUCHED));
         let message = unsafe { core::ffi::CStr::from_ptr(crate::status::covbeam_last_error()) };
         assert!(message.to_str().unwrap().contains("covbeam_grid_resolve"));
         unsafe { covbeam_grid_free(grid) };
-    }
-
-    #[test]
-    fn many_are_the_same_bits_as_one_each() {
-        let kernel = covbeam_kernel { shape: 1, min_radius: 0.1, max_radius: 0.2, error: 0.1, ..BLANK };
-        let axis = [0.0, 0.0, 1.0];
-        let positions = padded(&[[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]);
-        let (mut radii, mut sigmas) = (padded(&[UNTOUCHED; 2]), padded(&[UNTOUCHED; 2]));
-        let status = unsafe {
-            let (from, stride) = (positions.as_ptr().cast(), size_of_val(&positions[0]));
-            let (radii, sigmas) = (&raw mut radii[0].value, &raw mut sigmas[0].value);
-            covbeam_kernel_radius_at_many(
-                &kernel,
-                ptr::null(),
-                2,
-                from,
-                stride,
-                axis.as_ptr(),
-                0,
-                radii,
-                16,
-                sigmas,
-                16,
-            )
-        };
-        assert_eq!(status, COVBEAM_OK);
-        // No grid: the progressive radius, and nothing known.
-        assert_eq!((values(&radii), values(&sigmas)), (vec![0.1; 2], vec![0.0; 2]));
     }
 }

@@ -1,10 +1,12 @@
 //! The layout of every public struct and the values of every enum, as numbers: a change breaks hosts that are compiled already,
-//! and so needs another `COVBEAM_ABI_VERSION`. The twin of `tests/clients/abi.c`, which asserts the same of the header.
+//! and so needs another `COVBEAM_ABI_VERSION`. `layout.h`, made from it, lets compilers of C and C++ assert the same
+//! of the header.
 #![cfg(target_pointer_width = "64")]
 
 use crate::beam_map::{covbeam_poll, covbeam_shade};
 use crate::column::covbeam_column;
 use crate::edges::covbeam_probe;
+use crate::importance::{covbeam_importance_cell, covbeam_segment_importance};
 use crate::kernel::{covbeam_kernel, covbeam_kernel_shape, covbeam_schedule};
 use crate::medium::{covbeam_density_kind, covbeam_medium};
 use crate::status::covbeam_status;
@@ -61,6 +63,8 @@ layout! {
     covbeam_march_knot: 16, 4 { distance 0, radiance 4, deviation 8, visibility 12 }
     covbeam_march_sample: 24, 8 { distance 0, weight 4, visibility 8, reserved 12, mass 16 }
     covbeam_march_expected: 8, 4 { radiance 0, error 4 }
+    covbeam_importance_cell: 12, 4 { beam 0, scattered 4, surface 8 }
+    covbeam_segment_importance: 12, 4 { beam 0, scattered 4, transmittance 8 }
     covbeam_status: 4, 4 {}
     covbeam_phase_kind: 4, 4 {}
     covbeam_density_kind: 4, 4 {}
@@ -93,6 +97,7 @@ values! {
         COVBEAM_CALLBACK_FAILED 12,
         COVBEAM_POISONED 13,
         COVBEAM_PANICKED 14,
+        COVBEAM_BUSY 15,
     }
     covbeam_phase_kind {
         COVBEAM_PHASE_ISOTROPIC 0,
@@ -111,4 +116,4 @@ values! {
     }
 }
 
-const _: () = assert!(COVBEAM_ABI_VERSION == 2);
+const _: () = assert!(COVBEAM_ABI_VERSION == 3);

@@ -1,5 +1,4 @@
-//! The operators on strided arrays of light fields. One field is an array of one (`light_field.rs`): the checks and the
-//! calls of the core stand here, once.
+//! The operators, on strided arrays of light fields.
 
 use crate::arrays::{update, write};
 use crate::check::{
@@ -13,13 +12,23 @@ use crate::types::{covbeam_curvature, covbeam_light_field, covbeam_spectrum, cur
 use core::ptr;
 use covbeam_core::LightField;
 
-/// covbeam_light_field_point for `count` light fields.
+/// Angular variance of the emission of a lamp that shines evenly [cycles^2/rad^2]: its light falls off as 1/d^2, a relative curvature of
+/// 2/d^2 across its rays, so that 2/(4 pi^2).
+pub const COVBEAM_EVEN_LAMP: f32 = 0.050_660_59;
+
+const _: () = assert!(COVBEAM_EVEN_LAMP == covbeam_core::EVEN_LAMP);
+
+/// Light of an exact point source.
 ///
 /// @param count number of fields; with 0 nothing is done.
-/// @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
-/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields
-///     the same.
+/// @param directions, direction_stride of propagation, normalised by the library: any length but 0.
+/// @param angular_variances, angular_variance_stride of the emission [cycles^2/rad^2] >= 0:
+///     COVBEAM_EVEN_LAMP for a lamp that shines evenly, because of the fall-off with the square of the
+///     distance; more where its intensity changes with the angle.
 /// @param out, out_stride the light fields.
+/// @note Thesis 5.3.1.
+/// @kinds <f:ddd <f:p >field
+/// @single covbeam_light_field_point
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_point(
     count: usize,
@@ -42,15 +51,17 @@ pub unsafe extern "C" fn covbeam_light_fields_point(
     })
 }
 
-/// covbeam_light_field_disk for `count` light fields.
+/// Light of a disk source, at its centre.
 ///
 /// @param count number of fields; with 0 nothing is done.
-/// @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
-/// @param normals, normal_stride as normal there; a stride of 0 gives all fields the same.
-/// @param radii, radius_stride as radius there; a stride of 0 gives all fields the same.
-/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields
-///     the same.
+/// @param directions, direction_stride of propagation, normalised by the library: any length but 0.
+/// @param normals, normal_stride of the disk, any length, either sign.
+/// @param radii, radius_stride [m] >= 0: 0 is a point, infinity a uniform field.
+/// @param angular_variances, angular_variance_stride as for covbeam_light_field_point.
 /// @param out, out_stride the light fields.
+/// @note Thesis 5.3.1.
+/// @kinds <f:ddd <f:ddd <f:p <f:p >field
+/// @single covbeam_light_field_disk
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_disk(
     count: usize,
@@ -88,12 +99,15 @@ pub unsafe extern "C" fn covbeam_light_fields_disk(
     })
 }
 
-/// covbeam_light_field_collimated for `count` light fields.
+/// An exactly parallel beam, such as sunlight or a laser.
 ///
 /// @param count number of fields; with 0 nothing is done.
-/// @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
-/// @param radii, radius_stride as radius there; a stride of 0 gives all fields the same.
+/// @param directions, direction_stride of propagation, normalised by the library: any length but 0.
+/// @param radii, radius_stride of the beam [m] >= 0: infinity for a uniform one.
 /// @param out, out_stride the light fields.
+/// @note Thesis 5.3.1.
+/// @kinds <f:ddd <f:p >field
+/// @single covbeam_light_field_collimated
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_collimated(
     count: usize,
@@ -116,16 +130,21 @@ pub unsafe extern "C" fn covbeam_light_fields_collimated(
     })
 }
 
-/// covbeam_light_field_gaussian for `count` light fields.
+/// A light field without correlations, from its four variances. A Gaussian of standard deviation w has 1/(4
+/// pi^2 w^2).
 ///
 /// @param count number of fields; with 0 nothing is done.
-/// @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
-/// @param x_axes, x_axis_stride as x_axis there; a stride of 0 gives all fields the same.
-/// @param spatial_variances, spatial_variance_stride as spatial_variance there; a stride of 0 gives all fields
-///     the same.
-/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields
-///     the same.
+/// @param directions, direction_stride of propagation, normalised by the library: any length but 0.
+/// @param x_axes, x_axis_stride its part across the direction is the x axis of the variances; some axis if
+///     it has none.
+/// @param spatial_variances, spatial_variance_stride along x and y [cycles^2/m^2], each >= 0: 0 is uniform,
+///     infinity a point or a line.
+/// @param angular_variances, angular_variance_stride along x and y [cycles^2/rad^2], each >= 0: 0 is
+///     isotropic, infinity parallel.
 /// @param out, out_stride the light fields.
+/// @note Thesis Eq 5.12.
+/// @kinds <f:ddd <f:fff <f:pp <f:pp >field
+/// @single covbeam_light_field_gaussian
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_gaussian(
     count: usize,
@@ -163,11 +182,14 @@ pub unsafe extern "C" fn covbeam_light_fields_gaussian(
     })
 }
 
-/// covbeam_light_field_travel for `count` light fields.
+/// Travel through vacuum or a homogeneous medium.
 ///
 /// @param count number of fields; with 0 nothing is done.
-/// @param fields, field_stride array of light fields, changed in place.
-/// @param distances, distance_stride as distance there; a stride of 0 gives all fields the same.
+/// @param fields, field_stride the light fields, changed in place.
+/// @param distances, distance_stride [m], finite; 0 changes nothing, a negative one goes back.
+/// @note Thesis 5.3.1.
+/// @kinds =field <f:f
+/// @single covbeam_light_field_travel
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_travel(
     count: usize,
@@ -183,13 +205,17 @@ pub unsafe extern "C" fn covbeam_light_fields_travel(
     })
 }
 
-/// covbeam_light_field_carry for `count` light fields in one medium.
+/// Travel through a medium: in a homogeneous one covbeam_light_field_travel, else with the attenuation that
+/// varies across the ray.
 ///
 /// @param count number of fields; with 0 nothing is done.
-/// @param fields, field_stride array of light fields, changed in place.
-/// @param medium as medium there.
-/// @param origins, origin_stride as origin there; a stride of 0 gives all fields the same.
-/// @param distances, distance_stride as distance there; a stride of 0 gives all fields the same.
+/// @param fields, field_stride the light fields, changed in place; they move along their directions.
+/// @param medium what it travels in; the mean extinction of the channels counts.
+/// @param origins, origin_stride where the field is [m].
+/// @param distances, distance_stride [m] >= 0, finite.
+/// @note Thesis 5.3.1. Costs up to 256 look-ups of the density's derivatives.
+/// @kinds =field <medium <f:fff <f:q
+/// @single covbeam_light_field_carry
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_carry(
     count: usize,
@@ -215,11 +241,16 @@ pub unsafe extern "C" fn covbeam_light_fields_carry(
     })
 }
 
-/// covbeam_light_field_rotate for `count` light fields.
+/// Turns the frame about the ray, to read covbeam_light_field_slice along given axes. The light stays what it
+/// is.
 ///
 /// @param count number of fields; with 0 nothing is done.
-/// @param fields, field_stride array of light fields, changed in place.
-/// @param x_axes, x_axis_stride as x_axis there; a stride of 0 gives all fields the same.
+/// @param fields, field_stride the light fields, changed in place.
+/// @param x_axes, x_axis_stride any length but 0; its part across the ray becomes the x axis; along the ray:
+///     nothing changes.
+/// @note Thesis 5.3.1.2.
+/// @kinds =field <f:ddd
+/// @single covbeam_light_field_rotate
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_rotate(
     count: usize,
@@ -235,12 +266,15 @@ pub unsafe extern "C" fn covbeam_light_fields_rotate(
     })
 }
 
-/// covbeam_light_field_reflect for `count` light fields.
+/// Reflection by a smooth mirror. A ray that grazes it to below 1e-12 is left as it was.
 ///
 /// @param count number of fields; with 0 nothing is done.
-/// @param fields, field_stride array of light fields, changed in place.
-/// @param normals, normal_stride as normal there; a stride of 0 gives all fields the same.
-/// @param curvatures, curvature_stride as curvature there; a stride of 0 gives all fields the same.
+/// @param fields, field_stride the light fields, changed in place.
+/// @param normals, normal_stride at the hit, any length, either side.
+/// @param curvatures, curvature_stride of the surface on the side of the normal; may be NULL: a plane.
+/// @note Coddington's equations.
+/// @kinds =field <f:ddd <curvature?
+/// @single covbeam_light_field_reflect
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_reflect(
     count: usize,
@@ -268,14 +302,18 @@ pub unsafe extern "C" fn covbeam_light_fields_reflect(
     })
 }
 
-/// covbeam_light_field_refract for `count` light fields.
+/// Refraction through a smooth surface.
 ///
 /// @param count number of fields; with 0 nothing is done.
-/// @param fields, field_stride array of light fields, changed in place.
-/// @param normals, normal_stride as normal there; a stride of 0 gives all fields the same.
-/// @param curvatures, curvature_stride as curvature there; a stride of 0 gives all fields the same.
-/// @param etas, eta_stride as eta there; a stride of 0 gives all fields the same.
-/// @param passed, passed_stride as passed there.
+/// @param fields, field_stride the light fields, changed in place.
+/// @param normals, normal_stride at the hit, any length, either side.
+/// @param curvatures, curvature_stride of the surface on the side of the normal; may be NULL: a plane.
+/// @param etas, eta_stride refractive index on the incoming side over that on the other, > 0.
+/// @param passed, passed_stride 1 if light passes; 0 on total reflection (and exactly grazing light), which
+///     leaves the field as it was.
+/// @note Coddington's equations.
+/// @kinds =field <f:ddd <curvature? <f:+ >flag
+/// @single covbeam_light_field_refract
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_refract(
     count: usize,
@@ -311,12 +349,16 @@ pub unsafe extern "C" fn covbeam_light_fields_refract(
     })
 }
 
-/// covbeam_light_field_occlude for `count` light fields.
+/// Occlusion by an edge beside the ray, such as a silhouette that it passes.
 ///
 /// @param count number of fields; with 0 nothing is done.
-/// @param fields, field_stride array of light fields, changed in place.
-/// @param towards_edges, towards_edge_stride as towards_edge there; a stride of 0 gives all fields the same.
-/// @param distances, distance_stride as distance there; a stride of 0 gives all fields the same.
+/// @param fields, field_stride the light fields, changed in place.
+/// @param towards_edges, towards_edge_stride from the ray to the nearest point of the edge, any length;
+///     along the ray: nothing changes.
+/// @param distances, distance_stride between ray and edge [m] >= 0; infinity is no edge.
+/// @note Thesis 5.3.1.
+/// @kinds =field <f:ddd <f:p
+/// @single covbeam_light_field_occlude
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_occlude(
     count: usize,
@@ -339,12 +381,17 @@ pub unsafe extern "C" fn covbeam_light_fields_occlude(
     })
 }
 
-/// covbeam_light_field_attenuate for `count` light fields.
+/// Attenuation by a stretch of medium whose optical depth varies across the ray. covbeam_light_field_carry does
+/// this for the built-in media.
 ///
 /// @param count number of fields; with 0 nothing is done.
-/// @param fields, field_stride array of light fields, changed in place.
-/// @param gradients, gradient_stride as gradient there; a stride of 0 gives all fields the same.
-/// @param hessians, hessian_stride as hessian there; a stride of 0 gives all fields the same.
+/// @param fields, field_stride the light fields, changed in place.
+/// @param gradients, gradient_stride of the optical depth of the stretch, in world axes [1/m].
+/// @param hessians, hessian_stride of the same, [xx, yy, zz, xy, xz, yz] [1/m^2].
+/// @note Thesis 5.3.1.
+/// @kinds =field <f:fff <f:ffffff
+/// @single covbeam_light_field_attenuate
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_attenuate(
     count: usize,
@@ -367,13 +414,17 @@ pub unsafe extern "C" fn covbeam_light_fields_attenuate(
     })
 }
 
-/// covbeam_light_field_narrow for `count` light fields.
+/// Narrowing of the directions across one axis, such as by the soft rim of a spot light (a Gaussian rim of
+/// standard deviation s has 1/(4 pi^2 s^2)).
 ///
 /// @param count number of fields; with 0 nothing is done.
-/// @param fields, field_stride array of light fields, changed in place.
-/// @param acrosses, across_stride as across there; a stride of 0 gives all fields the same.
-/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields
-///     the same.
+/// @param fields, field_stride the light fields, changed in place.
+/// @param acrosses, across_stride in which the light falls off, any length; along the ray: nothing changes.
+/// @param angular_variances, angular_variance_stride [cycles^2/rad^2] >= 0: 0 changes nothing, infinity
+///     leaves one direction.
+/// @note Thesis 5.3.1.
+/// @kinds =field <f:ddd <f:p
+/// @single covbeam_light_field_narrow
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_narrow(
     count: usize,
@@ -396,13 +447,16 @@ pub unsafe extern "C" fn covbeam_light_fields_narrow(
     })
 }
 
-/// covbeam_light_field_scatter for `count` light fields.
+/// Scattering in a medium, or by a rough surface's lobe, into a new direction.
 ///
 /// @param count number of fields; with 0 nothing is done.
-/// @param fields, field_stride array of light fields, changed in place.
-/// @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
-/// @param angular_variances, angular_variance_stride as angular_variance there; a stride of 0 gives all fields
-///     the same.
+/// @param fields, field_stride the light fields, changed in place.
+/// @param directions, direction_stride of propagation after the event, any length but 0.
+/// @param angular_variances, angular_variance_stride of the lobe [cycles^2/rad^2] >= 0, see
+///     covbeam_phase_angular_variance: 0 is isotropic, infinity does not blur.
+/// @note Thesis 5.3.1.
+/// @kinds =field <f:ddd <f:p
+/// @single covbeam_light_field_scatter
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_scatter(
     count: usize,
@@ -425,12 +479,16 @@ pub unsafe extern "C" fn covbeam_light_fields_scatter(
     })
 }
 
-/// covbeam_light_field_diffuse for `count` light fields.
+/// Diffuse reflection or transmission into a new direction. A cosine below 1e-12 on either side leaves the
+/// field as it was.
 ///
 /// @param count number of fields; with 0 nothing is done.
-/// @param fields, field_stride array of light fields, changed in place.
-/// @param normals, normal_stride as normal there; a stride of 0 gives all fields the same.
-/// @param directions, direction_stride as direction there; a stride of 0 gives all fields the same.
+/// @param fields, field_stride the light fields, changed in place.
+/// @param normals, normal_stride of the surface, any length, either sign.
+/// @param directions, direction_stride of propagation after the event, any length but 0.
+/// @note Thesis 5.3.1.
+/// @kinds =field <f:ddd <f:ddd
+/// @single covbeam_light_field_diffuse
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_diffuse(
     count: usize,
@@ -453,11 +511,14 @@ pub unsafe extern "C" fn covbeam_light_fields_diffuse(
     })
 }
 
-/// covbeam_light_field_slice for `count` light fields.
+/// The spectrum of the fluence across the ray, along the frame's axes.
 ///
 /// @param count number of fields; with 0 nothing is done.
-/// @param fields, field_stride array of light fields.
-/// @param variances_out, out_stride as variances there.
+/// @param fields, field_stride the light fields.
+/// @param variances_out, out_stride [xx, xy, yy] [cycles^2/m^2].
+/// @note Thesis Eq 5.14.
+/// @kinds <field >f:qfq
+/// @single covbeam_light_field_slice
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_slice(
     count: usize,
@@ -475,12 +536,16 @@ pub unsafe extern "C" fn covbeam_light_fields_slice(
     })
 }
 
-/// covbeam_light_field_fluence for `count` light fields.
+/// The spectrum of the fluence around the ray, in world axes.
 ///
 /// @param count number of fields; with 0 nothing is done.
-/// @param fields, field_stride array of light fields.
-/// @param limits, limit_stride as limit there; a stride of 0 gives all fields the same.
-/// @param spectrum_out, out_stride as spectrum there.
+/// @param fields, field_stride the light fields.
+/// @param limits, limit_stride largest deviation kept [cycles/m] > 0, such as the Nyquist frequency 1/(2h)
+///     of voxels of side h; infinity keeps all.
+/// @param spectrum_out, out_stride covariance [cycles^2/m^2].
+/// @note Thesis Eq 5.14.
+/// @kinds <field <f:P >spectrum
+/// @single covbeam_light_field_fluence
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_fluence(
     count: usize,
@@ -505,12 +570,17 @@ pub unsafe extern "C" fn covbeam_light_fields_fluence(
     })
 }
 
-/// covbeam_light_field_variance_along_ray for `count` light fields.
+/// Variance of the fluence's spectrum along the ray, from how the rays spread and from extinction; for light
+/// that has not been scattered.
 ///
 /// @param count number of fields; with 0 nothing is done.
-/// @param fields, field_stride array of light fields.
-/// @param extinctions, extinction_stride as extinction there; a stride of 0 gives all fields the same.
-/// @param variance_out, out_stride as variance there.
+/// @param fields, field_stride the light fields.
+/// @param extinctions, extinction_stride around the ray [1/m] >= 0.
+/// @param variance_out, out_stride [cycles^2/m^2] >= 0.
+/// @note Derived.
+/// @kinds <field <f:q >f:q
+/// @single covbeam_light_field_variance_along_ray
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_light_fields_variance_along_ray(
     count: usize,

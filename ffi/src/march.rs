@@ -1,8 +1,8 @@
 //! Where shadow rays go along an eye ray, for light scattered once.
 
 use crate::check::{finite, random, unit, vector};
-use crate::density::reserved;
 use crate::handle::{Opaque, free, handle_to, run_on, shared};
+use crate::heap::{grow, reserved};
 use crate::memory::{Element, Inputs, Outputs, Slot, field, inputs, outputs, read};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
 use crate::types::*;
@@ -47,11 +47,10 @@ impl Table {
     ) -> Result<(), Failure> {
         self.view()?;
         let count = out.count();
-        let none = |_| fail(COVBEAM_OUT_OF_MEMORY, format_args!("no memory for {count} samples"));
         self.jitters.clear();
         self.samples.clear();
-        self.jitters.try_reserve(count).map_err(none)?;
-        self.samples.try_reserve(count).map_err(none)?;
+        grow(&mut self.jitters, count)?;
+        grow(&mut self.samples, count)?;
         for i in 0..count {
             self.jitters.push(random(jitters.get(i))?);
         }
@@ -86,6 +85,7 @@ fn enough(count: usize) -> Result<(), Failure> {
 /// @param count number of knots >= 2; 97 serve well.
 /// @param knots, knot_stride receive them, from near to far.
 /// @note Kulla and Fajardo 2012. About 5 ns a knot.
+/// @kinds <f:fff <f:uuu $f $N <f:fff >place
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_march_lay(
     origin: *const f32,
@@ -126,22 +126,24 @@ pub unsafe extern "C" fn covbeam_march_lay(
 /// Makes the memory of a thread's marches.
 ///
 /// @param out the handle.
+/// @kinds +march
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_march_new(out: *mut *mut covbeam_march) -> covbeam_status {
     run(|| {
         let out = Slot::new(out, "out")?;
-        out.set(handle_to(Table::default()));
+        out.set(handle_to(Table::default())?);
         Ok(())
     })
 }
 
 /// Frees a thread's memory.
 ///
-/// @param march NULL is ignored.
+/// @param march NULL is fine.
+/// @kinds !march
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_march_free(march: *mut covbeam_march) {
+pub unsafe extern "C" fn covbeam_march_free(march: *mut covbeam_march) -> covbeam_status {
     // SAFETY: by the caller's promise.
-    unsafe { free(march) }
+    unsafe { free(march, "march") }
 }
 
 /// Takes the table of the next eye ray, in place of the one before.
@@ -152,6 +154,7 @@ pub unsafe extern "C" fn covbeam_march_free(march: *mut covbeam_march) {
 ///     taken as linear, and where two neighbours are dark no shadow ray is placed: lay them where light is, such
 ///     as inside a spot's cone.
 /// @note 25 ns a knot.
+/// @kinds !march <place
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_march_update(
     march: *mut covbeam_march,
@@ -197,6 +200,7 @@ pub unsafe extern "C" fn covbeam_march_update(
 ///
 /// @param march a march that has a table.
 /// @param expected receives it.
+/// @kinds @march.resolved >f:qq
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_march_get_expected(
     march: *const covbeam_march,
@@ -205,7 +209,8 @@ pub unsafe extern "C" fn covbeam_march_get_expected(
     run(|| {
         let expected = Slot::new(expected, "expected")?;
         // SAFETY: by the caller's promise.
-        let march = unsafe { shared(march, "march") }?.view()?;
+        let march = unsafe { shared(march, "march") }?;
+        let march = march.view()?;
         expected.set(covbeam_march_expected {
             radiance: march.expected_radiance(),
             error: march.expected_error(),
@@ -221,6 +226,7 @@ pub unsafe extern "C" fn covbeam_march_get_expected(
 /// @param first receives their number; 0 = all in one round, because the expected changes are too many to be
 ///     found one by one. For a light with an extent one round is better whatever this says: two shadow rays to
 ///     different points of it differ without a border between them.
+/// @kinds @march.resolved #any >size
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_march_get_first_round(
     march: *const covbeam_march,
@@ -245,6 +251,7 @@ pub unsafe extern "C" fn covbeam_march_get_first_round(
 ///     the ray, with a weight of 0 at the first knot.
 /// @note Thesis 5.3.3; for light that is known without a shadow ray, the density that is best for strata. About
 ///     1 us for 30.
+/// @kinds !march.resolved <f:r >aim
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_march_place(
     march: *mut covbeam_march,
@@ -275,6 +282,7 @@ pub unsafe extern "C" fn covbeam_march_place(
 /// @param jitters, jitter_stride as for covbeam_march_place, independent of the first round.
 /// @param samples, sample_stride as there.
 /// @note About 3 us for 10 and 20.
+/// @kinds !march.resolved n <aim <f:r >aim
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_march_refine(
     march: *mut covbeam_march,
@@ -291,9 +299,8 @@ pub unsafe extern "C" fn covbeam_march_refine(
         inputs!(first_count, firsts, first_stride);
         inputs!(count, jitters, jitter_stride);
         outputs!(count, samples, sample_stride);
-        let none = |_| fail(COVBEAM_OUT_OF_MEMORY, format_args!("no memory for {first_count} samples"));
         table.first.clear();
-        table.first.try_reserve(first_count).map_err(none)?;
+        grow(&mut table.first, first_count)?;
         for i in 0..first_count {
             table.first.push(march_sample(firsts.get(i))?);
         }

@@ -2,7 +2,8 @@
 
 use crate::check::{direction, finite_not_negative, positive, vector};
 use crate::density::{Volume, covbeam_density};
-use crate::handle::shared;
+use crate::handle::{View, shared};
+use crate::heap::{Owner, reserve};
 use crate::memory::{Element, field, read_options};
 use crate::phase::phase;
 use crate::status::Failure;
@@ -10,7 +11,6 @@ use crate::types::covbeam_phase;
 use core::mem::offset_of;
 use covbeam_core::{Column, Density, ExponentialDensity, Knot, Medium};
 use glam::Vec3;
-use std::sync::Arc;
 
 /// How the density of a medium varies in space.
 #[repr(u32)]
@@ -60,19 +60,10 @@ fn normalized(vector: Vec3) -> Vec3 {
 ///
 /// # Safety
 /// `pointer` is NULL or readable, and its density alive while the result is.
-pub(crate) unsafe fn read<'a>(pointer: *const covbeam_medium, name: &'a str) -> Result<Medium<'a>, Failure> {
-    // SAFETY: by this function's contract.
-    unsafe { read_with_voxels(pointer, name) }.map(|(medium, _)| medium)
-}
-
-/// A medium, and what its density is a view of.
-///
-/// # Safety
-/// As `read`.
-unsafe fn read_with_voxels<'a>(
+pub(crate) unsafe fn read<'a>(
     pointer: *const covbeam_medium,
     name: &'a str,
-) -> Result<(Medium<'a>, Option<&'a Arc<Volume>>), Failure> {
+) -> Result<View<'a, Medium<'a>, Owner<Volume>>, Failure> {
     // SAFETY: by this function's contract.
     let options = unsafe { read_options(pointer, offset_of!(covbeam_medium, density), name) }?;
     let whole = Element::single(options, name);
@@ -103,17 +94,24 @@ unsafe fn read_with_voxels<'a>(
         d if d == covbeam_density_kind::COVBEAM_DENSITY_VOXELS as u32 => {
             // SAFETY: by this function's contract.
             let volume = unsafe { shared(options.voxels, "voxels of the medium") }?;
+            let density = volume.object().density();
             voxels = Some(volume);
-            volume.density()
+            density
         }
         unknown => {
             return Err(field!(whole, density).is(format_args!("{unknown} is no covbeam_density_kind")));
         }
     };
-    Ok((medium, voxels))
+    Ok(View { value: medium, object: voxels })
 }
 
-/// The column along a ray, as a gather wants it; `knots` is the memory of its table, used by voxels only.
+/// Memory for the table of the column along any ray; none unless the density is in voxels.
+pub(crate) fn reserve_table(medium: &Medium, knots: &mut Vec<Knot>) -> Result<(), Failure> {
+    knots.clear();
+    reserve(knots, medium.density.most_knots())
+}
+
+/// The column along a ray, as a gather wants it, its table in the memory of `reserve_table`.
 pub(crate) fn tabulated<'k>(
     medium: &Medium,
     origin: Vec3,
@@ -135,7 +133,7 @@ pub(crate) struct KeptMedium {
 enum KeptDensity {
     Uniform,
     Exponential(ExponentialDensity),
-    Voxels(Arc<Volume>),
+    Voxels(Owner<Volume>),
 }
 
 impl KeptMedium {
@@ -145,9 +143,9 @@ impl KeptMedium {
     /// `pointer` is NULL or readable, and its density alive during the call.
     pub(crate) unsafe fn read(pointer: *const covbeam_medium, name: &str) -> Result<Self, Failure> {
         // SAFETY: by this function's contract.
-        let (medium, voxels) = unsafe { read_with_voxels(pointer, name) }?;
+        let View { value: medium, object: voxels } = unsafe { read(pointer, name) }?;
         let density = match (voxels, medium.density) {
-            (Some(volume), _) => KeptDensity::Voxels(Arc::clone(volume)),
+            (Some(volume), _) => KeptDensity::Voxels((*volume).clone()),
             (None, Density::Exponential(exponential)) => KeptDensity::Exponential(exponential),
             (None, _) => KeptDensity::Uniform,
         };
@@ -212,7 +210,7 @@ pub(crate) mod samples {
     impl Drop for Smoke {
         fn drop(&mut self) {
             // SAFETY: made below, once.
-            unsafe { covbeam_density_free(self.voxels) }
+            assert_eq!(unsafe { covbeam_density_free(self.voxels) }, COVBEAM_OK);
         }
     }
 
@@ -237,7 +235,7 @@ mod tests {
     fn density_above(medium: &covbeam_medium) -> Result<f32, covbeam_status> {
         // SAFETY: a medium without voxels, which outlives the view.
         let view = unsafe { read(medium, "medium") };
-        view.map(|view| view.density.at(Vec3::Y)).map_err(|failure| failure.0)
+        view.map(|view| view.value.density.at(Vec3::Y)).map_err(|failure| failure.0)
     }
 
     #[test]

@@ -10,26 +10,14 @@ use crate::types::covbeam_derivatives;
 /// Relative density of a medium at a point.
 ///
 /// @param medium the medium.
-/// @param position [m].
-/// @param density >= 0: 1 where the medium's coefficients hold. An exponential one is held beyond e^80 and
-///     e^-80.
-/// @note Costs nothing, an exponential, or a trilinear look-up.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_medium_density_at(
-    medium: *const covbeam_medium,
-    position: *const f32,
-    density: *mut f32,
-) -> covbeam_status {
-    // SAFETY: the caller's promises about single values are those about arrays of one.
-    unsafe { covbeam_medium_density_at_many(medium, 1, position, 0, density, 0) }
-}
-
-/// covbeam_medium_density_at for `count` points.
-///
-/// @param medium as medium there.
 /// @param count number of points; with 0 nothing is done.
-/// @param positions, position_stride as position there.
-/// @param densities, density_stride as density there.
+/// @param positions, position_stride [m].
+/// @param densities, density_stride >= 0: 1 where the medium's coefficients hold. An exponential one is held
+///     beyond e^80 and e^-80.
+/// @note Costs nothing, an exponential, or a trilinear look-up.
+/// @kinds <medium <f:fff >f:q
+/// @single covbeam_medium_density_at
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_density_at_many(
     medium: *const covbeam_medium,
@@ -52,25 +40,13 @@ pub unsafe extern "C" fn covbeam_medium_density_at_many(
 /// covbeam_light_field_attenuate takes.
 ///
 /// @param medium the medium.
-/// @param position [m].
-/// @param derivatives exact for an exponential density; differences between neighbouring voxels, 0 outside the
-///     box.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_medium_derivatives_at(
-    medium: *const covbeam_medium,
-    position: *const f32,
-    derivatives: *mut covbeam_derivatives,
-) -> covbeam_status {
-    // SAFETY: the caller's promises about single values are those about arrays of one.
-    unsafe { covbeam_medium_derivatives_at_many(medium, 1, position, 0, derivatives, 0) }
-}
-
-/// covbeam_medium_derivatives_at for `count` points.
-///
-/// @param medium as medium there.
 /// @param count number of points; with 0 nothing is done.
-/// @param positions, position_stride as position there.
-/// @param derivatives, derivative_stride as derivatives there.
+/// @param positions, position_stride [m].
+/// @param derivatives, derivative_stride exact for an exponential density; differences between neighbouring
+///     voxels, 0 outside the box.
+/// @kinds <medium <f:fff >derivatives
+/// @single covbeam_medium_derivatives_at
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_derivatives_at_many(
     medium: *const covbeam_medium,
@@ -99,6 +75,8 @@ pub unsafe extern "C" fn covbeam_medium_derivatives_at_many(
 /// @param medium the medium.
 /// @param step [m] > 0: infinity where the medium is homogeneous, half the scale height, or a voxel's smallest
 ///     side.
+/// @kinds <medium >f:P
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_step(
     medium: *const covbeam_medium,
@@ -117,9 +95,8 @@ pub unsafe extern "C" fn covbeam_medium_step(
 #[allow(clippy::undocumented_unsafe_blocks, reason = "every argument is a local, or refused")]
 mod tests {
     use super::*;
-    use crate::hostile::{Rule::*, UNTOUCHED, padded, refuses, values};
+    use crate::hostile::{Rule::*, UNTOUCHED, refuses};
     use crate::medium::samples::{fog, haze, smoke};
-    use crate::status::covbeam_status::*;
 
     const POSITION: [(f32, crate::hostile::Rule); 3] = [(0.3, Finite), (0.4, Finite), (0.5, Finite)];
 
@@ -130,10 +107,13 @@ mod tests {
             refuses(3, &POSITION, |bad, n| {
                 let mut out = UNTOUCHED;
                 let status = unsafe {
-                    covbeam_medium_density_at(
+                    covbeam_medium_density_at_many(
                         bad.at(0, &medium),
+                        1,
                         bad.at(1, n.as_ptr()),
+                        0,
                         bad.at_mut(2, &mut out),
+                        0,
                     )
                 };
                 (status, out.to_bits() != UNTOUCHED.to_bits())
@@ -142,10 +122,13 @@ mod tests {
                 let before = covbeam_derivatives { gradient: [UNTOUCHED; 3], hessian: [UNTOUCHED; 6] };
                 let mut out = before;
                 let status = unsafe {
-                    covbeam_medium_derivatives_at(
+                    covbeam_medium_derivatives_at_many(
                         bad.at(0, &medium),
+                        1,
                         bad.at(1, n.as_ptr()),
+                        0,
                         bad.at_mut(2, &mut out),
+                        0,
                     )
                 };
                 (status, out != before)
@@ -155,53 +138,6 @@ mod tests {
                 let status = unsafe { covbeam_medium_step(bad.at(0, &medium), bad.at_mut(1, &mut out)) };
                 (status, out != UNTOUCHED)
             });
-        }
-    }
-
-    #[test]
-    fn many_are_the_same_bits_as_one_each() {
-        let smoke = smoke();
-        let positions = padded(&[[0.3, 0.4, 0.5], [0.9, 0.1, 0.2], [2.0, 0.0, 0.0]]);
-        let stride = size_of_val(&positions[0]);
-        for medium in [fog(), haze(), smoke.medium] {
-            let mut densities = padded(&[UNTOUCHED; 3]);
-            let zero = covbeam_derivatives { gradient: [UNTOUCHED; 3], hessian: [UNTOUCHED; 6] };
-            let mut derivatives = padded(&[zero; 3]);
-            let derivative_stride = size_of_val(&derivatives[0]);
-            let status = unsafe {
-                covbeam_medium_density_at_many(
-                    &medium,
-                    3,
-                    positions.as_ptr().cast(),
-                    stride,
-                    &mut densities[0].value,
-                    16,
-                )
-            };
-            assert_eq!(status, COVBEAM_OK);
-            let status = unsafe {
-                let out = &raw mut derivatives[0].value;
-                covbeam_medium_derivatives_at_many(
-                    &medium,
-                    3,
-                    positions.as_ptr().cast(),
-                    stride,
-                    out,
-                    derivative_stride,
-                )
-            };
-            assert_eq!(status, COVBEAM_OK);
-            for ((position, density), found) in
-                values(&positions).iter().zip(values(&densities)).zip(values(&derivatives))
-            {
-                let (mut one, mut one_derivatives) = (UNTOUCHED, zero);
-                let status = unsafe { covbeam_medium_density_at(&medium, position.as_ptr(), &mut one) };
-                assert_eq!((status, one), (COVBEAM_OK, density));
-                let status = unsafe {
-                    covbeam_medium_derivatives_at(&medium, position.as_ptr(), &mut one_derivatives)
-                };
-                assert_eq!((status, one_derivatives), (COVBEAM_OK, found));
-            }
         }
     }
 }

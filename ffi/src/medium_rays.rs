@@ -75,31 +75,15 @@ fn distance_at(density: &Density, origin: Vec3, direction: Vec3, length: f32, co
 /// Column along a ray: the integral of the relative density. Extinction x column is the optical depth.
 ///
 /// @param medium the medium.
-/// @param origin of the ray [m].
-/// @param direction of the ray, unit.
-/// @param distance along the ray [m] >= 0; infinity allowed.
-/// @param column [m] >= 0; infinite only for an infinite distance in a homogeneous medium.
-/// @note Voxels: exact, about 20 ns a voxel passed. For many distances on one ray see covbeam_medium_column.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_medium_column_at(
-    medium: *const covbeam_medium,
-    origin: *const f32,
-    direction: *const f32,
-    distance: f32,
-    column: *mut f32,
-) -> covbeam_status {
-    // SAFETY: the caller's promises about single values are those about arrays of one.
-    unsafe { covbeam_medium_column_at_many(medium, 1, origin, 0, direction, 0, &distance, 0, column, 0) }
-}
-
-/// covbeam_medium_column_at for `count` rays.
-///
-/// @param medium as medium there.
 /// @param count number of rays; with 0 nothing is done.
-/// @param origins, origin_stride as origin there; a stride of 0 gives all rays the same.
-/// @param directions, direction_stride as direction there; a stride of 0 gives all rays the same.
-/// @param distances, distance_stride as distance there; a stride of 0 gives all rays the same.
-/// @param columns, column_stride as column there.
+/// @param origins, origin_stride of the ray [m].
+/// @param directions, direction_stride of the ray, unit.
+/// @param distances, distance_stride along the ray [m] >= 0; infinity allowed.
+/// @param columns, column_stride [m] >= 0; infinite only for an infinite distance in a homogeneous medium.
+/// @note Voxels: exact, about 20 ns a voxel passed. For many distances on one ray see covbeam_medium_column.
+/// @kinds <medium <f:fff <f:uuu <f:p >f:p
+/// @single covbeam_medium_column_at
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_column_at_many(
     medium: *const covbeam_medium,
@@ -134,38 +118,16 @@ pub unsafe extern "C" fn covbeam_medium_column_at_many(
 /// extinction of one channel; light that gets infinity reaches the end of the ray.
 ///
 /// @param medium the medium.
-/// @param origin of the ray [m].
-/// @param direction of the ray, unit.
-/// @param length of the ray [m] >= 0; infinity allowed.
-/// @param column [m] >= 0; infinity allowed.
-/// @param distance [m]; infinity if the ray ends before.
-/// @note Voxels: the column there is within 5e-4 of the one asked for, relatively; about 20 ns a voxel passed.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_medium_distance_at(
-    medium: *const covbeam_medium,
-    origin: *const f32,
-    direction: *const f32,
-    length: f32,
-    column: f32,
-    distance: *mut f32,
-) -> covbeam_status {
-    // SAFETY: the caller's promises about single values are those about arrays of one.
-    unsafe {
-        covbeam_medium_distance_at_many(
-            medium, 1, origin, 0, direction, 0, &length, 0, &column, 0, distance, 0,
-        )
-    }
-}
-
-/// covbeam_medium_distance_at for `count` rays.
-///
-/// @param medium as medium there.
 /// @param count number of rays; with 0 nothing is done.
-/// @param origins, origin_stride as origin there; a stride of 0 gives all rays the same.
-/// @param directions, direction_stride as direction there; a stride of 0 gives all rays the same.
-/// @param lengths, length_stride as length there; a stride of 0 gives all rays the same.
-/// @param columns, column_stride as column there; a stride of 0 gives all rays the same.
-/// @param distances, distance_stride as distance there.
+/// @param origins, origin_stride of the ray [m].
+/// @param directions, direction_stride of the ray, unit.
+/// @param lengths, length_stride of the ray [m] >= 0; infinity allowed.
+/// @param columns, column_stride [m] >= 0; infinity allowed.
+/// @param distances, distance_stride [m]; infinity if the ray ends before.
+/// @note Voxels: the column there is within 5e-4 of the one asked for, relatively; about 20 ns a voxel
+///     passed.
+/// @kinds <medium <f:fff <f:uuu <f:p <f:p >f:p
+/// @single covbeam_medium_distance_at
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_distance_at_many(
     medium: *const covbeam_medium,
@@ -202,33 +164,14 @@ pub unsafe extern "C" fn covbeam_medium_distance_at_many(
 /// The share of light that a stretch of medium leaves, per channel.
 ///
 /// @param medium the medium.
-/// @param origin of the ray [m].
-/// @param direction of the ray, unit.
-/// @param distance along the ray [m] >= 0; infinity allowed.
-/// @param transmittance three numbers in [0, 1]: exp(-extinction x column).
-/// @note The column of covbeam_medium_column_at, and one exponential if the channels are equal, else three.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_medium_transmittance(
-    medium: *const covbeam_medium,
-    origin: *const f32,
-    direction: *const f32,
-    distance: f32,
-    transmittance: *mut f32,
-) -> covbeam_status {
-    // SAFETY: the caller's promises about single values are those about arrays of one.
-    unsafe {
-        covbeam_medium_transmittance_many(medium, 1, origin, 0, direction, 0, &distance, 0, transmittance, 0)
-    }
-}
-
-/// covbeam_medium_transmittance for `count` rays.
-///
-/// @param medium as medium there.
 /// @param count number of rays; with 0 nothing is done.
-/// @param origins, origin_stride as origin there; a stride of 0 gives all rays the same.
-/// @param directions, direction_stride as direction there; a stride of 0 gives all rays the same.
-/// @param distances, distance_stride as distance there; a stride of 0 gives all rays the same.
-/// @param transmittances, transmittance_stride as transmittance there.
+/// @param origins, origin_stride of the ray [m].
+/// @param directions, direction_stride of the ray, unit.
+/// @param distances, distance_stride along the ray [m] >= 0; infinity allowed.
+/// @param transmittances, transmittance_stride three numbers in [0, 1]: exp(-extinction x column).
+/// @note The column of covbeam_medium_column_at, and one exponential if the channels are equal, else three.
+/// @kinds <medium <f:fff <f:uuu <f:p >f:ttt
+/// @single covbeam_medium_transmittance
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_transmittance_many(
     medium: *const covbeam_medium,
@@ -263,24 +206,12 @@ pub unsafe extern "C" fn covbeam_medium_transmittance_many(
 /// The share of light that a column leaves, per channel: for a host that has the column already.
 ///
 /// @param medium the medium; its density does not matter.
-/// @param column [m] >= 0; infinity allowed.
-/// @param transmittance three numbers in [0, 1]: exp(-extinction x column).
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_medium_column_transmittance(
-    medium: *const covbeam_medium,
-    column: f32,
-    transmittance: *mut f32,
-) -> covbeam_status {
-    // SAFETY: the caller's promises about single values are those about arrays of one.
-    unsafe { covbeam_medium_column_transmittance_many(medium, 1, &column, 0, transmittance, 0) }
-}
-
-/// covbeam_medium_column_transmittance for `count` columns.
-///
-/// @param medium as medium there.
 /// @param count number of columns; with 0 nothing is done.
-/// @param columns, column_stride as column there.
-/// @param transmittances, transmittance_stride as transmittance there.
+/// @param columns, column_stride [m] >= 0; infinity allowed.
+/// @param transmittances, transmittance_stride three numbers in [0, 1]: exp(-extinction x column).
+/// @kinds <medium <f:p >f:ttt
+/// @single covbeam_medium_column_transmittance
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_column_transmittance_many(
     medium: *const covbeam_medium,
@@ -304,6 +235,7 @@ pub unsafe extern "C" fn covbeam_medium_column_transmittance_many(
 ///
 /// @param medium the medium.
 /// @param column [m]; infinite if a channel has no extinction.
+/// @kinds <medium >f:p
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_opaque_column(
     medium: *const covbeam_medium,
@@ -322,29 +254,14 @@ pub unsafe extern "C" fn covbeam_medium_opaque_column(
 /// beam that no surface ends.
 ///
 /// @param medium the medium.
-/// @param origin of the ray [m].
-/// @param direction of the ray, unit.
-/// @param distance [m]: where the medium becomes opaque, hardly goes on, or its voxels end; infinite if there
-///     is no such place.
-/// @note Voxels: about 20 ns a voxel passed.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_medium_reach(
-    medium: *const covbeam_medium,
-    origin: *const f32,
-    direction: *const f32,
-    distance: *mut f32,
-) -> covbeam_status {
-    // SAFETY: the caller's promises about single values are those about arrays of one.
-    unsafe { covbeam_medium_reach_many(medium, 1, origin, 0, direction, 0, distance, 0) }
-}
-
-/// covbeam_medium_reach for `count` rays.
-///
-/// @param medium as medium there.
 /// @param count number of rays; with 0 nothing is done.
-/// @param origins, origin_stride as origin there; a stride of 0 gives all rays the same.
-/// @param directions, direction_stride as direction there; a stride of 0 gives all rays the same.
-/// @param distances, distance_stride as distance there.
+/// @param origins, origin_stride of the ray [m].
+/// @param directions, direction_stride of the ray, unit.
+/// @param distances, distance_stride [m]: where the medium becomes opaque, hardly goes on, or its voxels
+///     end; infinite if there is no such place.
+/// @note Voxels: about 20 ns a voxel passed.
+/// @kinds <medium <f:fff <f:uuu >f:p
+/// @single covbeam_medium_reach
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_medium_reach_many(
     medium: *const covbeam_medium,
@@ -382,7 +299,7 @@ pub unsafe extern "C" fn covbeam_medium_reach_many(
 #[allow(clippy::undocumented_unsafe_blocks, reason = "every argument is a local, or refused")]
 mod tests {
     use super::*;
-    use crate::hostile::{Rule::*, UNTOUCHED, padded, refuses, values};
+    use crate::hostile::{Rule::*, UNTOUCHED, refuses};
     use crate::medium::samples::{fog, haze, smoke};
     use crate::status::covbeam_status::*;
 
@@ -401,12 +318,17 @@ mod tests {
                 let (origin, direction) = (bad.at(1, n.as_ptr()), bad.at(2, n[3..].as_ptr()));
                 let mut out = UNTOUCHED;
                 let status = unsafe {
-                    covbeam_medium_column_at(
+                    covbeam_medium_column_at_many(
                         bad.at(0, &medium),
+                        1,
                         origin,
+                        0,
                         direction,
-                        n[6],
+                        0,
+                        &n[6],
+                        0,
                         bad.at_mut(3, &mut out),
+                        0,
                     )
                 };
                 (status, changed(out))
@@ -415,8 +337,20 @@ mod tests {
                 let (origin, direction) = (bad.at(1, n.as_ptr()), bad.at(2, n[3..].as_ptr()));
                 let mut out = [UNTOUCHED; 3];
                 let to = bad.at_mut(3, out.as_mut_ptr());
-                let status =
-                    unsafe { covbeam_medium_transmittance(bad.at(0, &medium), origin, direction, n[6], to) };
+                let status = unsafe {
+                    covbeam_medium_transmittance_many(
+                        bad.at(0, &medium),
+                        1,
+                        origin,
+                        0,
+                        direction,
+                        0,
+                        &n[6],
+                        0,
+                        to,
+                        0,
+                    )
+                };
                 (status, out.map(f32::to_bits) != [UNTOUCHED.to_bits(); 3])
             });
             refuses(4, &[&RAY[..], &[(9.0, NotNegative), (0.5, NotNegative)]].concat(), |bad, n| {
@@ -424,7 +358,20 @@ mod tests {
                 let mut out = UNTOUCHED;
                 let to = bad.at_mut(3, &mut out);
                 let status = unsafe {
-                    covbeam_medium_distance_at(bad.at(0, &medium), origin, direction, n[6], n[7], to)
+                    covbeam_medium_distance_at_many(
+                        bad.at(0, &medium),
+                        1,
+                        origin,
+                        0,
+                        direction,
+                        0,
+                        &n[6],
+                        0,
+                        &n[7],
+                        0,
+                        to,
+                        0,
+                    )
                 };
                 (status, changed(out))
             });
@@ -432,7 +379,16 @@ mod tests {
                 let (origin, direction) = (bad.at(1, n.as_ptr()), bad.at(2, n[3..].as_ptr()));
                 let mut out = UNTOUCHED;
                 let status = unsafe {
-                    covbeam_medium_reach(bad.at(0, &medium), origin, direction, bad.at_mut(3, &mut out))
+                    covbeam_medium_reach_many(
+                        bad.at(0, &medium),
+                        1,
+                        origin,
+                        0,
+                        direction,
+                        0,
+                        bad.at_mut(3, &mut out),
+                        0,
+                    )
                 };
                 (status, changed(out))
             });
@@ -445,90 +401,11 @@ mod tests {
             refuses(2, &[(0.5, NotNegative)], |bad, n| {
                 let mut out = [UNTOUCHED; 3];
                 let to = bad.at_mut(1, out.as_mut_ptr());
-                let status = unsafe { covbeam_medium_column_transmittance(bad.at(0, &medium), n[0], to) };
+                let status = unsafe {
+                    covbeam_medium_column_transmittance_many(bad.at(0, &medium), 1, &n[0], 0, to, 0)
+                };
                 (status, out != [UNTOUCHED; 3])
             });
-        }
-    }
-
-    #[test]
-    fn many_are_the_same_bits_as_one_each() {
-        let smoke = smoke();
-        let origins = padded(&[[0.2, 0.3, -1.0], [0.7, 0.4, -0.5], [0.1, 0.9, 3.0]]);
-        let stride = size_of_val(&origins[0]);
-        let direction = [0.0, 0.6, 0.8];
-        let lengths = [1.4, 2.0, f32::INFINITY];
-        for medium in [fog(), haze(), smoke.medium] {
-            let (o, d) = (origins.as_ptr().cast(), direction.as_ptr());
-            let mut found = [(); 3].map(|()| padded(&[UNTOUCHED; 3]));
-            let [columns, distances, reaches] = &mut found;
-            let mut shares = padded(&[[UNTOUCHED; 3]; 3]);
-            let share_stride = size_of_val(&shares[0]);
-            let statuses = unsafe {
-                [
-                    covbeam_medium_column_at_many(
-                        &medium,
-                        3,
-                        o,
-                        stride,
-                        d,
-                        0,
-                        lengths.as_ptr(),
-                        4,
-                        &mut columns[0].value,
-                        16,
-                    ),
-                    covbeam_medium_distance_at_many(
-                        &medium,
-                        3,
-                        o,
-                        stride,
-                        d,
-                        0,
-                        lengths.as_ptr(),
-                        4,
-                        &0.4,
-                        0,
-                        &mut distances[0].value,
-                        16,
-                    ),
-                    covbeam_medium_reach_many(&medium, 3, o, stride, d, 0, &mut reaches[0].value, 16),
-                    covbeam_medium_transmittance_many(
-                        &medium,
-                        3,
-                        o,
-                        stride,
-                        d,
-                        0,
-                        lengths.as_ptr(),
-                        4,
-                        shares.as_mut_ptr().cast(),
-                        share_stride,
-                    ),
-                ]
-            };
-            assert_eq!(statuses, [COVBEAM_OK; 4]);
-            let mut again = [[UNTOUCHED; 3]; 3];
-            let status = unsafe {
-                let from = &raw const columns[0].value;
-                covbeam_medium_column_transmittance_many(&medium, 3, from, 16, again.as_mut_ptr().cast(), 12)
-            };
-            assert_eq!((status, again.to_vec()), (COVBEAM_OK, values(&shares)));
-            for (i, origin) in values(&origins).iter().enumerate() {
-                let (o, mut one, mut share) = (origin.as_ptr(), [UNTOUCHED; 3], [UNTOUCHED; 3]);
-                let [column, distance, reach] = &mut one;
-                let statuses = unsafe {
-                    [
-                        covbeam_medium_column_at(&medium, o, d, lengths[i], column),
-                        covbeam_medium_distance_at(&medium, o, d, lengths[i], 0.4, distance),
-                        covbeam_medium_reach(&medium, o, d, reach),
-                        covbeam_medium_transmittance(&medium, o, d, lengths[i], share.as_mut_ptr()),
-                    ]
-                };
-                assert_eq!(statuses, [COVBEAM_OK; 4]);
-                assert_eq!(one, [0, 1, 2].map(|k| values(&found[k])[i]));
-                assert_eq!(share, values(&shares)[i]);
-            }
         }
     }
 
@@ -560,13 +437,19 @@ mod tests {
             let distance = |length| {
                 let mut out = UNTOUCHED;
                 let status = unsafe {
-                    covbeam_medium_distance_at(
+                    covbeam_medium_distance_at_many(
                         &medium,
+                        1,
                         origin.as_ptr(),
+                        0,
                         direction.as_ptr(),
-                        length,
-                        0.5,
+                        0,
+                        &length,
+                        0,
+                        &0.5,
+                        0,
                         &mut out,
+                        0,
                     )
                 };
                 assert_eq!(status, COVBEAM_OK);

@@ -86,11 +86,12 @@ fn fits<T>(pointer: *const T, stride: usize, count: usize, name: &str) -> Result
         let message = format_args!("{name}: the stride {stride} is not a multiple of {}", align_of::<T>());
         return Err(fail(COVBEAM_MISALIGNED, message));
     }
+    // One element that is repeated stands for as many as memory could hold.
     let end = (count - 1)
-        .checked_mul(stride)
+        .checked_mul(if stride == 0 { size_of::<T>() } else { stride })
         .and_then(|offset| offset.checked_add(size_of::<T>()))
         .filter(|bytes| *bytes <= isize::MAX as usize)
-        .and_then(|bytes| pointer.addr().checked_add(bytes));
+        .and_then(|bytes| pointer.addr().checked_add(if stride == 0 { size_of::<T>() } else { bytes }));
     if end.is_none() {
         let message =
             format_args!("{name}: {count} elements, {stride} bytes apart, are more than memory has");

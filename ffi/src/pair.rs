@@ -22,27 +22,14 @@ unsafe fn read_ray(pointer: *const covbeam_eye_ray) -> Result<EyeRay, Failure> {
 /// Closest approach of an eye ray's line and a beam's line.
 ///
 /// @param ray the eye ray; its length does not matter.
-/// @param beam the beam; its length does not matter.
-/// @param crossing the closest approach; untouched if they are nearly parallel.
-/// @param crosses 1, or 0 if the sine of the angle between them is below 1e-5: such pairs are never gathered.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_cross(
-    ray: *const covbeam_eye_ray,
-    beam: *const covbeam_beam,
-    crossing: *mut covbeam_crossing,
-    crosses: *mut u8,
-) -> covbeam_status {
-    // SAFETY: the caller's promises about single values are those about arrays of one.
-    unsafe { covbeam_cross_many(ray, 1, beam, 0, crossing, 0, crosses, 0) }
-}
-
-/// covbeam_cross for `count` beams.
-///
-/// @param ray as ray there.
 /// @param count number of beams; with 0 nothing is done.
-/// @param beams, beam_stride as beam there.
-/// @param crossings, crossing_stride as crossing there.
-/// @param crosses, cross_stride as crosses there.
+/// @param beams, beam_stride the beam; its length does not matter.
+/// @param crossings, crossing_stride the closest approach; untouched if they are nearly parallel.
+/// @param crosses, cross_stride 1, or 0 if the sine of the angle between them is below 1e-5: such pairs are
+///     never gathered.
+/// @kinds <ray <beam >crossing >flag
+/// @single covbeam_cross
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_cross_many(
     ray: *const covbeam_eye_ray,
@@ -94,70 +81,22 @@ fn closed_form(
 /// looked up on the eye ray.
 ///
 /// @param ray the eye ray.
-/// @param beam the beam, in the same medium.
-/// @param from, to part of the beam that counts [m] >= 0, [from, to): 0 and the beam's length, or more, for all
-///     of it. Cutting a beam into adjoining parts changes nothing.
+/// @param count number of beams; with 0 nothing is done.
+/// @param beams, beam_stride the beam, in the same medium.
+/// @param froms, from_stride, tos, to_stride part of the beam that counts [m] >= 0, [from, to): 0 and the
+///     beam's length, or more, for all of it. Cutting a beam into adjoining parts changes nothing.
 /// @param medium that both lie in.
 /// @param ray_column along the ray; NULL takes the closed form (voxels have none: COVBEAM_NULL_POINTER).
-/// @param beam_column along the beam; NULL likewise.
+/// @param beam_columns, beam_column_stride along the beams; NULL likewise, for all of them.
 /// @param kernel the kernel of the pass.
 /// @param grid as in covbeam_kernel_radius_at.
-/// @param gathered in and out: finite numbers, all 0 to begin with.
-/// @param accepted 1 if the pair counts, else 0.
+/// @param gathered in and out, one for all beams, added in their order: finite numbers, all 0 to begin with.
+/// @param accepted, accepted_stride 1 if the pair counts, else 0.
 /// @note Thesis 5.3.4. A beam that starts or ends on a surface is cut by its tangent plane. The order of the
 ///     columns' knots is not checked.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_gather_pair(
-    ray: *const covbeam_eye_ray,
-    beam: *const covbeam_beam,
-    from: f32,
-    to: f32,
-    medium: *const covbeam_medium,
-    ray_column: *const covbeam_column,
-    beam_column: *const covbeam_column,
-    kernel: *const covbeam_kernel,
-    grid: *const covbeam_grid,
-    gathered: *mut covbeam_gathered,
-    accepted: *mut u8,
-) -> covbeam_status {
-    // SAFETY: the caller's promises about single values are those about arrays of one.
-    unsafe {
-        covbeam_gather_pairs(
-            ray,
-            1,
-            beam,
-            0,
-            &from,
-            0,
-            &to,
-            0,
-            medium,
-            ray_column,
-            beam_column,
-            0,
-            kernel,
-            grid,
-            gathered,
-            accepted,
-            0,
-        )
-    }
-}
-
-/// covbeam_gather_pair for one eye ray and `count` beams, added in their order.
-///
-/// @param ray as ray there.
-/// @param count number of beams; with 0 nothing is done.
-/// @param beams, beam_stride as beam there.
-/// @param froms, from_stride as from there; a stride of 0 gives all beams the same.
-/// @param tos, to_stride as to there; a stride of 0 gives all beams the same.
-/// @param medium as medium there.
-/// @param ray_column as ray_column there.
-/// @param beam_columns, beam_column_stride as beam_column there; NULL for all of them.
-/// @param kernel as kernel there.
-/// @param grid as grid there.
-/// @param gathered as gathered there, one for all beams.
-/// @param accepted, accepted_stride as accepted there.
+/// @kinds <ray <beam <f:p <f:p <medium <column? <column? <kernel @grid.resolved? =gathered >flag
+/// @single covbeam_gather_pair
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_gather_pairs(
     ray: *const covbeam_eye_ray,
@@ -242,6 +181,8 @@ pub unsafe extern "C" fn covbeam_gather_pairs(
 /// @param beams, beam_stride the beams, each as a whole.
 /// @param max_radius largest kernel radius [m] > 0: that of the covbeam_kernel.
 /// @param masks, mask_stride 1 for a beam that may come within the max_radius, else 0.
+/// @kinds <ray <beam $+ >flag
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_filter_beams(
     ray: *const covbeam_eye_ray,
@@ -396,13 +337,22 @@ mod tests {
             let (mut crossing, mut crosses) = (none, 77);
             let status = unsafe {
                 let to = bad.at_mut(2, &mut crossing);
-                covbeam_cross(bad.at(0, &ray), bad.at(1, &beam), to, bad.at_mut(3, &mut crosses))
+                covbeam_cross_many(
+                    bad.at(0, &ray),
+                    1,
+                    bad.at(1, &beam),
+                    0,
+                    to,
+                    0,
+                    bad.at_mut(3, &mut crosses),
+                    0,
+                )
             };
             (status, crosses != 77 || crossing.gap.to_bits() != UNTOUCHED.to_bits())
         });
         let along = covbeam_beam { direction: Z, ..beams()[0] };
         let (mut crossing, mut crosses) = (none, 77);
-        let status = unsafe { covbeam_cross(&ray(), &along, &mut crossing, &mut crosses) };
+        let status = unsafe { covbeam_cross_many(&ray(), 1, &along, 0, &mut crossing, 0, &mut crosses, 0) };
         assert_eq!((status, crossing, crosses), (COVBEAM_OK, none, 0));
     }
 
@@ -435,18 +385,24 @@ mod tests {
                 };
                 let (mut gathered, mut accepted) = (before, 77);
                 let status = unsafe {
-                    covbeam_gather_pair(
+                    covbeam_gather_pairs(
                         bad.at(0, &ray),
+                        1,
                         bad.at(1, &beam),
-                        n[23],
-                        n[24],
+                        0,
+                        &n[23],
+                        0,
+                        &n[24],
+                        0,
                         bad.at(2, &medium),
                         bad.at(6, &ray_column),
                         bad.at(7, &beam_column),
+                        0,
                         bad.at(3, &kernel),
                         ptr::null(),
                         bad.at_mut(4, &mut gathered),
                         bad.at_mut(5, &mut accepted),
+                        0,
                     )
                 };
                 (status, accepted != 77 || gathered.pairs != 1)
@@ -457,18 +413,24 @@ mod tests {
         let status = unsafe {
             let none = ptr::null();
             let (ray, beam) = (ray(), beam_of(&plain(&BEAM)));
-            covbeam_gather_pair(
+            covbeam_gather_pairs(
                 &ray,
+                1,
                 &beam,
-                0.0,
-                3.0,
+                0,
+                &0.0,
+                0,
+                &3.0,
+                0,
                 &fog(),
                 none,
                 none,
+                0,
                 &kernel(),
                 ptr::null(),
                 &mut full,
                 &mut accepted,
+                0,
             )
         };
         assert_eq!((status, full.pairs, accepted), (COVBEAM_INVALID_VALUE, u32::MAX, 77));
@@ -533,18 +495,24 @@ mod tests {
                 let status = unsafe {
                     let along = if voxels { &raw const beam_columns[i] } else { none };
                     let (ray, kernel) = (ray(), kernel());
-                    covbeam_gather_pair(
+                    covbeam_gather_pairs(
                         &ray,
+                        1,
                         beam,
-                        0.0,
-                        f32::INFINITY,
+                        0,
+                        &0.0,
+                        0,
+                        &f32::INFINITY,
+                        0,
                         &medium,
                         r,
                         along,
+                        0,
                         &kernel,
                         ptr::null(),
                         &mut sum,
                         &mut one,
+                        0,
                     )
                 };
                 assert_eq!((status, one), (COVBEAM_OK, accepted[i]));
@@ -578,7 +546,7 @@ mod tests {
         assert_eq!(status, COVBEAM_OK);
         for (i, found) in values(&crossings).into_iter().enumerate() {
             let (mut one, mut flag) = (none, 77);
-            let status = unsafe { covbeam_cross(&ray(), &beams[i], &mut one, &mut flag) };
+            let status = unsafe { covbeam_cross_many(&ray(), 1, &beams[i], 0, &mut one, 0, &mut flag, 0) };
             assert_eq!((status, one, flag), (COVBEAM_OK, found, crosses[i]));
         }
         assert_eq!((crosses[7], crosses[0]), (0, 1));
@@ -593,18 +561,24 @@ mod tests {
         for (ray_column, beam_column) in [(none, r), (r, none), (none, none)] {
             let status = unsafe {
                 let (ray, beam, kernel) = (ray(), beam_of(&plain(&BEAM)), kernel());
-                covbeam_gather_pair(
+                covbeam_gather_pairs(
                     &ray,
+                    1,
                     &beam,
-                    0.0,
-                    3.0,
+                    0,
+                    &0.0,
+                    0,
+                    &3.0,
+                    0,
                     &smoke.medium,
                     ray_column,
                     beam_column,
+                    0,
                     &kernel,
                     ptr::null(),
                     &mut gathered,
                     &mut accepted,
+                    0,
                 )
             };
             assert_eq!((status, gathered, accepted), (COVBEAM_NULL_POINTER, NOTHING, 77));

@@ -35,25 +35,13 @@ unsafe fn read_phase(pointer: *const covbeam_phase) -> Result<PhaseFunction, Fai
 /// The value of a phase function [1/sr]: 1 in all over the sphere.
 ///
 /// @param phase the phase function.
-/// @param cos_theta dot(propagation before, propagation after), forward 1; in [-1, 1], rounding past the ends
-///     is harmless.
-/// @param value [1/sr] >= 0.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_phase_evaluate(
-    phase: *const covbeam_phase,
-    cos_theta: f32,
-    value: *mut f32,
-) -> covbeam_status {
-    // SAFETY: the caller's promises about single values are those about arrays of one.
-    unsafe { covbeam_phase_evaluate_many(phase, 1, &cos_theta, 0, value, 0) }
-}
-
-/// covbeam_phase_evaluate for `count` cosines.
-///
-/// @param phase as phase there.
 /// @param count number of values; with 0 nothing is done.
-/// @param cosines, cosine_stride as cos_theta there.
-/// @param values, value_stride as value there.
+/// @param cosines, cosine_stride dot(propagation before, propagation after), forward 1; in [-1, 1], rounding
+///     past the ends is harmless.
+/// @param values, value_stride [1/sr] >= 0.
+/// @kinds <phase <f:c >f:q
+/// @single covbeam_phase_evaluate
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_phase_evaluate_many(
     phase: *const covbeam_phase,
@@ -75,28 +63,14 @@ pub unsafe extern "C" fn covbeam_phase_evaluate_many(
 /// Samples a direction after scattering in proportion to the phase function: the weight (value / density) is 1.
 ///
 /// @param phase the phase function.
-/// @param direction of propagation before the event, unit.
-/// @param xi two independent uniform numbers in [0, 1).
-/// @param scattered direction of propagation after the event, unit; may be the same array as direction.
-/// @note The angle of a narrow lobe is exact: it does not pass through its cosine.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_phase_sample(
-    phase: *const covbeam_phase,
-    direction: *const f32,
-    xi: *const f32,
-    scattered: *mut f32,
-) -> covbeam_status {
-    // SAFETY: the caller's promises about single values are those about arrays of one.
-    unsafe { covbeam_phase_sample_many(phase, 1, direction, 0, xi, 0, scattered, 0) }
-}
-
-/// covbeam_phase_sample for `count` directions.
-///
-/// @param phase as phase there.
 /// @param count number of directions; with 0 nothing is done.
-/// @param directions, direction_stride as direction there; a stride of 0 scatters one direction `count` times.
-/// @param xis, xi_stride as xi there.
-/// @param scattered, scattered_stride as scattered there.
+/// @param directions, direction_stride of propagation before the event, unit.
+/// @param xis, xi_stride two independent uniform numbers in [0, 1).
+/// @param scattered, scattered_stride direction of propagation after the event, unit; may be the same array
+///     as directions.
+/// @note The angle of a narrow lobe is exact: it does not pass through its cosine.
+/// @kinds <phase <f:uuu <f:rr >f:uuu
+/// @single covbeam_phase_sample
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_phase_sample_many(
     phase: *const covbeam_phase,
@@ -125,24 +99,12 @@ pub unsafe extern "C" fn covbeam_phase_sample_many(
 /// Samples the cosine of the scattering angle in proportion to the phase function.
 ///
 /// @param phase the phase function.
-/// @param xi uniform in [0, 1); 0 gives -1, and the cosine grows with it.
-/// @param cos_theta in [-1, 1].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_phase_sample_cosine(
-    phase: *const covbeam_phase,
-    xi: f32,
-    cos_theta: *mut f32,
-) -> covbeam_status {
-    // SAFETY: the caller's promises about single values are those about arrays of one.
-    unsafe { covbeam_phase_sample_cosine_many(phase, 1, &xi, 0, cos_theta, 0) }
-}
-
-/// covbeam_phase_sample_cosine for `count` random numbers.
-///
-/// @param phase as phase there.
 /// @param count number of cosines; with 0 nothing is done.
-/// @param xis, xi_stride as xi there.
-/// @param cosines, cosine_stride as cos_theta there.
+/// @param xis, xi_stride uniform in [0, 1); 0 gives -1, and the cosine grows with it.
+/// @param cosines, cosine_stride in [-1, 1].
+/// @kinds <phase <f:r >f:c
+/// @single covbeam_phase_sample_cosine
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_phase_sample_cosine_many(
     phase: *const covbeam_phase,
@@ -167,6 +129,7 @@ pub unsafe extern "C" fn covbeam_phase_sample_cosine_many(
 /// @param variance [cycles^2/rad^2]: 3|g| / (4 pi^2 (1 - |g|)^2) for Henyey-Greenstein, 1/(4 pi^2) for
 ///     Rayleigh, 0 for isotropic.
 /// @note Derived from the lobe's curvature at its peak.
+/// @kinds <phase >f:q
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_phase_angular_variance(
     phase: *const covbeam_phase,
@@ -185,7 +148,7 @@ pub unsafe extern "C" fn covbeam_phase_angular_variance(
 #[allow(clippy::undocumented_unsafe_blocks, reason = "every argument is a local, or refused")]
 mod tests {
     use super::*;
-    use crate::hostile::{Rule::*, UNTOUCHED, padded, refuses, values};
+    use crate::hostile::{Rule::*, UNTOUCHED, refuses};
     use crate::status::covbeam_status::*;
 
     #[test]
@@ -193,7 +156,9 @@ mod tests {
         let fog = |asymmetry| covbeam_phase { kind: 1, asymmetry };
         refuses(2, &[(0.5, Asymmetry), (0.25, Cosine)], |bad, n| {
             let (phase, mut out) = (fog(n[0]), UNTOUCHED);
-            let status = unsafe { covbeam_phase_evaluate(bad.at(0, &phase), n[1], bad.at_mut(1, &mut out)) };
+            let status = unsafe {
+                covbeam_phase_evaluate_many(bad.at(0, &phase), 1, &n[1], 0, bad.at_mut(1, &mut out), 0)
+            };
             (status, out != UNTOUCHED)
         });
         let numbers =
@@ -201,19 +166,24 @@ mod tests {
         refuses(4, &numbers, |bad, n| {
             let (phase, mut out) = (fog(n[0]), [UNTOUCHED; 3]);
             let status = unsafe {
-                covbeam_phase_sample(
+                covbeam_phase_sample_many(
                     bad.at(0, &phase),
+                    1,
                     bad.at(1, n[1..4].as_ptr()),
+                    0,
                     bad.at(2, n[4..6].as_ptr()),
+                    0,
                     bad.at_mut(3, out.as_mut_ptr()),
+                    0,
                 )
             };
             (status, out != [UNTOUCHED; 3])
         });
         refuses(2, &[(0.5, Asymmetry), (0.25, Random)], |bad, n| {
             let (phase, mut out) = (fog(n[0]), UNTOUCHED);
-            let status =
-                unsafe { covbeam_phase_sample_cosine(bad.at(0, &phase), n[1], bad.at_mut(1, &mut out)) };
+            let status = unsafe {
+                covbeam_phase_sample_cosine_many(bad.at(0, &phase), 1, &n[1], 0, bad.at_mut(1, &mut out), 0)
+            };
             (status, out != UNTOUCHED)
         });
         refuses(2, &[(0.5, Asymmetry)], |bad, n| {
@@ -231,57 +201,8 @@ mod tests {
         {
             let phase = covbeam_phase { kind, asymmetry: f32::NAN };
             let mut out = UNTOUCHED;
-            assert_eq!(unsafe { covbeam_phase_evaluate(&phase, 0.5, &mut out) }, expected);
+            assert_eq!(unsafe { covbeam_phase_evaluate_many(&phase, 1, &0.5, 0, &mut out, 0) }, expected);
             assert_eq!(out != UNTOUCHED, expected == COVBEAM_OK);
-        }
-    }
-
-    #[test]
-    fn many_are_the_same_bits_as_one_each() {
-        let phase = covbeam_phase { kind: 1, asymmetry: 0.7 };
-        let cosines = padded(&[-1.0, -0.3, 0.9, 1.0]);
-        let mut found = padded(&[UNTOUCHED; 4]);
-        let status =
-            unsafe { covbeam_phase_evaluate_many(&phase, 4, &cosines[0].value, 16, &mut found[0].value, 16) };
-        assert_eq!(status, COVBEAM_OK);
-        for (cosine, found) in values(&cosines).into_iter().zip(values(&found)) {
-            let mut one = UNTOUCHED;
-            assert_eq!(unsafe { covbeam_phase_evaluate(&phase, cosine, &mut one) }, COVBEAM_OK);
-            assert_eq!(one.to_bits(), found.to_bits());
-        }
-        // One direction for all; in pairs of random numbers without a stride of their own.
-        let direction = [0.6, 0.0, 0.8];
-        let xis = [[0.1, 0.2], [0.3, 0.4], [0.5, 0.6]];
-        let mut found = padded(&[[UNTOUCHED; 3]; 3]);
-        let status = unsafe {
-            let out = (&raw mut found[0].value).cast();
-            covbeam_phase_sample_many(
-                &phase,
-                3,
-                direction.as_ptr(),
-                0,
-                xis.as_ptr().cast(),
-                8,
-                out,
-                size_of_val(&found[0]),
-            )
-        };
-        assert_eq!(status, COVBEAM_OK);
-        for (xi, found) in xis.iter().zip(values(&found)) {
-            let mut one = [UNTOUCHED; 3];
-            let status =
-                unsafe { covbeam_phase_sample(&phase, direction.as_ptr(), xi.as_ptr(), one.as_mut_ptr()) };
-            assert_eq!((status, one), (COVBEAM_OK, found));
-        }
-        let mut found = [UNTOUCHED; 3];
-        let status = unsafe {
-            covbeam_phase_sample_cosine_many(&phase, 3, xis.as_ptr().cast(), 8, found.as_mut_ptr(), 4)
-        };
-        assert_eq!(status, COVBEAM_OK);
-        for (xi, found) in xis.iter().zip(found) {
-            let mut one = UNTOUCHED;
-            let status = unsafe { covbeam_phase_sample_cosine(&phase, xi[0], &mut one) };
-            assert_eq!((status, one), (COVBEAM_OK, found));
         }
     }
 

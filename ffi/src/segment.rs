@@ -75,31 +75,16 @@ fn host_knots<'a>(e: Element<covbeam_segment>) -> Result<Option<&'a [Knot]>, Fai
 /// The light field at a distance from a segment's origin: moved on through the medium, and occluded by each edge
 /// up to there where it passes it.
 ///
-/// @param segment the segment; origin, field and edges count, the rest is not looked at.
+/// @param count number of segments; with 0 nothing is done.
+/// @param segments, segment_stride of each, origin, field and edges count; the rest is not looked at.
 /// @param medium what it travels in; the mean extinction of the channels counts. Of no scattering and no
 ///     absorption in vacuum.
-/// @param distance [m] >= 0, finite: to the photon's next event, at most to the surface on which the segment
-///     ends.
-/// @param out the light field there; segment->field is fine.
+/// @param distances, distance_stride [m] >= 0, finite: to the photon's next event, at most to the surface on
+///     which the segment ends.
+/// @param out, out_stride the light fields there; segment->field is fine.
 /// @note Thesis 5.3.1. In a density that varies, up to 256 look-ups of its derivatives from edge to edge.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_segment_field_at(
-    segment: *const covbeam_segment,
-    medium: *const covbeam_medium,
-    distance: f32,
-    out: *mut covbeam_light_field,
-) -> covbeam_status {
-    // SAFETY: the caller's promises about single values are those about arrays of one.
-    unsafe { covbeam_segments_field_at(1, segment, 0, medium, &distance, 0, out, 0) }
-}
-
-/// covbeam_segment_field_at for `count` segments.
-///
-/// @param count number of segments; with 0 nothing is done.
-/// @param segments, segment_stride as segment there.
-/// @param medium as there.
-/// @param distances, distance_stride as distance there; a stride of 0 gives all segments the same.
-/// @param out, out_stride as out there.
+/// @kinds <way <medium <f:q >field
+/// @single covbeam_segment_field_at
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_segments_field_at(
     count: usize,
@@ -179,7 +164,7 @@ mod tests {
             let (segment, mut out) = (segment([n[0], n[1], n[2]], &edges), untouched());
             let status = unsafe {
                 let (segment, medium) = (bad.at(0, &segment), bad.at(1, &fog));
-                covbeam_segment_field_at(segment, medium, n[8], bad.at_mut(2, &mut out))
+                covbeam_segments_field_at(1, segment, 0, medium, &n[8], 0, bad.at_mut(2, &mut out), 0)
             };
             (status, out != untouched())
         });
@@ -191,9 +176,9 @@ mod tests {
             let layout = covbeam_grid_layout { min: [-1.0; 3], max: [1.0; 3], cells: [2; 3] };
             let statuses = unsafe {
                 let made = covbeam_grid_new(&layout, &mut grid);
-                let deposited = covbeam_grid_deposit(grid, &fog(), 1, &segment, 0);
+                let deposited = covbeam_grid_deposit(grid, &fog(), 1, &segment, 0, None, ptr::null_mut());
                 covbeam_grid_free(grid);
-                [made, deposited, covbeam_segment_field_at(&segment, &fog(), 1.0, &mut out)]
+                [made, deposited, covbeam_segments_field_at(1, &segment, 0, &fog(), &1.0, 0, &mut out, 0)]
             };
             assert_eq!(statuses, [COVBEAM_OK, COVBEAM_INVALID_VALUE, COVBEAM_INVALID_VALUE]);
             assert_eq!(out, untouched());

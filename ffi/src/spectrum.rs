@@ -8,26 +8,14 @@ use crate::types::{covbeam_spectrum, spectrum};
 
 /// A spectrum's variance along an axis: what covbeam_kernel_radius_from_error takes.
 ///
-/// @param spectrum of the fluence.
-/// @param axis unit.
-/// @param variance [cycles^2/m^2] >= 0, to a few roundings of xx + yy + zz.
-/// @note Thesis 5.3.4.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_spectrum_variance_along(
-    spectrum: *const covbeam_spectrum,
-    axis: *const f32,
-    variance: *mut f32,
-) -> covbeam_status {
-    // SAFETY: the caller's promises about single values are those about arrays of one.
-    unsafe { covbeam_spectra_variance_along(1, spectrum, 0, axis, 0, variance, 0) }
-}
-
-/// covbeam_spectrum_variance_along for `count` spectra.
-///
 /// @param count number of spectra; with 0 nothing is done.
-/// @param spectra, spectrum_stride as spectrum there; a stride of 0 asks one spectrum for all axes.
-/// @param axes, axis_stride as axis there; a stride of 0 gives all spectra the same.
-/// @param variances, variance_stride as variance there.
+/// @param spectra, spectrum_stride of the fluence.
+/// @param axes, axis_stride unit.
+/// @param variances, variance_stride [cycles^2/m^2] >= 0, to a few roundings of xx + yy + zz.
+/// @note Thesis 5.3.4.
+/// @kinds <spectrum <f:uuu >f:q
+/// @single covbeam_spectrum_variance_along
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_spectra_variance_along(
     count: usize,
@@ -52,25 +40,13 @@ pub unsafe extern "C" fn covbeam_spectra_variance_along(
 
 /// Adds a variance along an axis, such as that of covbeam_light_field_variance_along_ray.
 ///
-/// @param spectrum of the fluence, changed in place.
-/// @param axis unit.
-/// @param variance [cycles^2/m^2], finite and >= 0.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_spectrum_add_along(
-    spectrum: *mut covbeam_spectrum,
-    axis: *const f32,
-    variance: f32,
-) -> covbeam_status {
-    // SAFETY: the caller's promises about single values are those about arrays of one.
-    unsafe { covbeam_spectra_add_along(1, spectrum, 0, axis, 0, &variance, 0) }
-}
-
-/// covbeam_spectrum_add_along for `count` spectra.
-///
 /// @param count number of spectra; with 0 nothing is done.
-/// @param spectra, spectrum_stride as spectrum there.
-/// @param axes, axis_stride as axis there; a stride of 0 gives all spectra the same.
-/// @param variances, variance_stride as variance there; a stride of 0 gives all spectra the same.
+/// @param spectra, spectrum_stride of the fluence, changed in place.
+/// @param axes, axis_stride unit.
+/// @param variances, variance_stride [cycles^2/m^2], finite and >= 0.
+/// @kinds =spectrum <f:uuu <f:q
+/// @single covbeam_spectrum_add_along
+/// @extra
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_spectra_add_along(
     count: usize,
@@ -102,8 +78,7 @@ pub unsafe extern "C" fn covbeam_spectra_add_along(
 #[allow(clippy::undocumented_unsafe_blocks, reason = "every argument is a local, or refused")]
 mod tests {
     use super::*;
-    use crate::hostile::{Rule::*, UNTOUCHED, padded, refuses, values};
-    use crate::status::covbeam_status::*;
+    use crate::hostile::{Rule::*, UNTOUCHED, refuses};
 
     fn spectrum_of(n: &[f32]) -> covbeam_spectrum {
         covbeam_spectrum { xx: n[0], yy: n[1], zz: n[2], xy: n[3], xz: n[4], yz: n[5] }
@@ -127,10 +102,14 @@ mod tests {
         refuses(3, &NUMBERS, |bad, n| {
             let (spectrum, mut out) = (spectrum_of(n), UNTOUCHED);
             let status = unsafe {
-                covbeam_spectrum_variance_along(
+                covbeam_spectra_variance_along(
+                    1,
                     bad.at(0, &spectrum),
+                    0,
                     bad.at(1, n[6..].as_ptr()),
+                    0,
                     bad.at_mut(2, &mut out),
+                    0,
                 )
             };
             (status, out != UNTOUCHED)
@@ -140,52 +119,17 @@ mod tests {
             let before = spectrum.xx.to_bits();
             let others = spectrum.zz.to_bits();
             let status = unsafe {
-                covbeam_spectrum_add_along(bad.at_mut(0, &mut spectrum), bad.at(1, n[6..9].as_ptr()), n[9])
+                covbeam_spectra_add_along(
+                    1,
+                    bad.at_mut(0, &mut spectrum),
+                    0,
+                    bad.at(1, n[6..9].as_ptr()),
+                    0,
+                    &n[9],
+                    0,
+                )
             };
             (status, (spectrum.xx.to_bits(), spectrum.zz.to_bits()) != (before, others))
         });
-    }
-
-    #[test]
-    fn many_are_the_same_bits_as_one_each() {
-        let spectrum = spectrum_of(&[4.0, 5.0, 6.0, 0.1, 0.2, 0.3]);
-        let axes = padded(&[[1.0, 0.0, 0.0], [0.6, 0.8, 0.0], [0.0, 0.6, -0.8]]);
-        let stride = size_of_val(&axes[0]);
-        let mut found = padded(&[UNTOUCHED; 3]);
-        let status = unsafe {
-            covbeam_spectra_variance_along(
-                3,
-                &spectrum,
-                0,
-                axes.as_ptr().cast(),
-                stride,
-                &mut found[0].value,
-                16,
-            )
-        };
-        assert_eq!(status, COVBEAM_OK);
-        let mut spectra = padded(&[spectrum; 3]);
-        let spectrum_stride = size_of_val(&spectra[0]);
-        let status = unsafe {
-            covbeam_spectra_add_along(
-                3,
-                &mut spectra[0].value,
-                spectrum_stride,
-                axes.as_ptr().cast(),
-                stride,
-                &2.0,
-                0,
-            )
-        };
-        assert_eq!(status, COVBEAM_OK);
-        for ((axis, found), added) in values(&axes).iter().zip(values(&found)).zip(values(&spectra)) {
-            let (mut one, mut one_added) = (UNTOUCHED, spectrum);
-            assert_eq!(
-                unsafe { covbeam_spectrum_variance_along(&spectrum, axis.as_ptr(), &mut one) },
-                COVBEAM_OK
-            );
-            assert_eq!(unsafe { covbeam_spectrum_add_along(&mut one_added, axis.as_ptr(), 2.0) }, COVBEAM_OK);
-            assert_eq!((one, one_added), (found, added));
-        }
     }
 }

@@ -3,8 +3,8 @@
 use core::ffi::{CStr, c_char};
 use core::fmt::{self, Write};
 use std::cell::{Cell, RefCell};
-use std::panic::{self, AssertUnwindSafe};
-use std::sync::Once;
+use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
+use std::sync::OnceLock;
 
 /// How a call ended. All but COVBEAM_OK have changed nothing, unless the function says otherwise.
 #[repr(i32)]
@@ -40,6 +40,8 @@ pub enum covbeam_status {
     COVBEAM_POISONED = 13,
     /// A defect of the library: please report the message.
     COVBEAM_PANICKED = 14,
+    /// Another call on the object, of this thread or of another, has not returned yet.
+    COVBEAM_BUSY = 15,
 }
 
 use covbeam_status::*;
@@ -110,16 +112,19 @@ pub(crate) fn run(body: impl FnOnce() -> Result<(), Failure>) -> covbeam_status 
 /// A panic inside a call is written to the thread's message instead of the standard error. Outside calls (Rust
 /// hosts that share this copy of the standard library) nothing changes.
 fn keep_panics_quiet() {
-    static ONCE: Once = Once::new();
-    ONCE.call_once(|| {
+    type Hook = Box<dyn Fn(&PanicHookInfo) + Sync + Send>;
+    static BEFORE: OnceLock<Hook> = OnceLock::new();
+    BEFORE.get_or_init(|| {
         let before = panic::take_hook();
-        panic::set_hook(Box::new(move |info| {
+        // Captures nothing, so that its box needs no memory.
+        panic::set_hook(Box::new(|info| {
             if INSIDE.get() {
                 fail(COVBEAM_PANICKED, format_args!("{info}"));
             } else {
-                before(info);
+                BEFORE.wait()(info);
             }
         }));
+        before
     });
 }
 
@@ -129,7 +134,7 @@ fn keep_panics_quiet() {
 /// @return a static string, never NULL. Any thread, any time.
 #[unsafe(no_mangle)]
 pub extern "C" fn covbeam_status_name(status: i32) -> *const c_char {
-    const NAMES: [&CStr; 15] = [
+    const NAMES: [&CStr; 16] = [
         c"COVBEAM_OK",
         c"COVBEAM_NULL_POINTER",
         c"COVBEAM_MISALIGNED",
@@ -145,6 +150,7 @@ pub extern "C" fn covbeam_status_name(status: i32) -> *const c_char {
         c"COVBEAM_CALLBACK_FAILED",
         c"COVBEAM_POISONED",
         c"COVBEAM_PANICKED",
+        c"COVBEAM_BUSY",
     ];
     usize::try_from(status).ok().and_then(|i| NAMES.get(i)).unwrap_or(&c"unknown status").as_ptr()
 }

@@ -73,6 +73,7 @@ pub struct covbeam_grid_layout {
 }
 
 /// What one voxel has collected. All 0 is empty.
+/// @extra
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct covbeam_grid_cell {
@@ -83,6 +84,7 @@ pub struct covbeam_grid_cell {
 }
 
 /// The mean spectrum of one voxel, for look-ups.
+/// @extra
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct covbeam_fluence_cell {
@@ -182,6 +184,7 @@ pub struct covbeam_knot {
 }
 
 /// Derivatives of a relative density, in world axes.
+/// @extra
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct covbeam_derivatives {
@@ -240,6 +243,7 @@ pub struct covbeam_gathered {
 }
 
 /// Closest approach of an eye ray's line and a beam's line.
+/// @extra
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct covbeam_crossing {
@@ -309,6 +313,7 @@ pub struct covbeam_image_spectrum {
 }
 
 /// Covariance of a Gaussian reconstruction filter [pixels^2]: x to the right, y down. All 0 is no filter.
+/// @extra
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct covbeam_image_filter {

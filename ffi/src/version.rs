@@ -1,7 +1,7 @@
 //! Which library runs.
 
 /// Of the ABI that the header declares. A host compares it with covbeam_abi_version().
-pub const COVBEAM_ABI_VERSION: u32 = 2;
+pub const COVBEAM_ABI_VERSION: u32 = 3;
 
 /// The ABI of the library that runs, which is COVBEAM_ABI_VERSION of the header it was built with.
 ///

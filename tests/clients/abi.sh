@@ -1,6 +1,6 @@
 #!/bin/bash
 # The ABI that programs are compiled for, as libabigail sees it, is what tests/covbeam.abi says.
-#   tests/clients/abi.sh PREFIX     of what install.sh has installed there: header, SONAME, exported symbols
+#   tests/clients/abi.sh PREFIX     of what install.sh has installed there: headers, SONAME, exported symbols
 #   tests/clients/abi.sh --write    remakes tests/covbeam.abi from include/ and ffi/Cargo.toml
 # Types are those of the header, which is what a C program sees; that the library's are the same, layout.rs and
 # abi.c assert. The library's own debug information also tells of its insides, and changes with the compiler.
@@ -13,11 +13,11 @@ trap 'rm -rf "$work"' EXIT
 
 fail() { echo "abi: $*" >&2; exit 1; }
 
-# describe HEADER SONAME: into $work/covbeam.abi, from a library whose functions do nothing.
+# describe FOLDER SONAME: of the headers in it, into $work/covbeam.abi, from a library whose functions do nothing.
 describe() {
-    cp "$1" "$work/covbeam.h"
+    cp "$1"/covbeam.h "$1"/covbeam_extra.h "$work"
     # A declaration begins a line and may go on; one that ends without a body gets one.
-    (cd "$work" && cc -E -P covbeam.h | awk '
+    (cd "$work" && cc -E -P covbeam_extra.h | awk '
         /^[a-z]/ { text = ""; open = !/^(typedef|static|extern)/ }
         { text = text $0 "\n" }
         /;$/ && open && text ~ /covbeam_[a-z0-9_]+\(/ { sub(/;\n$/, " { __builtin_trap(); }\n", text) }
@@ -29,23 +29,25 @@ describe() {
 
 if [ "$1" = --write ]; then
     abi="$(sed -n 's/^version = "\([0-9]*\)\..*/\1/p' "$root/ffi/Cargo.toml")"
-    describe "$root/include/covbeam.h" "libcovbeam.so.$abi"
+    describe "$root/include" "libcovbeam.so.$abi"
     cp "$work/covbeam.abi" "$kept"
     exit
 fi
 
 library="$1/lib/libcovbeam.so"
-describe "$1/include/covbeam.h" "$(readelf -d "$library" | sed -n 's/.*SONAME.*\[\(.*\)\]/\1/p')"
+describe "$1/include" "$(readelf -d "$library" | sed -n 's/.*SONAME.*\[\(.*\)\]/\1/p')"
 functions() { nm -D --defined-only "$1" | awk '$NF ~ /^covbeam_/ { print $NF }' | LC_ALL=C sort; }
-diff <(functions "$work/covbeam.so") <(functions "$library") || fail "the library (>) has other functions than its header (<)"
+diff <(functions "$work/covbeam.so") <(functions "$library") || fail "the library (>) has other functions than its headers (<)"
 abidiff "$kept" "$work/covbeam.abi" || fail "the ABI has changed (above). Meant? tests/clients/abi.sh --write
 and, where a program must be compiled anew, another COVBEAM_ABI_VERSION and version in ffi/Cargo.toml"
 
 # What must be noticed: a field more, another type, a function less.
 broken() {
-    sed "$1" "$root/include/covbeam.h" > "$work/broken.h"
-    ! cmp -s "$work/broken.h" "$root/include/covbeam.h" || fail "'$1' changes nothing"
-    describe "$work/broken.h" "libcovbeam.so.0"
+    mkdir -p "$work/broken"
+    cp "$root/include/covbeam_extra.h" "$work/broken"
+    sed "$1" "$root/include/covbeam.h" > "$work/broken/covbeam.h"
+    ! cmp -s "$work/broken/covbeam.h" "$root/include/covbeam.h" || fail "'$1' changes nothing"
+    describe "$work/broken" "libcovbeam.so.0"
     if abidiff "$kept" "$work/covbeam.abi" > "$work/said"; then fail "not noticed: $1"; fi
     grep -q "$2" "$work/said" || { cat "$work/said"; fail "noticed as something else: $1"; }
 }

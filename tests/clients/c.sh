@@ -12,9 +12,8 @@ strict="-Wall -Wextra -Wpedantic -Werror"
 
 fail() { echo "c: $*" >&2; exit 1; }
 
-# The header, with nothing before it and nothing after it.
-echo '#include <covbeam.h>' > "$work/alone.c"
-echo '#include <covbeam.h>' > "$work/alone.cpp"
+# The headers, with nothing before them and nothing after them.
+echo '#include <covbeam_extra.h>' | tee "$work/alone.c" > "$work/alone.cpp"
 known=()
 for compiler in gcc clang g++ clang++; do
     case "$compiler" in
@@ -29,11 +28,11 @@ for compiler in gcc clang g++ clang++; do
             cat "$work/log"
             fail "$compiler does not know $standard"
         fi
-        "$compiler" "-std=$standard" $strict -I"$prefix/include" -c "$work/$file" -o "$work/alone.o"
+        "$compiler" "-std=$standard" $strict -Wconversion -I"$prefix/include" -c "$work/$file" -o "$work/alone.o"
         known+=("$compiler:$standard")
     done
 done
-echo "c: covbeam.h alone, without a warning: ${known[*]}"
+echo "c: covbeam.h and covbeam_extra.h alone, without a warning: ${known[*]}"
 
 # The example of the README at the root.
 awk '/^```c$/ { inside = 1; next } /^```$/ { inside = 0 } inside' "$root/README.md" > "$work/readme.c"
@@ -107,4 +106,13 @@ for arguments in "--size 12" "--passes 0" "--passes" "--seed x" "--photons -" "-
     grep -q '^usage' "$work/log" || fail "glass_ball $arguments: no usage"
 done
 if "$work/gcc-static" "$work/no-folder/x.pfm" --passes 1 --size 8 > "$work/log" 2>&1; then fail "a picture nowhere"; fi
+# Memory that runs out, and objects in use.
+library=("$prefix/lib/libcovbeam.a" -lpthread -ldl -lm)
+# shellcheck disable=SC2086
+gcc -std=gnu99 -O2 $strict -I"$prefix/include" "$root"/tests/clients/{memory,scarce}.c "${library[@]}" \
+    -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=posix_memalign,--wrap=free -o "$work/memory"
+"$work/memory"
+# shellcheck disable=SC2086
+gcc -std=c99 -O2 $strict -I"$prefix/include" "$root/tests/clients/reentry.c" "${library[@]}" -o "$work/reentry"
+"$work/reentry"
 echo "c: pkg-config and CMake, shared and static, gcc and clang: pictures made"

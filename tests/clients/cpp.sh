@@ -25,7 +25,7 @@ done
 echo "cpp: covbeam.hpp: no warning from g++ and clang++ as C++11 (without run-time types), 14, 17, 20"
 
 # Every function of the C header is within reach of C++, and every struct has its layout asserted.
-printf '#include <covbeam.h>\n' | cc -E -P -I"$prefix/include" - > "$work/preprocessed"
+printf '#include <covbeam_extra.h>\n' | cc -E -P -I"$prefix/include" - > "$work/preprocessed"
 tr '\n' ' ' < "$work/preprocessed" | grep -oE '\bcovbeam_[a-z0-9_]+ *\(' | tr -d ' (' | sort -u > "$work/functions"
 [ "$(wc -l < "$work/functions")" -gt 100 ] || fail "the functions of covbeam.h were not found"
 while read -r function; do
@@ -35,9 +35,9 @@ done < "$work/functions"
 grep -oE '^typedef struct covbeam_[a-z_]+ \{' "$work/preprocessed" | sed -E 's/.*covbeam_([a-z_]+) .*/\1/' > "$work/structs"
 [ "$(wc -l < "$work/structs")" -ge 18 ] || fail "the structs of covbeam.h were not found"
 while read -r struct; do
-    grep -q "^SIZE($struct, " "$clients/wrapper.cpp" || fail "wrapper.cpp does not assert the layout of covbeam_$struct"
+    grep -q "^SIZE($struct, " "$clients/layout.h" || fail "layout.h does not assert the layout of covbeam_$struct"
 done < "$work/structs"
-echo "cpp: covbeam.hpp calls all $(wc -l < "$work/functions") functions; wrapper.cpp asserts $(wc -l < "$work/structs") structs"
+echo "cpp: covbeam.hpp calls all $(wc -l < "$work/functions") functions; layout.h asserts $(wc -l < "$work/structs") structs"
 
 for build in g++:c++11 g++:c++20 clang++:c++11 clang++:c++20; do
     for client in vectors wrapper; do

@@ -150,7 +150,7 @@ static void share_out(struct work *work, int count, int threads)
 static void deposit(struct work *work, int index, covbeam_scratch *scratch)
 {
     (void)scratch;
-    must(covbeam_grid_deposit(work->shares[index], &medium, PHOTONS, segments[index], sizeof segments[0][0]));
+    must(covbeam_grid_deposit(work->shares[index], &medium, PHOTONS, segments[index], sizeof segments[0][0], NULL, NULL));
 }
 
 static void gather(struct work *work, int index, covbeam_scratch *scratch)

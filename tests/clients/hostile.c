@@ -4,11 +4,16 @@
  * First each parameter of each function is spoiled in turn, in every way; then come random sequences of calls on a few objects,
  * with some arguments spoiled. After each call: the status is one that the spoiled arguments allow (and COVBEAM_OK if none is spoiled),
  * a failure has a message that names a parameter, has written nothing and changed no object, and what a success has
- * written are numbers. `hostile --list` prints the functions that it calls; `hostile --lie` passes an array that is shorter than
+ * written are numbers. Compiled with -DSCARCE and linked as scarce.h says, each call is made again and again, with the first of
+ * its requests for memory refused, then the second, and so on: each time it says so, and has written and changed nothing; and in
+ * the end all memory has been given back. `hostile --list` prints the functions that it calls; `hostile --lie` passes an array that is shorter than
  * it says, which no library can notice, but a memory checker must.
  */
 #include "hostile/arguments.h"
 #include "hostile/pool.h"
+#ifdef SCARCE
+#include "scarce.h"
+#endif
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,30 +30,25 @@
 #define OTHER(name)
 #define CALL(name, description, ...) \
     static int32_t call_##name(const union argument *a) { return name(__VA_ARGS__); }
-#define FREE(name, description, ...) \
-    static int32_t call_##name(const union argument *a) { name(__VA_ARGS__); return COVBEAM_OK; }
 #include "hostile/calls.h"
 #undef CALL
-#undef FREE
 
 #define CALL(name, description, ...) { #name, description, call_##name, 0, { { { 0 }, 0, { 0 }, NULL, 0, 0, 0, 0, 0, 0 } } },
-#define FREE CALL
 struct function functions[] = {
 #include "hostile/calls.h"
 };
 #undef CALL
-#undef FREE
 #undef OTHER
 const size_t function_count = sizeof functions / sizeof *functions;
 
-static uint64_t seed, sequence, calls, by_status[15], cancelled_later;
+static uint64_t seed, sequence, calls, by_status[COVBEAM_BUSY + 1], cancelled_later;
 
 static void complain(const struct prepared *call, int32_t status, const char *message, const char *what) {
     fprintf(stderr, "hostile: seed %llu, sequence %llu, call %llu: %s returned %s (%s)\n  %s\n", (unsigned long long)seed,
             (unsigned long long)sequence, (unsigned long long)calls, call->function->name, covbeam_status_name(status),
             message, what);
     fprintf(stderr, "  allowed: %s%s", call->sure ? "" : "COVBEAM_OK ", call->unsure ? "COVBEAM_INVALID_VALUE " : "");
-    for (int32_t s = 1; s < 15; s++)
+    for (int32_t s = 1; s <= COVBEAM_BUSY; s++)
         if (call->statuses >> s & 1) fprintf(stderr, "%s ", covbeam_status_name(s));
     fprintf(stderr, "\n  %s\n ", call->tame ? "tame" : "wild");
     for (int i = 0; i < call->function->parameter_count; i++) {
@@ -147,7 +147,8 @@ static void remember(struct prepared *call) {
         first->resolved = false;
         first->tame = true;
         first->scribbled = false;
-    } else if (strcmp(name, "grid_resolve") == 0 || strcmp(name, "march_update") == 0 || strcmp(name, "film_plan") == 0) {
+    } else if (strcmp(name, "grid_resolve") == 0 || strcmp(name, "march_update") == 0 || strcmp(name, "film_plan") == 0 ||
+               strcmp(name, "importance_resolve") == 0) {
         first->resolved = true;
     } else if (strcmp(name, "film_add") == 0) {
         first->resolved = first->committed = false;
@@ -174,6 +175,7 @@ static void remember(struct prepared *call) {
             /* What loaded bytes hold is not known. */
             made.scribbled = strcmp(name, "grid_load") == 0;
             if (kind_named(p->word) == GRID && covbeam_grid_get_layout(made.handle, &made.layout) != COVBEAM_OK) abort();
+            if (kind_named(p->word) == IMPORTANCE) memcpy(&made.layout, call->buffers[0].first, sizeof made.layout);
             made.width = call->arguments[0].word;
             made.height = call->arguments[1].word;
             if (strcmp(name, "grid_new_in") == 0) {
@@ -195,9 +197,44 @@ static void remember(struct prepared *call) {
     }
 }
 
+#ifdef SCARCE
+static uint64_t refused[sizeof functions / sizeof *functions];
+#endif
+
+/* The kth request for memory is refused, for every k that the call gets to. */
+static int32_t called(struct prepared *call, const uint64_t *digests) {
+    const struct function *f = call->function;
+#ifdef SCARCE
+    const struct callbacks before = callbacks;
+    for (uint64_t k = 1;; k++) {
+        callbacks = before;
+        scarce_begin(k);
+        const int32_t status = f->call(call->arguments);
+        if (!scarce_end()) return status;
+        refused[f - functions]++;
+        const char *message = covbeam_last_error();
+        if (status != COVBEAM_OUT_OF_MEMORY) complain(call, status, message, "memory was refused");
+        if (!strstr(message, " bytes")) complain(call, status, message, "the message does not say how much memory was wanted");
+        for (int i = 0; i < f->parameter_count; i++) {
+            const struct buffer *b = &call->buffers[i];
+            if (b->before && memcmp(b->before, b->first, b->length) != 0)
+                complain(call, status, message, "written in spite of the failure");
+        }
+        for (int i = 0; i < SLOTS; i++)
+            if (digest(&pool[i]) != digests[i]) complain(call, status, message, "an object has changed that must not");
+    }
+#else
+    (void)digests;
+    return f->call(call->arguments);
+#endif
+}
+
 static int32_t perform(struct prepared *call, bool thorough) {
     const struct function *f = call->function;
     uint64_t digests[SLOTS] = { 0 };
+#ifdef SCARCE
+    thorough = true;
+#endif
     if (thorough)
         for (int i = 0; i < SLOTS; i++) digests[i] = digest(&pool[i]);
     for (int i = 0; i < f->parameter_count; i++) {
@@ -207,7 +244,7 @@ static int32_t perform(struct prepared *call, bool thorough) {
         if (!b->before) abort();
         memcpy(b->before, b->first, b->length);
     }
-    const int32_t status = f->call(call->arguments);
+    const int32_t status = called(call, digests);
     calls++;
     const char *message = status == COVBEAM_OK ? "" : covbeam_last_error();
     if (status < 0 || status >= COVBEAM_POISONED) complain(call, status, message, "never to be returned");
@@ -234,7 +271,8 @@ static int32_t perform(struct prepared *call, bool thorough) {
     if (status == COVBEAM_OK && !freeing) check_outputs(call, message);
     if (thorough)
         for (int i = 0; i < SLOTS; i++) {
-            const bool changed = status == COVBEAM_OK && f->parameters[0].kind == '!' && call->handles[0] == i;
+            const bool some = status == COVBEAM_CANCELLED && strcmp(f->name, "covbeam_grid_deposit") == 0;
+            const bool changed = (status == COVBEAM_OK || some) && f->parameters[0].kind == '!' && call->handles[0] == i;
             if (!changed && digest(&pool[i]) != digests[i]) complain(call, status, message, "an object has changed that must not");
         }
     if (status == COVBEAM_OK) remember(call);
@@ -263,7 +301,8 @@ static void furnish(void) {
         "covbeam_beam_map_add", "covbeam_beam_map_commit", "covbeam_beam_map_commit", "covbeam_grid_save",
         "covbeam_film_new", "covbeam_film_new", "covbeam_film_plan", "covbeam_film_plan", "covbeam_film_add",
         "covbeam_film_add", "covbeam_film_plan", "covbeam_film_verify", "covbeam_film_verify", "covbeam_march_new", "covbeam_march_new", "covbeam_march_update",
-        "covbeam_march_update",
+        "covbeam_march_update", "covbeam_importance_new", "covbeam_importance_new", "covbeam_importance_new",
+        "covbeam_importance_add_eye_rays", "covbeam_importance_resolve", "covbeam_importance_resolve",
     };
     for (size_t i = 0; i < sizeof usual / sizeof *usual; i++)
         if (!chance(6)) call_function(named(usual[i]), NULL, 0, false);
@@ -283,12 +322,30 @@ static struct fault random_fault(const struct function *function) {
     return fault;
 }
 
+/* A sequence of calls, and of requests for memory that are all given back. */
+#ifdef SCARCE
+static int64_t live;
+static void begin(void) {
+    live = scarce_live;
+    pool_start();
+}
+static void end(void) {
+    pool_end();
+    if (scarce_live == live) return;
+    fprintf(stderr, "hostile: seed %llu, sequence %llu: memory is lost\n", (unsigned long long)seed, (unsigned long long)sequence);
+    exit(1);
+}
+#else
+#define begin pool_start
+#define end pool_end
+#endif
+
 static void random_sequence(void) {
     static const char *const busy[] = {
         "covbeam_beam_map_add", "covbeam_beam_map_commit", "covbeam_beam_map_gather", "covbeam_beam_map_gather_shaded",
         "covbeam_grid_deposit", "covbeam_grid_merge", "covbeam_grid_resolve", "covbeam_grid_save", "covbeam_grid_load",
     };
-    pool_start();
+    begin();
     furnish();
     uint32_t length = 10 + below(chance(4) ? 91 : 11);
     for (uint32_t i = 0; i < length; i++) {
@@ -302,7 +359,7 @@ static void random_sequence(void) {
         for (int k = 0; k < count; k++) faults[k] = random_fault(function);
         call_function(function, faults, count, chance(24));
     }
-    pool_end();
+    end();
 }
 
 /* Every parameter of every function, spoiled in every way, on objects of several states. */
@@ -310,7 +367,7 @@ static void systematic(void) {
     for (size_t f = 0; f < function_count; f++) {
         const struct function *function = &functions[f];
         for (int repeat = 0; repeat < 6; repeat++) {
-            pool_start();
+            begin();
             furnish();
             call_function(function, NULL, 0, true);
             for (int p = 0; p < function->parameter_count; p++)
@@ -323,7 +380,7 @@ static void systematic(void) {
                             call_function(function, &fault, 1, chance(8));
                         }
                 }
-            pool_end();
+            end();
         }
     }
 }
@@ -331,7 +388,7 @@ static void systematic(void) {
 /* The functions that cannot fail. */
 static void check_others(void) {
     if (covbeam_abi_version() != COVBEAM_ABI_VERSION || strlen(covbeam_version()) < 5) exit(1);
-    const int32_t numbers[] = { INT32_MIN, -1, 15, INT32_MAX };
+    const int32_t numbers[] = { INT32_MIN, -1, COVBEAM_BUSY + 1, INT32_MAX };
     for (size_t i = 0; i < 4; i++)
         if (strcmp(covbeam_status_name(numbers[i]), "unknown status") != 0) exit(1);
     if (strcmp(covbeam_last_error(), "") != 0) exit(1);
@@ -341,13 +398,13 @@ static void check_others(void) {
     covbeam_scratch_free(NULL);
     covbeam_film_free(NULL);
     covbeam_march_free(NULL);
+    covbeam_importance_free(NULL);
 }
 
 int main(int argc, char **argv) {
     if (argc == 2 && strcmp(argv[1], "--list") == 0) {
 #define OTHER(name) puts(#name);
 #define CALL(name, description, ...) puts(#name);
-#define FREE CALL
 #include "hostile/calls.h"
         return 0;
     }
@@ -374,7 +431,15 @@ int main(int argc, char **argv) {
     printf("seed %llu: %llu systematic calls; %llu sequences of %llu calls; %llu cancelled after the first question\n",
            (unsigned long long)seed, (unsigned long long)first, (unsigned long long)sequences,
            (unsigned long long)(calls - first), (unsigned long long)cancelled_later);
-    for (int32_t status = 0; status < 15; status++)
+#ifdef SCARCE
+    uint64_t times = 0, where = 0;
+    for (size_t i = 0; i < function_count; i++) {
+        times += refused[i];
+        where += refused[i] > 0;
+    }
+    printf("  memory was refused %llu times, in %llu functions\n", (unsigned long long)times, (unsigned long long)where);
+#endif
+    for (int32_t status = 0; status <= COVBEAM_BUSY; status++)
         printf("  %-24s %12llu\n", covbeam_status_name(status), (unsigned long long)by_status[status]);
     return 0;
 }

@@ -9,7 +9,7 @@
  * After the cancelled calls the map is committed and gathers the same bits as one that was never disturbed.
  */
 #define _POSIX_C_SOURCE 200809L
-#include "covbeam.h"
+#include "covbeam_extra.h"
 #include <pthread.h>
 #include <stdbool.h>
 #include <stdio.h>

@@ -39,7 +39,7 @@ unset COVBEAM_LIBRARY
 
 cd "$work"
 "$python" "$repository/tests/clients/vectors.py" "$repository/tests/vectors.txt"
-COVBEAM_HEADER="$prefix/include/covbeam.h" "$python" "$repository/tests/clients/test_python.py" --verbose
+COVBEAM_INCLUDE="$prefix/include" "$python" "$repository/tests/clients/test_python.py" --verbose
 "$python" "$repository/tests/clients/python_cost.py"
 
 # The oldest numpy that the wheel promises, or that this Python has.
@@ -52,4 +52,4 @@ esac
 "$python" -m pip install --quiet "numpy==$oldest"
 echo "numpy $oldest:"
 "$python" "$repository/tests/clients/vectors.py" "$repository/tests/vectors.txt"
-COVBEAM_HEADER="$prefix/include/covbeam.h" "$python" "$repository/tests/clients/test_python.py" Arrays Objects
+COVBEAM_INCLUDE="$prefix/include" "$python" "$repository/tests/clients/test_python.py" Arrays Objects

@@ -47,13 +47,18 @@ CARGO_PROFILE_RELEASE_OPT_LEVEL=0 library not-optimised
 library address -Zsanitizer=address -Coverflow-checks=on -Cdebug-assertions=on
 library thread -Zsanitizer=thread -Cunsafe-allow-abi-mismatch=sanitizer
 
-echo "-- every function of the header is called"
+echo "-- every function of the headers is called"
 clang "${warnings[@]}" -O2 "${hostile[@]}" "$released" "${libraries[@]}" -o "$build/hostile"
 "$build/hostile" --list | sort > "$build/called"
 # Declarations begin a line; comments do not.
-grep -E '^[a-z]' "$root/include/covbeam.h" | grep -v '^typedef' | grep -oE 'covbeam_[a-z0-9_]+\(' | tr -d '(' | sort > "$build/declared"
+cat "$root"/include/*.h | grep -E '^[a-z]' | grep -vE '^(typedef|static inline)' | grep -oE 'covbeam_[a-z0-9_]+\(' | tr -d '(' | sort > "$build/declared"
 diff "$build/declared" "$build/called"
 wc -l < "$build/called"
+
+echo "-- the kth request for memory is refused, for every k"
+wrapped=(-Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=posix_memalign,--wrap=free)
+clang "${warnings[@]}" -O2 -DSCARCE "${hostile[@]}" "$here/scarce.c" "$released" "${libraries[@]}" "${wrapped[@]}" -o "$build/scarce"
+"$build/scarce" 2000 5
 
 echo "-- AddressSanitizer, UndefinedBehaviorSanitizer, LeakSanitizer, overflow checks: two processes, $sequences sequences each"
 clang "${warnings[@]}" -fsanitize=address,undefined -fno-sanitize-recover=all "${hostile[@]}" "$(archive address)" \
@@ -66,12 +71,14 @@ first=$!
 "$build/hostile-address" "$sequences" 2 > "$build/second" 2>&1 || { tail -60 "$build/second"; exit 1; }
 wait "$first" || { tail -60 "$build/first"; exit 1; }
 cat "$build/first" "$build/second"
+clang "${warnings[@]}" -fsanitize=address,undefined -fno-sanitize-recover=all "$here/reentry.c" "$(archive address)" "${libraries[@]}" \
+    -o "$build/reentry"
+"$build/reentry"
 echo "no findings in $((SECONDS - started)) s"
 
 echo "-- valgrind memcheck: the library as it is released, then one that is not optimised"
 started=$SECONDS
 clang "${warnings[@]}" "${hostile[@]}" "$(archive not-optimised)" "${libraries[@]}" -o "$build/hostile-slow"
-# What stays reachable is the hook that keeps panics quiet, once a process.
 check=(valgrind --quiet --error-exitcode=9 --partial-loads-ok=no --leak-check=full --show-leak-kinds=definite,indirect,possible
     --errors-for-leak-kinds=definite,indirect,possible)
 refused "an array that is too short" "Invalid read" "${check[@]}" "$build/hostile" --lie
@@ -86,13 +93,13 @@ echo "-- ThreadSanitizer"
 clang "${warnings[@]}" -fsanitize=thread -c "$here/threads.c" -o "$build/threads.o"
 clang -g "$build/threads.o" "$(archive thread)" -Wl,--whole-archive "$runtimes/librustc-stable_rt.tsan.a" -Wl,--no-whole-archive \
     -Wl,--export-dynamic "${libraries[@]}" -lrt -lresolv -o "$build/threads-thread"
-refused "two threads that add to one map" "data race" "$build/threads-thread" race
-for _ in 1 2 3; do "$build/threads-thread"; done
+refused "two threads that change one light field" "data race" "$build/threads-thread" race
+for _ in 1 2 3; do "$build/threads-thread"; "$build/threads-thread" busy; done
 
 echo "-- helgrind, which sees the standard library too"
 clang "${warnings[@]}" "$here/threads.c" "$released" "${libraries[@]}" -o "$build/threads"
 race=(valgrind --quiet --tool=helgrind --error-exitcode=9)
-refused "two threads that add to one map" "Possible data race" "${race[@]}" "$build/threads" race
+refused "two threads that change one light field" "Possible data race" "${race[@]}" "$build/threads" race
 "${race[@]}" "$build/threads"
 
 echo "-- latency"

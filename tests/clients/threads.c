@@ -1,13 +1,14 @@
 /*
- * A host with threads of its own: threads [race]
+ * A host with threads of its own: threads [busy | race]
  *
  * Shares of photons deposited by 1, 2 and 8 threads give the same bits. Eight threads take rows of one film at once, and together
  * get the bits of one. Eight threads look at one map, one grid and one density at once, while some of them fail calls on purpose and others cancel: each gets the bits of a single thread, and its own
  * message.
- * `race` breaks the header's rule: two threads add to one map at once. A race detector must see that.
+ * `busy`: two threads add to one map at once, and what one of them cannot add is refused.
+ * `race` breaks the header's rule where the library cannot notice: two threads change one light field at once. A race detector must see that.
  */
 #define _POSIX_C_SOURCE 200809L
-#include "covbeam.h"
+#include "covbeam_extra.h"
 #include <pthread.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -15,7 +16,7 @@
 #include <string.h>
 #include <time.h>
 
-enum { THREADS = 8, SHARES = 12, SEGMENTS = 6, BEAMS = 400, RAYS = 70, ROUNDS = 6 };
+enum { THREADS = 8, SHARES = 12, SEGMENTS = 6, BEAMS = 400, RAYS = 70, ROUNDS = 6, MANY = 100 };
 
 static const covbeam_grid_layout layout = { { 0, 0, 0 }, { 1, 1, 1 }, { 5, 5, 5 } };
 
@@ -88,7 +89,7 @@ static void deposit_share(int share) {
         ok(covbeam_light_field_point(beam.direction, 0.1f, &segments[i].field));
         ok(covbeam_light_field_travel(&segments[i].field, 0.5f));
     }
-    ok(covbeam_grid_deposit(shares[share], &medium, SEGMENTS, segments, sizeof *segments));
+    ok(covbeam_grid_deposit(shares[share], &medium, SEGMENTS, segments, sizeof *segments, NULL, NULL));
 }
 
 static void *deposit_shares(void *unused) {
@@ -227,11 +228,23 @@ static void *take_rows(void *number) {
     return NULL;
 }
 
-static void *add_beams(void *unused) {
+static void *add_beams(void *added) {
     uint64_t state = 9;
-    covbeam_beam beam;
-    beam_at(&state, &beam);
-    for (int i = 0; i < 100; i++) (void)covbeam_beam_map_add(map, 1, &beam, sizeof beam);
+    covbeam_beam beams[MANY];
+    for (int i = 0; i < MANY; i++) beam_at(&state, &beams[i]);
+    for (int i = 0; i < 1000; i++) {
+        const int32_t status = covbeam_beam_map_add(map, MANY, beams, sizeof *beams);
+        check(status == COVBEAM_OK || status == COVBEAM_BUSY, "two threads add");
+        *(size_t *)added += status == COVBEAM_OK;
+    }
+    return NULL;
+}
+
+static covbeam_light_field field;
+
+static void *change_field(void *unused) {
+    const float distance = 0.01f;
+    for (int i = 0; i < 100; i++) ok(covbeam_light_fields_travel(1, &field, 0, &distance, 0));
     return unused;
 }
 
@@ -247,13 +260,23 @@ int main(int argc, char **argv) {
     ok(covbeam_beam_map_new(&medium, &map));
     ok(covbeam_beam_map_add(map, BEAMS, beams, sizeof *beams));
     if (race) {
-        /* Cleared, it has room: what two threads do to it at once is wrong, but does not crash. */
-        ok(covbeam_beam_map_clear(map));
-        for (int i = 0; i < 2; i++) check(pthread_create(&threads[i], NULL, add_beams, NULL) == 0, "no thread");
+        ok(covbeam_light_field_point(beams[0].direction, 0.1f, &field));
+        for (int i = 0; i < 2; i++) check(pthread_create(&threads[i], NULL, change_field, NULL) == 0, "no thread");
         for (int i = 0; i < 2; i++) pthread_join(threads[i], NULL);
         covbeam_beam_map_free(map);
         covbeam_density_free(density);
         printf("threads: raced\n");
+        return 0;
+    }
+    if (argc == 2 && strcmp(argv[1], "busy") == 0) {
+        size_t added[2] = { 0, 0 }, count = 0;
+        for (int i = 0; i < 2; i++) check(pthread_create(&threads[i], NULL, add_beams, &added[i]) == 0, "no thread");
+        for (int i = 0; i < 2; i++) pthread_join(threads[i], NULL);
+        ok(covbeam_beam_map_get_count(map, &count));
+        check(count == BEAMS + MANY * (added[0] + added[1]), "beams that were added are not there");
+        covbeam_beam_map_free(map);
+        covbeam_density_free(density);
+        printf("threads: %zu of 2000 adds of two threads at once, the others refused\n", added[0] + added[1]);
         return 0;
     }
     film = make_film();

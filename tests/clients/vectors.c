@@ -13,13 +13,14 @@
 /* The parts, in one translation unit: a compiler is given this file alone. */
 #include "vectors/calls.h"
 #include "vectors/script.c"
-#include "vectors/light.c"
+#include "vectors/plain.h"
 #include "vectors/kernels.c"
 #include "vectors/media.c"
 #include "vectors/grids.c"
 #include "vectors/maps.c"
 #include "vectors/film.c"
 #include "vectors/march.c"
+#include "vectors/importance.c"
 #include "vectors/plurals.c"
 
 #define CALL(name) { #name, name }
@@ -27,27 +28,20 @@ static const struct {
     const char *name;
     void (*run)(struct call *);
 } calls[] = {
-    CALL(light_field_point), CALL(light_field_disk), CALL(light_field_collimated), CALL(light_field_gaussian),
-    CALL(light_field_travel), CALL(light_field_carry), CALL(light_field_rotate), CALL(light_field_reflect),
-    CALL(light_field_refract), CALL(light_field_occlude), CALL(light_field_attenuate),
-    CALL(light_field_narrow), CALL(light_field_scatter), CALL(light_field_diffuse), CALL(light_field_slice),
-    CALL(light_field_fluence), CALL(light_field_variance_along_ray),
-    CALL(phase_evaluate), CALL(phase_sample), CALL(phase_sample_cosine), CALL(phase_angular_variance),
-    CALL(spectrum_variance_along), CALL(spectrum_add_along),
-    CALL(kernel_evaluate), CALL(kernel_second_moment), CALL(kernel_radius_from_error), CALL(kernel_radius_at),
-    CALL(progressive_radius), CALL(error_bound), CALL(schedule_kernel),
-    CALL(medium_density_at), CALL(medium_derivatives_at), CALL(medium_step), CALL(medium_column_at),
-    CALL(medium_distance_at), CALL(medium_transmittance), CALL(medium_column_transmittance),
-    CALL(medium_opaque_column), CALL(medium_reach), CALL(medium_knots), CALL(medium_tabulate),
-    CALL(path_number), CALL(segment_field_at),
-    CALL(density_new), CALL(grid_new), CALL(grid_deposit), CALL(grid_deposit_spectra), CALL(grid_resolve),
-    CALL(grid_look_up), CALL(grid_save), CALL(cross), CALL(gather_pair), CALL(filter_beams),
-    CALL(beam_map_new), CALL(beam_map_clear), CALL(beam_map_add), CALL(beam_map_commit), CALL(beam_map_gather),
-    CALL(image_spectrum_along), CALL(image_spectrum_filter), CALL(image_filter_density), CALL(pixel_threshold),
-    CALL(film_regions), CALL(film_new), CALL(film_nodes), CALL(film_plan), CALL(film_density), CALL(film_add),
-    CALL(film_picture), CALL(film_errors),
-    CALL(march_lay), CALL(march_update), CALL(march_get_expected), CALL(march_get_first_round), CALL(march_place),
-    CALL(march_refine),
+    PLAIN_CALLS, CALL(phase_angular_variance), CALL(kernel_evaluate), CALL(kernel_second_moment),
+    CALL(kernel_radius_from_error), CALL(kernel_radius_at), CALL(progressive_radius), CALL(error_bound),
+    CALL(schedule_kernel), CALL(medium_step), CALL(medium_column_at), CALL(medium_distance_at),
+    CALL(medium_opaque_column), CALL(medium_knots), CALL(medium_tabulate), CALL(path_number),
+    CALL(segment_field_at), CALL(density_new), CALL(grid_new), CALL(grid_deposit),
+    CALL(grid_deposit_spectra), CALL(grid_resolve), CALL(grid_look_up), CALL(grid_save), CALL(cross),
+    CALL(gather_pair), CALL(filter_beams), CALL(beam_map_new), CALL(beam_map_clear), CALL(beam_map_add),
+    CALL(beam_map_commit), CALL(beam_map_gather), CALL(image_spectrum_along), CALL(pixel_threshold),
+    CALL(film_regions), CALL(film_new), CALL(film_nodes), CALL(film_plan), CALL(film_density),
+    CALL(film_add), CALL(film_picture), CALL(film_errors), CALL(march_lay), CALL(march_update),
+    CALL(march_get_expected), CALL(march_get_first_round), CALL(march_place), CALL(march_refine),
+    CALL(importance_new), CALL(importance_add_eye_rays), CALL(importance_add_paths),
+    CALL(importance_add_surfaces), CALL(importance_resolve), CALL(importance_at),
+    CALL(importance_of_segments), CALL(weight_window), CALL(emission_guide_fill), CALL(emission_guide_warp),
 };
 enum { CALLS = sizeof calls / sizeof calls[0] };
 
@@ -99,6 +93,7 @@ int main(int count, char **arguments)
         free(lines[i].in);
         free(lines[i].out);
     }
+    covbeam_importance_free(importance);
     covbeam_march_free(march);
     covbeam_film_free(film);
     covbeam_scratch_free(scratch);

@@ -4,6 +4,7 @@
 
 #include <covbeam.hpp>
 
+#include <array>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -138,6 +139,7 @@ public:
         grids();
         maps();
         image_space();
+        importances();
         marches();
     }
 
@@ -259,6 +261,7 @@ private:
     void maps();
     void image_space();
     void marches();
+    void importances();
 
     std::map<std::string, Single> single_;
     std::map<std::string, Plural> plural_;
@@ -269,6 +272,8 @@ private:
     cb::Scratch scratch_;
     std::unique_ptr<cb::Film> film_;
     size_t film_pixels_ = 0;
+    std::unique_ptr<cb::Importance> importance_;
+    std::unique_ptr<cb::EmissionGuide> guide_;
     cb::March march_;
     std::set<std::string> names_;
     size_t calls_ = 0, arrays_ = 0, elements_ = 0;
@@ -296,28 +301,7 @@ void Client::light_fields() {
     array("light_field_gaussian", 0,
           [](In&, Rows& r) { many::gaussian(r.v(0), r.v(3), r.pair(6), r.pair(8), r.put<covbeam_light_field>()); });
 
-    changes("light_field_travel", [](Field& f, In& in) { f.travel(in.f()); }, [](Rows& r) { many::travel(r.fields(),
-        r.f(16)); });
-    changes("light_field_rotate", [](Field& f, In& in) { f.rotate(in.take<Vec>()); },
-            [](Rows& r) { many::rotate(r.fields(), r.v(16)); });
-    changes("light_field_reflect", [](Field& f, In& in) {
-        Vec n = in.take<Vec>();
-        covbeam_curvature c = in.take<covbeam_curvature>();
-        f.reflect(n, &c);
-    }, [](Rows& r) { many::reflect(r.fields(), r.v(16), r.get<covbeam_curvature>(19)); });
-    changes("light_field_occlude", [](Field& f, In& in) { Vec e = in.take<Vec>(); f.occlude(e, in.f()); },
-            [](Rows& r) { many::occlude(r.fields(), r.v(16), r.f(19)); });
-    changes("light_field_attenuate", [](Field& f, In& in) {
-        Vec g = in.take<Vec>();
-        covbeam_spectrum h = in.take<covbeam_spectrum>();
-        f.attenuate(g, &h.xx);
-    }, [](Rows& r) { many::attenuate(r.fields(), r.v(16), r.get<float, 6>(19)); });
-    changes("light_field_narrow", [](Field& f, In& in) { Vec a = in.take<Vec>(); f.narrow(a, in.f()); },
-            [](Rows& r) { many::narrow(r.fields(), r.v(16), r.f(19)); });
-    changes("light_field_scatter", [](Field& f, In& in) { Vec d = in.take<Vec>(); f.scatter(d, in.f()); },
-            [](Rows& r) { many::scatter(r.fields(), r.v(16), r.f(19)); });
-    changes("light_field_diffuse", [](Field& f, In& in) { Vec n = in.take<Vec>(); f.diffuse(n, in.take<Vec>()); },
-            [](Rows& r) { many::diffuse(r.fields(), r.v(16), r.v(19)); });
+#include "vectors/operators.hpp"
 
     // The medium stands between: lines that share it are not found at the front, and each is an array of one.
     single_["light_field_carry"] = [this](In& in, Out& out) {
@@ -679,6 +663,74 @@ void Client::marches() {
         std::vector<covbeam_march_sample> samples(jitters.size());
         march_.refine(firsts, jitters, samples);
         out.all(samples);
+    };
+}
+
+void Client::importances() {
+    struct Weighted {
+        covbeam_eye_ray ray;
+        float weight;
+    };
+    single_["importance_new"] = [this](In& in, Out&) {
+        importance_.reset(new cb::Importance(in.take<covbeam_grid_layout>()));
+    };
+    using Add = void (cb::Importance::*)(const covbeam_medium&, cb::Importance::Pieces, cb::Floats);
+    const auto adds = [this](const char* name, Add add) {
+        single_[name] = [this, add](In& in, Out&) {
+            const cb::Medium fog = medium(in);
+            const std::vector<Weighted> all = in.rest<Weighted>();
+            ((*importance_).*add)(fog, cb::Importance::Pieces::of(&all[0].ray, all.size(), sizeof all[0]),
+                                  cb::Floats::of(&all[0].weight, all.size(), sizeof all[0]));
+        };
+    };
+    adds("importance_add_eye_rays", &cb::Importance::add_eye_rays);
+    adds("importance_add_paths", &cb::Importance::add_paths);
+    single_["importance_add_surfaces"] = [this](In& in, Out&) {
+        struct Place {
+            Vec at;
+            float weight;
+        };
+        const std::vector<Place> all = in.rest<Place>();
+        importance_->add_surfaces(cb::Vectors::of(&all[0].at, all.size(), sizeof all[0]),
+                                  cb::Floats::of(&all[0].weight, all.size(), sizeof all[0]));
+    };
+    single_["importance_resolve"] = [this](In&, Out&) { importance_->resolve(); };
+    single_["importance_at"] = [this](In& in, Out& out) {
+        const std::vector<Vec> positions = in.rest<Vec>();
+        std::vector<covbeam_importance_cell> cells(positions.size());
+        importance_->at(positions, cells);
+        out.all(cells);
+    };
+    single_["importance_of_segments"] = [this](In& in, Out& out) {
+        const cb::Medium fog = medium(in);
+        const std::vector<covbeam_eye_ray> segments = in.rest<covbeam_eye_ray>();
+        std::vector<covbeam_segment_importance> worths(segments.size());
+        importance_->of_segments(fog, segments, worths);
+        out.all(worths);
+    };
+    single_["weight_window"] = [](In& in, Out& out) {
+        std::vector<float> factors(in.left() - 1);
+        for (float& factor : factors) factor = in.f();
+        cb::weight_window(factors, in.f());
+        out.all(factors);
+    };
+    single_["emission_guide_fill"] = [this](In& in, Out& out) {
+        const uint32_t side = in.u();
+        std::vector<float> weights(side * side);
+        for (float& weight : weights) weight = in.f();
+        guide_.reset(new cb::EmissionGuide(side, weights, in.f()));
+        out.all(guide_->numbers());
+    };
+    // The guide is that of the line before.
+    single_["emission_guide_warp"] = [this](In& in, Out& out) {
+        in.u();
+        for (float number : guide_->numbers())
+            if (number != in.f()) throw Mismatch("another guide");
+        const std::vector<Pair> points = in.rest<Pair>();
+        std::vector<Pair> places(points.size());
+        std::vector<float> densities(points.size());
+        guide_->warp(points, places, densities);
+        for (size_t i = 0; i < points.size(); ++i) out << places[i] << densities[i];
     };
 }
 

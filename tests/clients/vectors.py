@@ -4,7 +4,9 @@ Every line is called alone. Lines whose function takes arrays are called once mo
 matrix. The format is described in tests/src/vectors/mod.rs.
 """
 
+import re
 import sys
+from pathlib import Path
 
 import numpy as np
 
@@ -54,24 +56,23 @@ def layout_of(words):
 
 FIELD, NUMBER = cb.LIGHT_FIELD, 1
 
+
+def field_calls():
+    """What is called of light_field, from the kinds of the parameters."""
+    dtypes = {"field": FIELD, "curvature": cb.CURVATURE}
+    calls = Path(__file__).with_name("hostile").joinpath("calls.h").read_text()
+    for operator, described in re.findall(r'\(covbeam_light_fields_(\w+), "count n; (.*?)"', calls):
+        kinds = [parameter.split(" ")[1] for parameter in described.split("; ") if not parameter.endswith("_stride s")]
+        if "<medium" in kinds:
+            continue
+        function = getattr(light_field, operator)
+        # "<f:ddd" are three numbers.
+        parts = [dtypes.get(kind[1:].rstrip("?")) or len(kind) - 3 for kind in kinds if kind[0] != ">"]
+        yield "light_field_" + operator, (changing(function) if "=field" in kinds else function, parts)
+
+
 # name: (function, what its arguments are: a dtype, or how many floats)
-PLAIN = {
-    "light_field_point": (light_field.point, [3, NUMBER]),
-    "light_field_disk": (light_field.disk, [3, 3, NUMBER, NUMBER]),
-    "light_field_collimated": (light_field.collimated, [3, NUMBER]),
-    "light_field_gaussian": (light_field.gaussian, [3, 3, 2, 2]),
-    "light_field_travel": (changing(light_field.travel), [FIELD, NUMBER]),
-    "light_field_rotate": (changing(light_field.rotate), [FIELD, 3]),
-    "light_field_reflect": (changing(light_field.reflect), [FIELD, 3, cb.CURVATURE]),
-    "light_field_refract": (changing(light_field.refract), [FIELD, 3, cb.CURVATURE, NUMBER]),
-    "light_field_occlude": (changing(light_field.occlude), [FIELD, 3, NUMBER]),
-    "light_field_attenuate": (changing(light_field.attenuate), [FIELD, 3, 6]),
-    "light_field_narrow": (changing(light_field.narrow), [FIELD, 3, NUMBER]),
-    "light_field_scatter": (changing(light_field.scatter), [FIELD, 3, NUMBER]),
-    "light_field_diffuse": (changing(light_field.diffuse), [FIELD, 3, 3]),
-    "light_field_slice": (light_field.slice, [FIELD]),
-    "light_field_fluence": (light_field.fluence, [FIELD, NUMBER]),
-    "light_field_variance_along_ray": (light_field.variance_along_ray, [FIELD, NUMBER]),
+PLAIN = dict(field_calls()) | {
     "image_spectrum_filter": (image.filters, [cb.IMAGE_SPECTRUM, NUMBER, NUMBER]),
     "image_filter_density": (image.densities, [cb.IMAGE_FILTER]),
     "spectrum_variance_along": (spectrum.variance_along, [cb.SPECTRUM, 3]),
@@ -135,7 +136,7 @@ class Script:
     """What the lines act on."""
 
     def __init__(self):
-        self.density = self.grid = self.map = self.film = None
+        self.density = self.grid = self.map = self.film = self.importance = None
         self.march = cb.March()
         # (function, key of what the calls share) -> rows of input and of output words
         self.together = {}
@@ -350,6 +351,51 @@ class Script:
         # An f64 is among them, so that the words must lie on its boundary.
         firsts = words[1:count].copy().view(cb.MARCH_SAMPLE)
         return flat(self.march.refine(firsts, numbers[count:]))
+
+    def importance_new(self, words, _):
+        self.importance = cb.Importance(layout_of(words))
+        return NOTHING
+
+    def importance_add_eye_rays(self, words, numbers):
+        return self.add_pieces(cb.Importance.add_eye_rays, words)
+
+    def importance_add_paths(self, words, numbers):
+        return self.add_pieces(cb.Importance.add_paths, words)
+
+    def add_pieces(self, add, words):
+        rows = words[16:].reshape(-1, 8)
+        add(self.importance, medium_of(words[:16], self), *columns_of(rows, [cb.EYE_RAY, NUMBER]))
+        return NOTHING
+
+    def importance_add_surfaces(self, words, _):
+        self.importance.add_surfaces(*columns_of(words.reshape(-1, 4), [3, NUMBER]))
+        return NOTHING
+
+    def importance_resolve(self, _words, _numbers):
+        self.importance.resolve()
+        return NOTHING
+
+    def importance_at(self, _, numbers):
+        return flat(self.importance.at(numbers.reshape(-1, 3)))
+
+    def importance_of_segments(self, words, _):
+        return flat(self.importance.of_segments(medium_of(words[:16], self), words[16:].view(cb.EYE_RAY)))
+
+    def weight_window(self, _, numbers):
+        factors = numbers[:-1].copy()
+        cb.weight_window(factors, numbers[-1])
+        return flat(factors)
+
+    def emission_guide_fill(self, words, numbers):
+        side = int(words[0])
+        return flat(cb.emission_guide_fill(numbers[1:-1].reshape(side, side), numbers[-1]))
+
+    def emission_guide_warp(self, words, numbers):
+        side = int(words[0])
+        size = side * (side + 1)
+        points = numbers[1 + size :].reshape(-1, 2)
+        places, densities = cb.emission_guide_warp(numbers[1 : 1 + size].reshape(side + 1, side), points)
+        return flat((places, densities), len(points))
 
     def gather_pair(self, words, numbers):
         gathered = np.zeros(1, cb.GATHERED)

@@ -1,7 +1,7 @@
 #!/bin/bash
 # The C clients against an installed tree: tests/clients/vectors.sh PREFIX
-# Every function of the ABI gives the bits of the Rust library (vectors.c), layouts and values are those of the header (abi.c), and
-# threads and batches change nothing (determinism.c).
+# Every function of the ABI gives the bits of the Rust library (vectors.c), layouts and values are those of the header (abi.c),
+# threads and batches change nothing (determinism.c), and light guided by importance is the same light (importance.c).
 set -euo pipefail
 root="$(cd "$(dirname "$0")/../.." && pwd)"
 [ $# -eq 1 ] || { echo "usage: $0 PREFIX" >&2; exit 1; }
@@ -70,3 +70,6 @@ for compiler in gcc clang; do
 done
 cmp "$work/gcc.txt" "$work/clang.txt" || fail "gcc and clang get other bits"
 sed 's/^/vectors: /' "$work/gcc.txt"
+
+build gcc c99 shared importance "$work/importance"
+"$work/importance" || fail "importance"

@@ -13,69 +13,13 @@
 namespace cb = covbeam;
 
 // The ABI is little more than these numbers: they change only together with COVBEAM_ABI_VERSION.
-#define SIZE(type, bytes) \
-    static_assert(sizeof(covbeam_##type) == bytes && std::is_standard_layout<covbeam_##type>::value, #type)
-#define AT(type, member, offset) static_assert(offsetof(covbeam_##type, member) == offset, #type "." #member)
-static_assert(COVBEAM_ABI_VERSION == 2, "the numbers below are those of ABI 2");
-static_assert(sizeof(void*) == 8 && sizeof(size_t) == 8, "the numbers below are those of a 64-bit machine");
-static_assert(sizeof(covbeam_status) == 4 && sizeof(covbeam_density_kind) == 4, "enums are 32 bits wide");
-SIZE(phase, 8); AT(phase, kind, 0); AT(phase, asymmetry, 4);
-SIZE(medium, 80); AT(medium, struct_size, 0); AT(medium, scattering, 4); AT(medium, absorption, 16);
-AT(medium, phase, 28); AT(medium, density, 36); AT(medium, origin, 40); AT(medium, up, 52);
-AT(medium, scale_height, 64); AT(medium, voxels, 72);
-SIZE(beam, 64); AT(beam, origin, 0); AT(beam, direction, 12); AT(beam, length, 24); AT(beam, power, 28);
-AT(beam, start_normal, 40); AT(beam, end_normal, 52);
-SIZE(eye_ray, 28); AT(eye_ray, origin, 0); AT(eye_ray, direction, 12); AT(eye_ray, length, 24);
-SIZE(gathered, 28); AT(gathered, radiance, 0); AT(gathered, pairs, 12); AT(gathered, weight, 16);
-AT(gathered, radius, 20); AT(gathered, sigma, 24);
-SIZE(crossing, 28); AT(crossing, ray_distance, 0); AT(crossing, beam_distance, 4); AT(crossing, gap, 8);
-AT(crossing, sin_theta, 12); AT(crossing, axis, 16);
-SIZE(contact, 44); AT(contact, position, 0); AT(contact, ray, 12); AT(contact, beam, 16);
-AT(contact, ray_distance, 20); AT(contact, beam_distance, 24); AT(contact, cos_theta, 28);
-AT(contact, kernel, 32); AT(contact, radius, 36); AT(contact, sigma, 40);
-SIZE(grid_layout, 36); AT(grid_layout, min, 0); AT(grid_layout, max, 12); AT(grid_layout, cells, 24);
-SIZE(grid_cell, 56); AT(grid_cell, sum, 0); AT(grid_cell, weight, 48);
-SIZE(spectrum, 24); AT(spectrum, xx, 0); AT(spectrum, yy, 4); AT(spectrum, zz, 8); AT(spectrum, xy, 12);
-AT(spectrum, xz, 16); AT(spectrum, yz, 20);
-SIZE(fluence_cell, 28); AT(fluence_cell, spectrum, 0); AT(fluence_cell, weight, 24);
-SIZE(light_field, 64); AT(light_field, root, 0); AT(light_field, x_axis, 40); AT(light_field, direction, 52);
-SIZE(curvature, 24); AT(curvature, tangent, 0); AT(curvature, along, 12); AT(curvature, across, 16);
-AT(curvature, twist, 20);
-SIZE(knot, 8); AT(knot, distance, 0); AT(knot, column, 4);
-SIZE(edge, 20); AT(edge, depth, 0); AT(edge, distance, 4); AT(edge, towards, 8);
-SIZE(probe_hit, 20); AT(probe_hit, distance, 0); AT(probe_hit, normal, 4); AT(probe_hit, offset, 16);
-SIZE(segment, 192); AT(segment, origin, 0); AT(segment, length, 12); AT(segment, power, 16);
-AT(segment, unscattered, 20); AT(segment, field, 24); AT(segment, edges, 88); AT(segment, edge_count, 168);
-AT(segment, knots, 176); AT(segment, knot_count, 184);
-SIZE(derivatives, 36); AT(derivatives, gradient, 0); AT(derivatives, hessian, 12);
-SIZE(column, 32); AT(column, kind, 0); AT(column, density, 4); AT(column, rate, 8); AT(column, knots, 16);
-AT(column, knot_count, 24);
-SIZE(kernel, 20); AT(kernel, struct_size, 0); AT(kernel, shape, 4); AT(kernel, min_radius, 8);
-AT(kernel, max_radius, 12); AT(kernel, error, 16);
-SIZE(schedule, 24); AT(schedule, struct_size, 0); AT(schedule, shape, 4); AT(schedule, radius, 8);
-AT(schedule, alpha, 12); AT(schedule, max_radius, 16); AT(schedule, error, 20);
-SIZE(pixel_step, 24); AT(pixel_step, origin, 0); AT(pixel_step, direction, 12);
-SIZE(image_spectrum, 16); AT(image_spectrum, xx, 0); AT(image_spectrum, xy, 4); AT(image_spectrum, yy, 8);
-AT(image_spectrum, weight, 12);
-SIZE(image_filter, 12); AT(image_filter, xx, 0); AT(image_filter, xy, 4); AT(image_filter, yy, 8);
-SIZE(film_ray, 40); AT(film_ray, pixel, 0); AT(film_ray, has_volume, 8); AT(film_ray, has_rest, 12);
-AT(film_ray, volume, 16); AT(film_ray, rest, 28);
-SIZE(film_pixel, 32); AT(film_pixel, radiance, 0); AT(film_pixel, volume, 12); AT(film_pixel, variance, 24);
-AT(film_pixel, difference, 28);
-SIZE(march_knot, 16); AT(march_knot, distance, 0); AT(march_knot, radiance, 4); AT(march_knot, deviation, 8);
-AT(march_knot, visibility, 12);
-SIZE(march_sample, 24); AT(march_sample, distance, 0); AT(march_sample, weight, 4); AT(march_sample, visibility, 8);
-AT(march_sample, reserved, 12); AT(march_sample, mass, 16);
-SIZE(march_expected, 8); AT(march_expected, radiance, 0); AT(march_expected, error, 4);
-static_assert(COVBEAM_OK == 0 && COVBEAM_NULL_POINTER == 1 && COVBEAM_MISALIGNED == 2 && COVBEAM_INVALID_VALUE == 3 &&
-              COVBEAM_INVALID_ARRAY == 4 && COVBEAM_SHORT_BUFFER == 5 && COVBEAM_INVALID_HANDLE == 6 && COVBEAM_WRONG_ORDER == 7 &&
-              COVBEAM_MISMATCH == 8 && COVBEAM_BAD_DATA == 9 && COVBEAM_OUT_OF_MEMORY == 10 && COVBEAM_CANCELLED == 11 &&
-              COVBEAM_CALLBACK_FAILED == 12 && COVBEAM_POISONED == 13 && COVBEAM_PANICKED == 14, "statuses");
-static_assert(COVBEAM_DENSITY_UNIFORM == 0 && COVBEAM_DENSITY_EXPONENTIAL == 1 && COVBEAM_DENSITY_VOXELS == 2,
-              "densities");
-static_assert(COVBEAM_PHASE_ISOTROPIC == 0 && COVBEAM_PHASE_HENYEY_GREENSTEIN == 1 && COVBEAM_PHASE_RAYLEIGH == 2,
-              "phases");
-static_assert(COVBEAM_KERNEL_BOX == 0 && COVBEAM_KERNEL_EPANECHNIKOV == 1 && COVBEAM_KERNEL_BIWEIGHT == 2, "kernels");
+#define SIZE(type, bytes, alignment)                                                                                  \
+    static_assert(sizeof(covbeam_##type) == bytes && std::is_standard_layout<covbeam_##type>::value &&                \
+                      alignof(covbeam_##type) == alignment,                                                           \
+                  #type);
+#define AT(type, member, offset) static_assert(offsetof(covbeam_##type, member) == offset, #type "." #member);
+#define VALUE(name, value) static_assert(COVBEAM_##name == value, #name);
+#include "layout.h"
 
 // What the wrapper adds to the C structs is no data.
 static_assert(sizeof(cb::LightField) == 64 && sizeof(cb::Medium) == 80 && sizeof(cb::Kernel) == 20,
@@ -236,6 +180,9 @@ void a_cancelled_call_changes_nothing_and_can_be_made_again() {
     expect(throws<cb::Cancelled>(COVBEAM_CANCELLED, "", [&] { map.commit(KERNEL.max_radius, no); }),
            "commit stops when the poll says so");
     expect(asked == 3, "and asks no more");
+    const auto changes = [&] { map.clear(); return true; };
+    expect(throws(COVBEAM_BUSY, "map", [&] { map.commit(KERNEL.max_radius, changes); }),
+           "a poll cannot change what is committed");
     map.commit(KERNEL.max_radius, [&] { return true; });
     expect(map.count() == 100000 && map.memory() > 100000 * sizeof(covbeam_beam), "the beams are all there");
 
@@ -422,7 +369,7 @@ void a_grid_keeps_what_it_collected() {
     std::vector<covbeam_fluence_cell> means(512);
     {
         cb::Grid hosts(ROOM, cells.data(), cells.size(), means.data(), means.size()), share(ROOM);
-        share.deposit(fog, {&segment, 1});
+        share.deposit(fog, {&segment, 1}, [] { return true; });
         hosts.merge(share);
         hosts.resolve();
         expect(hosts.cells().data == cells.data() && hosts.means().count == 512, "in the host's memory");
@@ -441,6 +388,31 @@ void a_grid_keeps_what_it_collected() {
     expect(weight > 0, "the host's memory outlives the grid, with what is in it");
 }
 
+void importances_add_up_and_guides_refuse_what_is_none() {
+    const cb::Medium fog = cb::Medium::grey(0.5f, 0.1f);
+    const std::vector<covbeam_eye_ray> seen = rays(20);
+    const float one = 1;
+    cb::Importance first(ROOM), second(ROOM);
+    first.add_eye_rays(fog, seen, cb::Floats::every(one));
+    first.add_paths(fog, seen, cb::Floats::every(one));
+    second.merge(first);
+    second.merge(first);
+    std::vector<covbeam_importance_cell> once(20), twice(20);
+    const cb::Vectors points = cb::Vectors::of(&seen[0].origin, seen.size(), sizeof seen[0]);
+    expect(throws(COVBEAM_WRONG_ORDER, "importance", [&] { first.at(points, once); }), "looked up before the resolve");
+    first.resolve();
+    second.resolve();
+    first.at(points, once);
+    second.at(points, twice);
+    for (size_t i = 0; i < once.size(); ++i)
+        expect(once[i].beam > 0 && twice[i].beam == 2 * once[i].beam && twice[i].scattered == 2 * once[i].scattered,
+               "merged twice, twice the importance");
+    expect(throws(COVBEAM_INVALID_ARRAY, "", [&] { first.at(points, cb::Strided<covbeam_importance_cell>(&once[0], 3)); }),
+           "arrays of different lengths");
+    expect(throws(COVBEAM_SHORT_BUFFER, "weight_count", [] { cb::EmissionGuide(2, {1, 2, 3}, 0.1f); }), "three weights");
+    expect(throws(COVBEAM_INVALID_VALUE, "even", [] { cb::EmissionGuide(1, {1}, 0); }), "no even share");
+}
+
 } // namespace
 
 int main() {
@@ -456,6 +428,7 @@ int main() {
         a_table_of_columns_is_what_the_medium_says,
         edges_are_found_by_probes_and_their_exceptions_come_out,
         a_grid_keeps_what_it_collected,
+        importances_add_up_and_guides_refuse_what_is_none,
     };
     for (const auto test : all) {
         try {

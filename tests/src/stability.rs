@@ -90,7 +90,8 @@ pub fn sensitivity<Truth: Real>(case: &Case) -> f64 {
     for event in &case.events {
         truth.apply(event);
         for twin in &mut moved {
-            twin.apply(&neighbour(event, &mut random));
+            let near = |x: f32| if random.uniform() < 0.5 { x.next_up() } else { x.next_down() };
+            twin.apply(&event.with_numbers(near));
         }
         apply(&mut field, event);
         truth.adopt_frame(&field);
@@ -99,25 +100,6 @@ pub fn sensitivity<Truth: Real>(case: &Case) -> f64 {
         }
     }
     moved.iter().map(|twin| relative(twin.fluence(), truth.fluence())).fold(0.0, f64::max)
-}
-
-fn neighbour(event: &Event, random: &mut Stream) -> Event {
-    let mut near = |x: f32| if random.uniform() < 0.5 { x.next_up() } else { x.next_down() };
-    let bent = |k: Curvature, near: &mut dyn FnMut(f32) -> f32| Curvature {
-        tangent: k.tangent,
-        along: near(k.along),
-        across: near(k.across),
-        twist: near(k.twist),
-    };
-    match *event {
-        Event::Travel(distance) => Event::Travel(near(distance)),
-        Event::Reflect(normal, k) => Event::Reflect(normal, bent(k, &mut near)),
-        Event::Refract(normal, k, eta) => Event::Refract(normal, bent(k, &mut near), near(eta)),
-        Event::Occlude(towards, distance) => Event::Occlude(towards, near(distance)),
-        Event::Narrow(across, variance) => Event::Narrow(across, near(variance)),
-        Event::Scatter(direction, variance) => Event::Scatter(direction, near(variance)),
-        Event::Diffuse(normal, direction) => Event::Diffuse(normal, direction),
-    }
 }
 
 /// Panics unless a field is finite and its slice and fluence are positive semi-definite up to rounding.

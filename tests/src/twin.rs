@@ -161,6 +161,27 @@ pub enum Event {
     Diffuse(Vec3, Vec3),
 }
 
+impl Event {
+    /// The same with other numbers, but for directions.
+    pub fn with_numbers(&self, mut other: impl FnMut(f32) -> f32) -> Self {
+        let mut bent = |k: Curvature| Curvature {
+            tangent: k.tangent,
+            along: other(k.along),
+            across: other(k.across),
+            twist: other(k.twist),
+        };
+        match *self {
+            Self::Travel(distance) => Self::Travel(other(distance)),
+            Self::Reflect(normal, k) => Self::Reflect(normal, bent(k)),
+            Self::Refract(normal, k, eta) => Self::Refract(normal, bent(k), other(eta)),
+            Self::Occlude(towards, distance) => Self::Occlude(towards, other(distance)),
+            Self::Narrow(across, variance) => Self::Narrow(across, other(variance)),
+            Self::Scatter(direction, variance) => Self::Scatter(direction, other(variance)),
+            Self::Diffuse(normal, direction) => Self::Diffuse(normal, direction),
+        }
+    }
+}
+
 /// The library's field after a source and some events. Panics if light meets total reflection.
 pub fn light_field(source: Source, events: &[Event]) -> LightField {
     let mut field = start(source);

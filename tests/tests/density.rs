@@ -124,6 +124,26 @@ fn the_table_of_a_grid_is_within_its_error_of_the_integral() {
 }
 
 #[test]
+fn no_table_has_more_knots_than_the_density_says() {
+    let mut random = random(9);
+    for cells in [[7, 1, 1], [5, 4, 6], [2, 9, 3]] {
+        let layout = GridLayout { cells, ..LAYOUT };
+        // So jagged, and the error so small, that every cell is cut as often as may be.
+        let values: Vec<f32> = (0..layout.cell_count()).map(|_| 1e6 * random.uniform()).collect();
+        let density = Density::Grid(DensityGrid::new(layout, &values).unwrap());
+        let (most, mut longest) = (density.most_knots(), 0);
+        for _ in 0..500 {
+            let at = Vec3::new(random.uniform(), random.uniform(), random.uniform());
+            let (origin, d) = (LAYOUT.min + at * (LAYOUT.max - LAYOUT.min), direction(&mut random));
+            longest =
+                longest.max(knots(&density, origin - 9.0 * d, d, f32::INFINITY, f32::MIN_POSITIVE).len());
+        }
+        assert!(longest <= most && 3 * longest > most, "{longest} of {most}, {cells:?}");
+    }
+    assert_eq!(Density::Uniform.most_knots(), 0);
+}
+
+#[test]
 fn a_finer_table_has_more_knots_and_an_empty_or_uniform_stretch_has_none_between() {
     let mut random = random(3);
     let values = values(&mut random);

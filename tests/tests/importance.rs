@@ -618,9 +618,13 @@ fn a_guide_refuses_what_is_none() {
     for bad in [f32::NAN, f32::INFINITY, -1.0, -1e-30] {
         assert_eq!(fill(2, &[1.0, bad, 1.0, 1.0], 0.5, 6), Some(GridError::Value), "{bad}");
     }
-    for even in [0.0, -0.1, 1.1, f32::NAN, f32::INFINITY] {
+    for even in [0.0, 1e-45, 4e-38, -0.1, 1.1, f32::NAN, f32::INFINITY] {
         assert_eq!(fill(2, &[1.0; 4], even, 6), Some(GridError::Value), "{even}");
     }
+    // In the second row there is next to nothing: still shares that add up.
+    let mut numbers = [0.0; 6];
+    EmissionGuide::fill(2, &[1.0, 0.0, 0.0, 0.0], 5e-38, &mut numbers).unwrap();
+    assert_eq!(numbers, [1.0, 1.0, 1.0, 1.0, 0.5, 1.0]);
     assert_eq!(EmissionGuide::new(0, &[]).err(), Some(GridError::Length));
     assert_eq!(EmissionGuide::new(2, &[0.0; 5]).err(), Some(GridError::Length));
     // Weights near the ends of what f32 holds.

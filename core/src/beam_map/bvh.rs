@@ -4,7 +4,8 @@
 //! Clusters are merged as obvhs merges them (locally ordered clustering). Its own builder cannot be stopped,
 //! and takes quadratic time over many equal boxes.
 
-use super::cancel::{Poll, Stop, with_room};
+use super::cancel::{Poll, Stop};
+use super::room::{fitted, grow, with_room};
 use super::simd::{LANES, Vectors};
 use super::sub_beams::{Cut, MortonCode, ROOM, SubBeam};
 use crate::beam::{BLOCK, Beam};
@@ -95,6 +96,8 @@ pub(super) struct Bvh {
     pub(super) sub_beams: Vec<SubBeam>,
     /// What each box is grown by \[m\].
     pub(super) padding: f32,
+    /// Nodes that are found and not yet visited by a walk through all of them, at most.
+    pub(super) most_waiting: usize,
 }
 
 impl Bvh {
@@ -107,7 +110,9 @@ impl Bvh {
         poll: &mut Poll,
     ) -> Result<Self, Stop> {
         let padding = max_radius * ROOM;
-        BinaryBvh::new(beams, cut, codes, padding, poll)?.widen(padding, poll)
+        let mut wide = BinaryBvh::new(beams, cut, codes, padding, poll)?.widen(padding, poll)?;
+        wide.nodes = fitted(&wide.nodes, poll)?;
+        Ok(wide)
     }
 }
 
@@ -146,7 +151,7 @@ impl BinaryBvh {
             clusters
                 .build((0..).zip(&sub_beams).map(|(i, sub_beam)| Node::around(sub_beam, padding, i)), poll)?;
             clusters.collapse();
-            roots.push(tree.append(&clusters.tree, &sub_beams));
+            roots.push(tree.append(&clusters.tree, &sub_beams)?);
         }
         clusters.build((0..).zip(&roots).map(|(i, root)| Node { first: i, count: 1, ..*root }), poll)?;
         for (node, top) in tree.nodes.iter_mut().zip(&clusters.tree) {
@@ -157,10 +162,12 @@ impl BinaryBvh {
 
     /// Gives each node the eight largest boxes below it.
     fn widen(self, padding: f32, poll: &mut Poll) -> Result<Bvh, Stop> {
-        let mut wide = Bvh { nodes: Vec::new(), sub_beams: with_room(self.sub_beams.len())?, padding };
+        let sub_beams = with_room(self.sub_beams.len())?;
+        let mut wide = Bvh { nodes: Vec::new(), sub_beams, padding, most_waiting: 1 };
         // Nodes still to be made: of which subtree, and where they go.
-        let mut stack = Vec::new();
+        let mut stack = with_room(1)?;
         if let Some(root) = self.nodes.first() {
+            grow(&mut wide.nodes, 1)?;
             wide.nodes.push(WideNode::default());
             stack.push((*root, 0));
         }
@@ -190,24 +197,27 @@ impl BinaryBvh {
             // The last is taken from the stack first: a walk and this loop meet the nodes in the same order.
             for lane in (0..count).rev().filter(|lane| children[*lane].count == 0) {
                 node.first[lane] = u32::try_from(wide.nodes.len()).map_err(|_| Stop::TooMany)?;
-                wide.nodes.try_reserve(1).map_err(|_| Stop::OutOfMemory)?;
+                grow(&mut wide.nodes, 1)?;
+                grow(&mut stack, 1)?;
                 stack.push((children[lane], wide.nodes.len()));
                 wide.nodes.push(WideNode::default());
             }
+            wide.most_waiting = wide.most_waiting.max(stack.len());
             wide.nodes[slot] = node;
         }
-        wide.nodes.shrink_to_fit();
         Ok(wide)
     }
 
     /// Appends what is below the root of a chunk's tree, depth first, and returns the root.
-    fn append(&mut self, chunk: &[Node], sub_beams: &[SubBeam]) -> Node {
+    fn append(&mut self, chunk: &[Node], sub_beams: &[SubBeam]) -> Result<Node, Stop> {
         let mut root = chunk[0];
-        let mut stack = Vec::from([(0, None)]);
+        let mut stack = with_room(1)?;
+        stack.push((0, None));
         while let Some((index, slot)) = stack.pop() {
             let mut node: Node = chunk[index];
             if node.count == 0 {
                 let (child, pair) = (node.first as usize, self.nodes.len());
+                grow(&mut stack, 2)?;
                 stack.extend([(child + 1, Some(pair + 1)), (child, Some(pair))]);
                 self.nodes.extend([Node::default(); 2]);
                 node.first = pair as u32;
@@ -220,7 +230,7 @@ impl BinaryBvh {
                 None => root = node,
             }
         }
-        root
+        Ok(root)
     }
 
     /// Appends the sub-beams below a node that became a leaf: at most [`BLOCK`], so the recursion is shallow.

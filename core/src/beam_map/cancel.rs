@@ -1,7 +1,5 @@
 //! Asks the host at even intervals of counted work whether to go on.
 
-use std::vec::Vec;
-
 /// Work between two questions: about a millisecond.
 const INTERVAL: u32 = 1_000_000;
 
@@ -14,7 +12,10 @@ pub enum Stop {
     /// The host said no.
     Cancelled,
     /// Memory could not be had.
-    OutOfMemory,
+    OutOfMemory {
+        /// How much was wanted.
+        bytes: usize,
+    },
     /// More than [`super::MAX_BEAMS`] beams.
     TooMany,
     /// The map was built in another medium.
@@ -23,12 +24,12 @@ pub enum Stop {
 
 impl core::fmt::Display for Stop {
     fn fmt(&self, f: &mut core::fmt::Formatter) -> core::fmt::Result {
-        f.write_str(match self {
-            Stop::Cancelled => "cancelled",
-            Stop::OutOfMemory => "out of memory",
-            Stop::TooMany => "too many beams for one map",
-            Stop::OtherMedium => "the map was built in another medium",
-        })
+        match self {
+            Stop::Cancelled => f.write_str("cancelled"),
+            Stop::OutOfMemory { bytes } => write!(f, "out of memory: {bytes} bytes were wanted"),
+            Stop::TooMany => f.write_str("too many beams for one map"),
+            Stop::OtherMedium => f.write_str("the map was built in another medium"),
+        }
     }
 }
 
@@ -63,11 +64,4 @@ impl<'a> Poll<'a> {
         self.left = INTERVAL;
         if (self.go_on)() { Ok(()) } else { Err(Stop::Cancelled) }
     }
-}
-
-/// A vector with room for `capacity` elements.
-pub(super) fn with_room<T>(capacity: usize) -> Result<Vec<T>, Stop> {
-    let mut vector = Vec::new();
-    vector.try_reserve_exact(capacity).map_err(|_| Stop::OutOfMemory)?;
-    Ok(vector)
 }

@@ -1,6 +1,7 @@
 //! What the columns along the beams of a map are computed from.
 
-use super::cancel::{Poll, STRETCH, Stop, with_room};
+use super::cancel::{Poll, STRETCH, Stop};
+use super::room::{fitted, tabulate, with_room};
 use crate::beam::Beam;
 use crate::medium::{Column, Density, ExponentialDensity, Knot, Medium, PhaseFunction};
 use crate::pair::along_beam;
@@ -51,27 +52,20 @@ pub(super) struct Bunch {
 }
 
 impl Bunch {
-    fn new(beams: &[Beam], medium: &Medium, poll: &mut Poll) -> Result<Self, Stop> {
-        let (mut knots, mut first) = (Vec::new(), with_room(beams.len() + 1)?);
+    /// - `knots`: memory for the tables before they are as long as they will be.
+    fn new(beams: &[Beam], medium: &Medium, knots: &mut Vec<Knot>, poll: &mut Poll) -> Result<Self, Stop> {
+        let mut first = with_room(beams.len() + 1)?;
+        knots.clear();
         first.push(0);
         for &Beam { origin, direction, length, .. } in beams {
             let before = knots.len();
-            let mut room = true;
-            medium.tabulate(origin, direction, length, &mut |knot| {
-                room = room && knots.try_reserve(1).is_ok();
-                if room {
-                    knots.push(knot);
-                }
-            });
-            match u32::try_from(knots.len()) {
-                Ok(end) if room => first.push(end),
-                _ => return Err(Stop::OutOfMemory),
-            }
+            tabulate(knots, medium, (origin, direction), length)?;
+            let bytes = size_of_val(&knots[..]);
+            first.push(u32::try_from(knots.len()).map_err(|_| Stop::OutOfMemory { bytes })?);
             // Long ways in which few knots are left count, too.
             poll.spend(knots.len() - before + 100, 100)?;
         }
-        knots.shrink_to_fit();
-        Ok(Self { knots, first })
+        Ok(Self { knots: fitted(knots, poll)?, first })
     }
 }
 
@@ -89,9 +83,9 @@ impl BeamColumns {
                 Ok(Self::Exponential(densities))
             }
             Density::Grid(_) => {
-                let mut bunches = with_room(beams.len().div_ceil(BUNCH))?;
+                let (mut bunches, mut knots) = (with_room(beams.len().div_ceil(BUNCH))?, Vec::new());
                 for bunch in beams.chunks(BUNCH) {
-                    bunches.push(Bunch::new(bunch, medium, poll)?);
+                    bunches.push(Bunch::new(bunch, medium, &mut knots, poll)?);
                 }
                 Ok(Self::Tables(bunches))
             }

@@ -84,7 +84,7 @@ fn rays(random: &mut Random) -> Vec<EyeRay> {
 /// What rays gather with the instructions of a level.
 fn gather(level: Level, map: &BeamMap, medium: &Medium, rays: &[EyeRay], kernel: &Kernel) -> Vec<Gathered> {
     let (mut gathered, tables) = (std::vec![Gathered::default(); rays.len()], &mut RayTables::default());
-    tables.clear();
+    tables.clear().unwrap();
     let (beams, columns) = (&map.beams, &map.columns);
     let mut shade = OurMedium { beams, columns, rays, medium, gathered: &mut gathered, tables };
     let query = Query { level, beams, bvh: &map.bvh, rays, kernel };

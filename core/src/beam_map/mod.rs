@@ -6,6 +6,7 @@ mod columns;
 mod eight;
 mod packet;
 mod rays;
+mod room;
 mod search;
 mod shade;
 mod simd;
@@ -25,7 +26,7 @@ use fearless_simd::Level;
 use glam::Vec3;
 use rays::RayTables;
 use search::{Query, Search, Shade};
-use shade::{HostMedium, OurMedium};
+use shade::{HostMedium, OurMedium, reserve};
 use std::vec::Vec;
 use sub_beams::{SUB_BEAMS_PER_BEAM, SubBeam, morton_codes};
 
@@ -64,7 +65,7 @@ pub struct Unfinished {
 
 /// Buffers of a gather that a thread keeps between calls so that they are not allocated again.
 ///
-/// About 4 MB at most, and 8 bytes a knot of 256 eye rays' columns, however many beams there are.
+/// About 4 MB, and 8 bytes a knot of 256 eye rays' columns, however many beams there are.
 #[derive(Clone, Debug, Default)]
 pub struct GatherScratch {
     search: Search,
@@ -170,8 +171,8 @@ impl BeamMap {
     /// - `gathered`: one for each ray.
     /// - `go_on`: as in [`BeamMap::build_while`].
     ///
-    /// Errors: [`Stop::OtherMedium`], with nothing gathered; [`Stop::Cancelled`], with part of the sums in
-    /// `gathered`, to be thrown away.
+    /// Errors: [`Stop::OtherMedium`], with nothing gathered; [`Stop::Cancelled`] and [`Stop::OutOfMemory`],
+    /// with part of the sums in `gathered`, to be thrown away.
     ///
     /// # Panics
     /// If `rays` and `gathered` differ in length.
@@ -189,7 +190,7 @@ impl BeamMap {
             return Err(Stop::OtherMedium);
         }
         let GatherScratch { search, tables, .. } = scratch;
-        tables.clear();
+        tables.clear()?;
         let mut shade =
             OurMedium { beams: &self.beams, columns: &self.columns, rays, medium, gathered, tables };
         self.search(rays, kernel, search, go_on, &mut shade)
@@ -209,7 +210,7 @@ impl BeamMap {
     /// Cost: with a `shade` that computes a homogeneous medium, 30 % more than the built-in one (bench
     /// `gather/medium/the host's`).
     ///
-    /// Errors: [`Stop::Cancelled`] if `go_on` or `shade` stopped it.
+    /// Errors: [`Stop::Cancelled`] if `go_on` or `shade` stopped it, [`Stop::OutOfMemory`].
     ///
     /// # Panics
     /// If `rays` and `gathered` differ in length.
@@ -224,7 +225,7 @@ impl BeamMap {
     ) -> Result<(), Stop> {
         assert_eq!(rays.len(), gathered.len());
         let GatherScratch { search, contacts, products, .. } = scratch;
-        contacts.clear();
+        reserve(contacts, products)?;
         let mut shade = HostMedium { beams: &self.beams, shade, gathered, contacts, products };
         self.search(rays, kernel, search, go_on, &mut shade)
     }

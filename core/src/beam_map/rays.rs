@@ -1,6 +1,8 @@
 //! The columns along the eye rays of a packet, tabulated once however many batches of beams the rays meet.
 
+use super::cancel::Stop;
 use super::packet::PACKET;
+use super::room::{make_room, tabulate};
 use crate::beam::EyeRay;
 use crate::medium::{Knot, Medium};
 use core::ops::Range;
@@ -17,8 +19,11 @@ pub(super) struct RayTables {
 
 impl RayTables {
     /// Forgets the rays of the call before.
-    pub(super) fn clear(&mut self) {
+    pub(super) fn clear(&mut self) -> Result<(), Stop> {
+        self.tables.clear();
+        make_room(&mut self.tables, PACKET)?;
         self.begin(0);
+        Ok(())
     }
 
     fn begin(&mut self, packet: usize) {
@@ -28,21 +33,24 @@ impl RayTables {
         self.tables.resize(PACKET, None);
     }
 
-    /// Makes the table of the call's ray `index`, if there is none yet, and returns how many knots that took.
-    /// Packets are asked for in order; the rays of the latest one in any order, again and again.
-    pub(super) fn make(&mut self, index: usize, ray: &EyeRay, medium: &Medium) -> usize {
+    /// Whether there is a table of the call's ray `index`.
+    #[inline]
+    pub(super) fn has(&self, index: usize) -> bool {
+        index / PACKET == self.packet && self.tables[index % PACKET].is_some()
+    }
+
+    /// Makes the table of the call's ray `index`, which has none, and returns how many knots that took.
+    /// Packets are asked for in order, their rays in any.
+    pub(super) fn make(&mut self, index: usize, ray: &EyeRay, medium: &Medium) -> Result<usize, Stop> {
         let (packet, slot) = (index / PACKET, index % PACKET);
         if packet != self.packet {
             self.begin(packet);
         }
-        if self.tables[slot].is_some() {
-            return 0;
-        }
         let knots = &mut self.knots;
         let first = knots.len();
-        medium.tabulate(ray.origin, ray.direction, ray.length, &mut |knot| knots.push(knot));
+        tabulate(knots, medium, (ray.origin, ray.direction), ray.length)?;
         self.tables[slot] = Some(first..knots.len());
-        knots.len() - first
+        Ok(knots.len() - first)
     }
 
     /// The table that was made for ray `index`.

@@ -5,9 +5,10 @@ use super::bvh::Bvh;
 use super::cancel::{Poll, Stop};
 use super::eight::{Block, Pairs, Ray, fill};
 use super::packet::{PACKET, Packet};
+use super::room::make_room;
 use super::simd::{LANES, bits};
 use super::sub_beams::{ROOM, SubBeam};
-use crate::beam::{Beam, BeamBlock, EyeRay};
+use crate::beam::{BLOCK, Beam, BeamBlock, EyeRay};
 use crate::kernel::Kernel;
 use core::ops::Range;
 use fearless_simd::{Level, Simd, dispatch};
@@ -33,7 +34,7 @@ pub(super) trait Shade {
     }
 }
 
-/// Buffers of a search.
+/// Buffers of a search, as large as [`Search::reserve`] says.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Search {
     stack: Vec<u32>,
@@ -61,11 +62,30 @@ impl Search {
             return Ok(());
         }
         let count = query.rays.len();
+        self.reserve(query.bvh, count.min(PACKET))?;
         for first in (0..count).step_by(PACKET) {
             self.packet(query, first..(first + PACKET).min(count), poll, shade)?;
             shade.packet(poll)?;
         }
         Ok(())
+    }
+
+    /// Room for all that packets of so many rays may find at a time: on the way no memory is asked for.
+    fn reserve(&mut self, bvh: &Bvh, mut rays: usize) -> Result<(), Stop> {
+        // A batch ends behind the node that fills it.
+        let batch = bvh.sub_beams.len().min(BATCH + LANES * BLOCK);
+        let mut levels = 1;
+        while rays > FEW {
+            rays = rays.div_ceil(2);
+            levels += 1;
+        }
+        let Self { stack, sub_beams, blocks } = self;
+        stack.clear();
+        sub_beams.clear();
+        blocks.clear();
+        make_room(stack, bvh.most_waiting)?;
+        make_room(sub_beams, levels * batch)?;
+        make_room(blocks, batch.div_ceil(LANES))
     }
 
     /// The pairs of some rays, side by side or not.
@@ -209,7 +229,6 @@ fn append_touched<S: Simd>(
     sub_beams: &mut Vec<SubBeam>,
     from: Range<usize>,
 ) {
-    sub_beams.reserve(from.len());
     let mut first = from.start;
     while first < from.end {
         let count = (from.end - first).min(LANES);

@@ -4,6 +4,7 @@ use super::cancel::{Poll, Stop};
 use super::columns::BeamColumns;
 use super::eight::{Pairs, phase, transmittance, vector};
 use super::rays::RayTables;
+use super::room::make_room;
 use super::search::Shade;
 use super::simd::{Floats, LANES, bits, load};
 use crate::beam::{Beam, EyeRay};
@@ -90,7 +91,9 @@ impl OurMedium<'_> {
         let Self { beams, columns, rays, medium, ref mut tables, .. } = *self;
         let density = &medium.density;
         let EyeRay { origin, direction, .. } = rays[ray];
-        poll.spend(tables.make(ray, &rays[ray], medium), 100)?;
+        if !tables.has(ray) {
+            poll.spend(tables.make(ray, &rays[ray], medium)?, 100)?;
+        }
         let along_ray = density.column(origin, direction, tables.of(ray));
         let (ray_distance, beam_distance): (Floats, Floats) =
             (pairs.ray_distance.into(), pairs.beam_distance.into());
@@ -104,6 +107,14 @@ impl OurMedium<'_> {
         }
         Ok((column, here))
     }
+}
+
+/// Empties the memory of [`HostMedium`], which never needs more.
+pub(super) fn reserve(contacts: &mut Vec<Contact>, products: &mut Vec<Vec3>) -> Result<(), Stop> {
+    contacts.clear();
+    products.clear();
+    make_room(contacts, CONTACTS)?;
+    make_room(products, CONTACTS)
 }
 
 /// Gives pairs to a host that knows the medium, and adds what it says.

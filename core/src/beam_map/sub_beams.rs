@@ -1,7 +1,8 @@
 //! Beams cut into sub-beams, in the order of their Morton codes, in which neighbours in the list are
 //! neighbours in space.
 
-use super::cancel::{Poll, STRETCH, Stop, with_room};
+use super::cancel::{Poll, STRETCH, Stop};
+use super::room::{grow, with_room};
 use crate::beam::Beam;
 use glam::Vec3;
 use std::vec::Vec;
@@ -106,7 +107,7 @@ pub(super) fn morton_codes(beams: &[Beam], poll: &mut Poll) -> Result<(Cut, Vec<
     let mut codes = with_room((SUB_BEAMS_PER_BEAM + 1) * count)?;
     for (index, beam) in (0..).zip(beams).filter(|(_, beam)| counts(beam)) {
         let parts = cut.parts(beam);
-        codes.try_reserve(parts as usize).map_err(|_| Stop::OutOfMemory)?;
+        grow(&mut codes, parts as usize)?;
         for part in 0..parts {
             poll.spend(1, 20)?;
             let [start, end] = cut.part(beam, index, part).ends();

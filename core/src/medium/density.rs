@@ -120,8 +120,8 @@ impl Density<'_> {
     /// - `most` \[m\]: the table ends at the first point with a larger column.
     ///
     /// Guarantee: the column is exact (the integral of the trilinear density, cell by cell) at each knot;
-    /// distances grow, columns never fall. A cell is cut into at most 64 parts, which bounds the table by 64
-    /// x (nx + ny + nz) knots; only a cell over whose length the density changes by more than 2¹⁴
+    /// distances grow, columns never fall. A cell is cut into at most 64 parts, which bounds the table by
+    /// [`Density::most_knots`]; only a cell over whose length the density changes by more than 2¹⁴
     /// `error`/length needs more, and errs by more. Cost: about 20 ns a cell. Example:
     /// [`crate::Medium::tabulate`].
     pub fn knots(
@@ -136,6 +136,12 @@ impl Density<'_> {
         if let Density::Grid(grid) = self {
             grid.knots(origin, direction, length, error, most, knot);
         }
+    }
+
+    /// The most knots that [`Density::knots`] makes, for a host that has their memory ready: 64 for each cell
+    /// that a ray can meet, about 64 (nx + ny + nz) in a grid; 0 for the other densities.
+    pub fn most_knots(&self) -> usize {
+        if let Density::Grid(grid) = self { grid.most_knots() } else { 0 }
     }
 
     /// The column along a ray, given the table that [`Density::knots`] made of it (empty, and not read,

@@ -111,6 +111,13 @@ impl<'a> DensityGrid<'a> {
         table.finish(knot);
     }
 
+    /// See [`super::Density::most_knots`].
+    pub(super) fn most_knots(&self) -> usize {
+        // Between centres and up to both borders there is a cell more than voxels; the start has a knot, too.
+        let cells = self.voxels.layout.cells.iter().map(|count| *count as usize + 1).sum::<usize>();
+        cells * MOST_PARTS as usize + 1
+    }
+
     /// Where the values are in memory, and the box over them: what tells one density from another without
     /// reading it.
     #[cfg(feature = "bvh")]

@@ -1,5 +1,6 @@
 //! `tests/vectors.txt`, computed without std; its format is described in `tests/src/vectors/mod.rs`.
 
+use crate::operators;
 use crate::words::Words;
 use covbeam::{
     BLOCK, BeamBlock, Column, CovarianceGrid, Density, DensityGrid, Edge, FluenceCell, FluenceGrid,
@@ -113,23 +114,15 @@ impl Now {
     fn event(&self, name: &[u8], i: &mut Words, o: &mut Words) -> Option<()> {
         let mut field = i.field()?;
         match name {
-            b"light_field_travel" => field.travel(i.float()?),
-            b"light_field_rotate" => field.rotate(i.vector()?),
-            b"light_field_reflect" => field.reflect(i.vector()?, &i.curvature()?),
             b"light_field_refract" => {
                 let passed = field.refract(i.vector()?, &i.curvature()?, i.float()?);
                 o.is(passed.into())?;
             }
-            b"light_field_occlude" => field.occlude(i.vector()?, i.float()?),
-            b"light_field_attenuate" => field.attenuate(i.vector()?, &i.floats()?),
-            b"light_field_narrow" => field.narrow(i.vector()?, i.float()?),
-            b"light_field_scatter" => field.scatter(i.vector()?, i.float()?),
-            b"light_field_diffuse" => field.diffuse(i.vector()?, i.vector()?),
             b"light_field_carry" => {
                 let medium = i.medium(self.density())?;
                 field.travel_through(&medium, i.vector()?, i.float()?);
             }
-            _ => return None,
+            _ => operators::apply(name, &mut field, i)?,
         }
         o.is_field(&field)
     }

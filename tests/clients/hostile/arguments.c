@@ -56,7 +56,7 @@ int variants(const struct function *function, int parameter, enum fault_kind kin
         *numbers = true;
         if (p->kind == '$' || p->kind == '#') return 1;
         return strchr("<=", p->kind) ? (int)p->type->size / 4 : 0;
-    case HUGE_COUNT: return p->kind == 'n' ? 4 : 0;
+    case HUGE_COUNT: return p->kind == 'n' ? 5 : 0;
     case HOSTILE_STRIDE: return p->kind == 's' ? 6 : 0;
     case WRONG_HANDLE: return strchr("@!", p->kind) ? 3 : 0;
     case STRUCT_SIZE: return p->type && p->type->rules[0] == 'S' ? 12 : 0;
@@ -117,15 +117,18 @@ static bool same_layout(const covbeam_grid_layout *a, const covbeam_grid_layout 
     return true;
 }
 
-/* Handles of grids to merge. */
-static void grids_argument(struct prepared *call, int index, size_t count, const struct fault *fault) {
+/* Whether a parameter is an array of handles to merge. */
+static bool are_handles(const struct type *type) { return is(type, "grids") || is(type, "importances"); }
+
+static void handles_argument(struct prepared *call, int index, size_t count, const struct fault *fault) {
     struct buffer *b = &call->buffers[index];
+    const enum kind kind = is(call->function->parameters[index].type, "grids") ? GRID : IMPORTANCE;
     *b = memory(count, sizeof(void *), sizeof(void *), fault->kind == MISALIGNED ? 1 + fault->variant % 3 : 0);
     const int target = call->handles[0];
     if (fault->kind == MISALIGNED) may(call, COVBEAM_MISALIGNED);
     if (fault->kind == MISALIGNED && count > 0) call->sure = true;
     for (size_t i = 0; i < count; i++) {
-        const int slot = pick(GRID);
+        const int slot = pick(kind);
         void *handle = pool[slot].handle;
         if (fault->kind == INSIDE && i == count - 1) handle = fault->variant % 2 ? NULL : pool[pick(MAP)].handle;
         memcpy(b->first + i * sizeof handle, &handle, sizeof handle);
@@ -157,6 +160,7 @@ static size_t array_shape(struct prepared *call, int index, const struct fault *
             right = grid < 0 ? 64 : 56 + 56 * layout_cells(&pool[grid].layout);
         }
         if (is(p->type, "saved")) right = saved_size;
+        if (call->side > 0) right = call->side * (call->side + (strcmp(p->name, "guide") == 0));
         if (is(p->type, "knot") && p->kind == '>') right = chance(3) ? below(4) : 64 * 27;
         size_t says = right;
         *stride = p->type->size + (p->stride >= 0 ? 4 * below(3) : 0);
@@ -166,10 +170,10 @@ static size_t array_shape(struct prepared *call, int index, const struct fault *
             const size_t wrong[4] = { right - (right > 0), right + 1, SIZE_MAX, SIZE_MAX / 4 + 2 };
             says = wrong[faults[i].variant % 4];
             if (is(p->type, "knot") && says == right + 1) says = right; /* one more would be the host's to have */
-            if (is(p->type, "grids") && says == right + 1) says = right;
+            if (are_handles(p->type) && says == right + 1) says = right;
             if (is(p->type, "saved") && says > right + 1) says = SIZE_MAX; /* less could be memory */
             if (says == right) continue;
-            if (is(p->type, "knot") || is(p->type, "grids")) {
+            if (is(p->type, "knot") || are_handles(p->type)) {
                 if (says > right) must(call, COVBEAM_INVALID_ARRAY);
             } else if (is(p->type, "saved")) {
                 may(call, COVBEAM_BAD_DATA);
@@ -190,10 +194,10 @@ static size_t array_shape(struct prepared *call, int index, const struct fault *
     size_t says = *stride;
     for (int i = 0; i < fault_count; i++) {
         if (faults[i].kind == HUGE_COUNT && faults[i].parameter == p->count) {
-            const size_t counts[4] = { SIZE_MAX, ((size_t)1 << 40) + 1, SIZE_MAX / 2, ((size_t)1 << 60) + 1 };
-            const size_t strides[4] = { (size + 7) / 8 * 8, (size_t)1 << 24, (size + 7) / 8 * 8, (size_t)1 << 32 };
-            call->arguments[p->count].size = counts[faults[i].variant % 4];
-            call->arguments[p->stride].size = strides[faults[i].variant % 4];
+            const size_t counts[5] = { SIZE_MAX, ((size_t)1 << 40) + 1, SIZE_MAX / 2, ((size_t)1 << 60) + 1, SIZE_MAX };
+            const size_t strides[5] = { (size + 7) / 8 * 8, (size_t)1 << 24, (size + 7) / 8 * 8, (size_t)1 << 32, 0 };
+            call->arguments[p->count].size = counts[faults[i].variant % 5];
+            call->arguments[p->stride].size = strides[faults[i].variant % 5];
             must(call, COVBEAM_INVALID_ARRAY);
             if (call->whole) may(call, COVBEAM_SHORT_BUFFER);
             return 1;
@@ -244,8 +248,8 @@ static void pointer_argument(struct prepared *call, int index, const struct faul
     const struct prepared before = *call;
     size_t stride;
     const size_t count = array_shape(call, index, faults, fault_count, &stride);
-    if (is(p->type, "grids")) {
-        grids_argument(call, index, count, fault);
+    if (are_handles(p->type)) {
+        handles_argument(call, index, count, fault);
     } else if (is(p->type, "saved")) {
         *b = memory(count, 1, 1, 0);
         if (saved) memcpy(b->first, saved, count < saved_size ? count : saved_size);
@@ -273,6 +277,11 @@ static void pointer_argument(struct prepared *call, int index, const struct faul
             covbeam_knot *table = new_table(count, 0, true);
             if (count > 0) memcpy(b->first, table, count * sizeof *table);
         }
+        if (p->kind == '<' && is(p->type, "f:E"))
+            for (size_t i = 0; i < count; i++) {
+                const float share = (float)(i % call->side + 1) / (float)call->side;
+                memcpy(b->first + i * stride, &share, sizeof share);
+            }
         if (is(p->type, "cell") || is(p->type, "mean")) memset(b->first, 0, b->length);
         if (count > 0 && p->kind != '>') {
             unsigned char *at = b->first + (count - 1) * stride;
@@ -394,11 +403,20 @@ void prepare(struct prepared *call, const struct function *function, const struc
                 if (!number_fits(rule, a->number)) must(call, COVBEAM_INVALID_VALUE);
             }
             if (rule == '+') call->max_radius = a->number;
+            if (rule == 'L' && !(a->number > 1e-30f)) call->unsure = true;
             break;
         }
         case '#':
             if (strcmp(p->word, "any") == 0) {
                 a->word = (uint32_t)(draw() >> 32);
+                break;
+            }
+            if (strcmp(p->word, "side") == 0) {
+                a->word = call->side = 1 + below(4);
+                if (fault->kind == WORD) {
+                    a->word = fault->number % 2 ? 0 : 0xffffffffu;
+                    must(call, a->word ? COVBEAM_SHORT_BUFFER : COVBEAM_INVALID_VALUE);
+                }
                 break;
             }
             if (strcmp(p->word, "extent") == 0) {

@@ -48,6 +48,7 @@ struct prepared {
     int layout;         /* of the grid that is made */
     bool whole;         /* the arrays have an element a pixel of a picture */
     uint32_t density_kind;
+    uint32_t side;      /* of a guide, before it is spoiled */
     float max_radius;
     int handles[PARAMETERS]; /* slots of the pool, or -1 */
 };

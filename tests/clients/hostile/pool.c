@@ -21,7 +21,8 @@ size_t layout_cells(const covbeam_grid_layout *layout) {
 }
 
 enum kind kind_named(const char *name) {
-    static const char *const names[KINDS] = { "grid", "map", "density", "scratch", "picture", "march" };
+    static const char *const names[KINDS] = { "grid", "map", "density", "scratch", "picture", "march",
+                                              "importance" };
     for (int kind = 0; kind < KINDS; kind++)
         if (strcmp(names[kind], name) == 0) return (enum kind)kind;
     fprintf(stderr, "calls.h: no kind of handle is called %s\n", name);
@@ -37,7 +38,7 @@ int pick(enum kind kind) {
 
 void pool_start(void) {
     static const enum kind kinds[SLOTS] = { GRID, GRID, GRID, GRID, MAP, MAP, MAP, DENSITY, DENSITY, SCRATCH, SCRATCH,
-                                           PICTURE, PICTURE, MARCH, MARCH };
+                                           PICTURE, PICTURE, MARCH, MARCH, IMPORTANCE, IMPORTANCE, IMPORTANCE };
     for (int i = 0; i < SLOTS; i++) {
         memset(&pool[i], 0, sizeof pool[i]);
         pool[i].kind = kinds[i];
@@ -56,6 +57,7 @@ void slot_free(struct slot *slot) {
     case DENSITY: covbeam_density_free(slot->handle); break;
     case PICTURE: covbeam_film_free(slot->handle); break;
     case MARCH: covbeam_march_free(slot->handle); break;
+    case IMPORTANCE: covbeam_importance_free(slot->handle); break;
     default: covbeam_scratch_free(slot->handle); break;
     }
     free(slot->cells);
@@ -164,6 +166,15 @@ static uint64_t march_digest(const struct slot *slot) {
     return hash(0xcbf29ce484222325u, &expected, sizeof expected);
 }
 
+static uint64_t importance_digest(const struct slot *slot) {
+    const float points[3][3] = { { 0.5f, 0.5f, 0.5f }, { 0.3f, 0.1f, 0.9f }, { 9, 9, 9 } };
+    covbeam_importance_cell cells[3];
+    memset(cells, 0, sizeof cells);
+    int32_t status = covbeam_importance_at(slot->handle, 3, points[0], sizeof *points, cells, sizeof *cells);
+    if ((status == COVBEAM_OK) != slot->resolved) abort();
+    return hash(0xcbf29ce484222325u, cells, sizeof cells);
+}
+
 uint64_t digest(const struct slot *slot) {
     if (!slot->handle) return 0;
     switch (slot->kind) {
@@ -172,6 +183,7 @@ uint64_t digest(const struct slot *slot) {
     case DENSITY: return density_digest(slot);
     case PICTURE: return picture_digest(slot);
     case MARCH: return march_digest(slot);
+    case IMPORTANCE: return importance_digest(slot);
     default: return 1;
     }
 }

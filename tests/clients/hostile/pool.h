@@ -4,8 +4,8 @@
 
 #include "arguments.h"
 
-enum kind { GRID, MAP, DENSITY, SCRATCH, PICTURE, MARCH, KINDS };
-enum { SLOTS = 15 };
+enum kind { GRID, MAP, DENSITY, SCRATCH, PICTURE, MARCH, IMPORTANCE, KINDS };
+enum { SLOTS = 18 };
 
 struct slot {
     enum kind kind;

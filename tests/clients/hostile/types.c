@@ -23,7 +23,8 @@ bool chance(uint32_t in) { return below(in) == 0; }
  *   f finite; F finite, and more is asked of it; p >= 0; q finite, >= 0; k the same, and so is the sum of all k
  *   + finite, > 0; m the same, and more is asked of it; P > 0
  *   * any number, NaN too; o NaN or in [0, 1]
- *   r in [0, 1); c in [-1, 1]; t in [0, 1]; a in (-1, 1); l in (0, 1]; N not NaN
+ *   r in [0, 1); c in [-1, 1]; t in [0, 1]; a in (-1, 1); l in (0, 1]; L the same, and more is asked of it; N not NaN
+ *   E 1, such as the end of a guide
  *   u of a unit vector; v of a unit vector or 0; d of a vector that is not 0
  *   S struct_size; e an enumeration of three; b 0 or 1; z a number of voxels; i any integer; - not looked at as a number
  */
@@ -61,6 +62,8 @@ static const struct type types[] = {
     { "size", sizeof(size_t), 8, "--" },
     { "pointer", sizeof(void *), 8, "--" },
     { "grids", sizeof(void *), 8, "--" },
+    { "importances", sizeof(void *), 8, "--" },
+    { "worth", sizeof(covbeam_importance_cell), 4, "ppp" },
     { "flag", 1, 1, "" },
     { "byte", 1, 1, "" },
     { "saved", 1, 1, "" },
@@ -130,7 +133,8 @@ bool number_fits(char rule, float v) {
     case 'c': return v >= -1 && v <= 1;
     case 't': return v >= 0 && v <= 1;
     case 'a': return v > -1 && v < 1;
-    case 'l': return v > 0 && v <= 1;
+    case 'l': case 'L': return v > 0 && v <= 1;
+    case 'E': return v == 1;
     case 'N': return !isnan(v);
     case '*': return true;
     case 'o': return isnan(v) || (v >= 0 && v <= 1);
@@ -171,7 +175,7 @@ float sound_number(char rule, bool tame) {
     case 'p': case 'P': return chance(12) ? INFINITY : uniform(0.01f, 2);
     case 'r': case 't': case 'o': return uniform(0, 0.999f);
     case 'c': case 'a': return uniform(-0.95f, 0.95f);
-    case 'l': return uniform(0.05f, 1);
+    case 'l': case 'L': return uniform(0.05f, 1);
     default: return uniform(0.01f, 2);
     }
 }

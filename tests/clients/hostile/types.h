@@ -2,7 +2,7 @@
 #ifndef HOSTILE_TYPES_H
 #define HOSTILE_TYPES_H
 
-#include "covbeam.h"
+#include "covbeam_extra.h"
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>

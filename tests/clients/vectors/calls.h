@@ -2,7 +2,7 @@
 #ifndef CALLS_H
 #define CALLS_H
 
-#include <covbeam.h>
+#include <covbeam_extra.h>
 
 /* Of a segment without edges. */
 enum { MEDIUM_WORDS = 16, PHASE_WORDS = 2, SEGMENT_WORDS = 23 };
@@ -34,6 +34,7 @@ extern covbeam_beam_map *map;
 extern covbeam_scratch *scratch;
 extern covbeam_film *film;
 extern covbeam_march *march;
+extern covbeam_importance *importance;
 
 char *contents(const char *path);
 void read_lines(char *text);
@@ -69,29 +70,7 @@ void flush_all(void);
 extern size_t plural_calls, plural_elements;
 
 /* The functions of the ABI, one line each. */
-void light_field_point(struct call *c);
-void light_field_disk(struct call *c);
-void light_field_collimated(struct call *c);
-void light_field_gaussian(struct call *c);
-void light_field_travel(struct call *c);
-void light_field_carry(struct call *c);
-void light_field_rotate(struct call *c);
-void light_field_reflect(struct call *c);
-void light_field_refract(struct call *c);
-void light_field_occlude(struct call *c);
-void light_field_attenuate(struct call *c);
-void light_field_narrow(struct call *c);
-void light_field_scatter(struct call *c);
-void light_field_diffuse(struct call *c);
-void light_field_slice(struct call *c);
-void light_field_fluence(struct call *c);
-void light_field_variance_along_ray(struct call *c);
-void phase_evaluate(struct call *c);
-void phase_sample(struct call *c);
-void phase_sample_cosine(struct call *c);
 void phase_angular_variance(struct call *c);
-void spectrum_variance_along(struct call *c);
-void spectrum_add_along(struct call *c);
 void kernel_evaluate(struct call *c);
 void kernel_second_moment(struct call *c);
 void kernel_radius_from_error(struct call *c);
@@ -99,15 +78,10 @@ void kernel_radius_at(struct call *c);
 void progressive_radius(struct call *c);
 void error_bound(struct call *c);
 void schedule_kernel(struct call *c);
-void medium_density_at(struct call *c);
-void medium_derivatives_at(struct call *c);
 void medium_step(struct call *c);
 void medium_column_at(struct call *c);
 void medium_distance_at(struct call *c);
-void medium_transmittance(struct call *c);
-void medium_column_transmittance(struct call *c);
 void medium_opaque_column(struct call *c);
-void medium_reach(struct call *c);
 void medium_knots(struct call *c);
 void medium_tabulate(struct call *c);
 void density_new(struct call *c);
@@ -128,8 +102,6 @@ void beam_map_add(struct call *c);
 void beam_map_commit(struct call *c);
 void beam_map_gather(struct call *c);
 void image_spectrum_along(struct call *c);
-void image_spectrum_filter(struct call *c);
-void image_filter_density(struct call *c);
 void pixel_threshold(struct call *c);
 void film_regions(struct call *c);
 void film_new(struct call *c);
@@ -145,5 +117,15 @@ void march_get_expected(struct call *c);
 void march_get_first_round(struct call *c);
 void march_place(struct call *c);
 void march_refine(struct call *c);
+void importance_new(struct call *c);
+void importance_add_eye_rays(struct call *c);
+void importance_add_paths(struct call *c);
+void importance_add_surfaces(struct call *c);
+void importance_resolve(struct call *c);
+void importance_at(struct call *c);
+void importance_of_segments(struct call *c);
+void weight_window(struct call *c);
+void emission_guide_fill(struct call *c);
+void emission_guide_warp(struct call *c);
 
 #endif

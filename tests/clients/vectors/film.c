@@ -18,27 +18,6 @@ void image_spectrum_along(struct call *c)
     equal(&again[2], &spectrum, sizeof spectrum, "covbeam_image_spectra_along: another spectrum");
 }
 
-void image_spectrum_filter(struct call *c)
-{
-    covbeam_image_spectrum spectrum;
-    covbeam_image_filter filter;
-    float error, widest;
-    take(c, &spectrum, 4);
-    error = take_float(c);
-    widest = take_float(c);
-    must(covbeam_image_spectrum_filter(&spectrum, error, widest, &filter));
-    give(c, &filter, 3);
-}
-
-void image_filter_density(struct call *c)
-{
-    covbeam_image_filter filter;
-    float density_of;
-    take(c, &filter, 3);
-    must(covbeam_image_filter_density(&filter, &density_of));
-    give(c, &density_of, 1);
-}
-
 void pixel_threshold(struct call *c)
 {
     uint32_t pass = take_u32(c), seed = take_u32(c), pixel[2];

@@ -3,25 +3,6 @@
 
 #include <stdlib.h>
 
-void medium_density_at(struct call *c)
-{
-    covbeam_medium medium = take_medium(c);
-    float position[3], value;
-    take(c, position, 3);
-    must(covbeam_medium_density_at(&medium, position, &value));
-    give(c, &value, 1);
-}
-
-void medium_derivatives_at(struct call *c)
-{
-    covbeam_medium medium = take_medium(c);
-    covbeam_derivatives derivatives;
-    float position[3];
-    take(c, position, 3);
-    must(covbeam_medium_derivatives_at(&medium, position, &derivatives));
-    give(c, &derivatives, 9);
-}
-
 void medium_step(struct call *c)
 {
     covbeam_medium medium = take_medium(c);
@@ -36,14 +17,6 @@ void medium_opaque_column(struct call *c)
     float column;
     must(covbeam_medium_opaque_column(&medium, &column));
     give(c, &column, 1);
-}
-
-void medium_column_transmittance(struct call *c)
-{
-    covbeam_medium medium = take_medium(c);
-    float transmittance[3];
-    must(covbeam_medium_column_transmittance(&medium, take_float(c), transmittance));
-    give(c, transmittance, 3);
 }
 
 void medium_column_at(struct call *c)
@@ -83,26 +56,6 @@ void medium_distance_at(struct call *c)
         if (again[0] <= a[0])
             equal(&again[0], &distance, 4, "covbeam_column_distance_at: another distance");
     }
-}
-
-void medium_transmittance(struct call *c)
-{
-    covbeam_medium medium = take_medium(c);
-    float origin[3], direction[3], transmittance[3];
-    take(c, origin, 3);
-    take(c, direction, 3);
-    must(covbeam_medium_transmittance(&medium, origin, direction, take_float(c), transmittance));
-    give(c, transmittance, 3);
-}
-
-void medium_reach(struct call *c)
-{
-    covbeam_medium medium = take_medium(c);
-    float origin[3], direction[3], distance;
-    take(c, origin, 3);
-    take(c, direction, 3);
-    must(covbeam_medium_reach(&medium, origin, direction, &distance));
-    give(c, &distance, 1);
 }
 
 void medium_knots(struct call *c)

@@ -17,6 +17,7 @@ covbeam_beam_map *map;
 covbeam_scratch *scratch;
 covbeam_film *film;
 covbeam_march *march;
+covbeam_importance *importance;
 
 void fail(const char *what)
 {

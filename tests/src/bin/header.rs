@@ -1,12 +1,14 @@
-//! Writes `include/covbeam.h`: `cargo run -p covbeam-tests --bin header`.
+//! Writes what is made from the C ABI: `cargo run -p covbeam-tests --bin header`.
 
-use covbeam_tests::header::{generate, repository};
+use covbeam_tests::header::{files, repository};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let path = repository().join("include/covbeam.h");
-    let written = generate()
-        .and_then(|text| std::fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display())));
+    let written = files().and_then(|files| {
+        files.into_iter().try_for_each(|(path, text)| {
+            std::fs::write(repository().join(path), text).map_err(|error| format!("{path}: {error}"))
+        })
+    });
     match written {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

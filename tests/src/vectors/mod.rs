@@ -36,12 +36,19 @@
 //! march_lay origin[3] direction[3] from to light[3] count -> distance...       march_update knot[4]... ->
 //! march_get_expected -> radiance error               march_get_first_round rays -> first
 //! march_place jitter... -> sample[6]...              march_refine first_count sample[6]... jitter... -> sample[6]...
+//! importance_new layout[9] ->                       importance_add_eye_rays medium (ray[7] weight)... ->
+//! importance_add_paths medium (ray[7] weight)... ->  importance_add_surfaces (position[3] weight)... ->
+//! importance_resolve ->                              importance_at position[3]... -> cell[3]...
+//! importance_of_segments medium ray[7]... -> worth[3]...  weight_window expected... u -> factor...
+//! emission_guide_fill side weight... even -> number...
+//! emission_guide_warp side number... (point[2])... -> (place[2] density)...
 //! light_field_refract field[16] normal[3] curvature[6] eta -> passed field[16]
 //! ```
 
 mod film;
 mod grids;
 mod hard;
+mod importance;
 mod kernels;
 mod light;
 mod maps;
@@ -63,5 +70,6 @@ pub fn text() -> String {
     maps::write(&mut script);
     film::write(&mut script);
     march::write(&mut script);
+    importance::write(&mut script);
     script.into_text()
 }

@@ -6,7 +6,7 @@ light_field.travel, covbeam_beam_map_gather is BeamMap.gather. covbeam.h is the 
 - Arrays are passed by address and stride, never copied: views work, and what cannot be passed is refused with TypeError or
   ValueError. The dtypes (LIGHT_FIELD, BEAM, EYE_RAY, SEGMENT, ...) are the C structs; numbers are float32.
 - A call that fails raises Error, with its status and a message, and has changed nothing.
-- Objects (Grid, Density, BeamMap, Scratch, Film, March) close at the end of a `with`, by close(), or with their last reference.
+- Objects (Grid, Density, BeamMap, Scratch, Film, March, Importance) close at the end of a `with`, by close(), or with their last reference.
 - Threads: several may read an object at once, one may change it; a call that would break this raises Error. The library runs
   without the interpreter's lock.
 """
@@ -31,6 +31,7 @@ from .dtypes import (
     GRID_CELL,
     IMAGE_FILTER,
     IMAGE_SPECTRUM,
+    IMPORTANCE_CELL,
     KNOT,
     LIGHT_FIELD,
     MARCH_KNOT,
@@ -38,12 +39,14 @@ from .dtypes import (
     PIXEL_STEP,
     PROBE_HIT,
     SEGMENT,
+    SEGMENT_IMPORTANCE,
     SPECTRUM,
 )
-from .emission import path_numbers
+from .emission import emission_guide_fill, emission_guide_warp, path_numbers
 from .errors import Cancelled, Error, Status
 from .grid import Grid
 from .image import Film
+from .importance import Importance, weight_window
 from .kernel import Kernel, KernelShape, Schedule
 from .march import March
 from .media import Density, Exponential, GridLayout, Medium

@@ -1,20 +1,16 @@
-"""Objects of the library: who owns them, when they are freed, and which calls may go on at once."""
+"""Objects of the library: who owns them, and when they are freed."""
 
 import ctypes
-import threading
 from contextlib import contextmanager
 
 from ._library import check
 from .errors import Error, Status
 
-# Guards the counts of users below; held for a few instructions.
-_lock = threading.Lock()
-
 
 class Owner:
     """Owns one handle and frees it when nothing refers to it any more: objects, numpy views, other owners, running calls."""
 
-    __slots__ = ("handle", "_free", "_borrowed", "users", "__weakref__")
+    __slots__ = ("handle", "_free", "_borrowed", "__weakref__")
 
     def __init__(self, make, free, *arguments, borrowed=()):
         handle = ctypes.c_void_p()
@@ -22,8 +18,6 @@ class Owner:
         self.handle = handle.value
         self._free = free
         self._borrowed = borrowed
-        #: Calls that share the object; -1 for one that changes it.
-        self.users = 0
 
     def __del__(self):
         # Not there if the library refused to make the object.
@@ -61,35 +55,10 @@ class Object:
 
 @contextmanager
 def using(*shared, changed=None):
-    """Claims objects for a call, as the header's contract for threads wants it: many may read, or one may change.
-
-    None among `shared` is skipped. Gives the handles in order, those of `shared` first.
-    """
-    for object in (*shared, changed):
+    """The handles of a call's objects, those of `shared` first, which live until it is over. None among `shared` is skipped."""
+    objects = shared if changed is None else (*shared, changed)
+    for object in objects:
         if object is not None and not isinstance(object, Object):
             raise TypeError(f"a {type(object).__name__} where an object such as a Grid is wanted")
-    readers = [object and object._owned() for object in shared]
-    writer = changed and changed._owned()
-    with _lock:
-        for owner, object in [*zip(readers, shared), (writer, changed)]:
-            if owner is None:
-                continue
-            if owner.users < 0 or (owner is writer and (owner.users or owner in readers)):
-                raise Error(
-                    Status.WRONG_ORDER,
-                    f"{type(object).__name__}: in use by another call; wait for that (a callback cannot use the objects of its call)",
-                )
-        for owner in readers:
-            if owner is not None:
-                owner.users += 1
-        if writer is not None:
-            writer.users = -1
-    try:
-        yield [owner and owner.handle for owner in (readers if changed is None else [*readers, writer])]
-    finally:
-        with _lock:
-            for owner in readers:
-                if owner is not None:
-                    owner.users -= 1
-            if writer is not None:
-                writer.users = 0
+    owners = [object and object._owned() for object in objects]
+    yield [owner and owner.handle for owner in owners]

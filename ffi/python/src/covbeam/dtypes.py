@@ -117,3 +117,11 @@ MARCH_KNOT = _struct(*((name, _f4) for name in ("distance", "radiance", "deviati
 MARCH_SAMPLE = _struct(
     ("distance", _f4), ("weight", _f4), ("visibility", _f4), ("reserved", np.uint32), ("mass", np.float64)
 )
+
+#: Importance around a point: of a watt of beam on each metre [1/(W m)], of a watt that is scattered there, by the medium or by a
+#: diffuse surface, and of one that arrives on surfaces, but for what they scatter [1/W].
+IMPORTANCE_CELL = _struct(*((name, _f4) for name in ("beam", "scattered", "surface")))
+
+#: What a watt that flies along a segment is worth as a beam, and by what the medium scatters of it [1/W]; what is left of it where it
+#: leaves the voxels, or at its end if that is before.
+SEGMENT_IMPORTANCE = _struct(*((name, _f4) for name in ("beam", "scattered", "transmittance")))

@@ -21,6 +21,7 @@ class Status(IntEnum):
     CALLBACK_FAILED = 12
     POISONED = 13
     PANICKED = 14
+    BUSY = 15
 
 
 class Error(Exception):

@@ -6,6 +6,7 @@ import numpy as np
 
 from . import _abi
 from ._arrays import COUNT, FLAG, FLOAT, VECTOR, Kind, elementwise, given, made, packed, struct, two_outs, voxels
+from ._callbacks import Call
 from ._handles import Object, Owner, using
 from ._library import check, lib
 from .dtypes import FLUENCE_CELL, GRID_CELL, KNOT, SEGMENT, SPECTRUM
@@ -84,7 +85,7 @@ class Grid(Object):
         with using(changed=self) as [grid]:
             check(lib.covbeam_grid_clear(grid))
 
-    def deposit(self, medium, segments, *, knots=None):
+    def deposit(self, medium, segments, *, knots=None, poll=None):
         """Adds the light fields along segments of light paths, in their order.
 
         - medium: a Medium that the segments run through.
@@ -92,12 +93,23 @@ class Grid(Object):
         - knots: for a medium of your own: one packed KNOT array with the tables of all segments, distances from the origin
           growing, columns (optical depth / extinction of `medium`) not falling. Segment i uses m rows from row k on after
           segments["knots"][i] = knots.ctypes.data + k * KNOT.itemsize and segments["knot_count"][i] = m.
+        - poll: as in BeamMap.commit; stopped, the grid keeps what it has of the first segments.
         """
         argument = given("segments", segments, Kind(SEGMENT))
         table = None if knots is None else packed("knots", knots, KNOT)
         _check_tables(segments, table)
+        call = Call(poll)
         with using(changed=self) as [grid]:
-            elementwise(lib.covbeam_grid_deposit, grid, struct("medium", medium, Medium), COUNT, argument)
+            elementwise(
+                lib.covbeam_grid_deposit,
+                grid,
+                struct("medium", medium, Medium),
+                COUNT,
+                argument,
+                call.poll,
+                None,
+                ended=call.check,
+            )
 
     def deposit_spectra(self, positions, spectra, weights):
         """Adds spectra to the voxels around points, in their order: for hosts that estimate bandwidth in a way of their own.

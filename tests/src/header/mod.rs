@@ -1,0 +1,127 @@
+//! What is made from the sources of the C ABI: the C headers, and tables for the programs in other languages.
+
+mod c;
+mod hostile;
+mod inline;
+mod kinds;
+mod layout;
+mod operators;
+mod python;
+mod replay;
+
+pub use c::Function;
+
+use c::{Item, items};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The sources that C sees something of, in the order of the manual. (`lib.rs` would bring all of them once
+/// more.)
+const SOURCES: [&str; 22] = [
+    "version.rs",
+    "status.rs",
+    "types.rs",
+    "light_fields.rs",
+    "phase.rs",
+    "medium.rs",
+    "density.rs",
+    "medium_points.rs",
+    "medium_rays.rs",
+    "column.rs",
+    "spectrum.rs",
+    "emission.rs",
+    "edges.rs",
+    "segment.rs",
+    "grid.rs",
+    "kernel.rs",
+    "beam_map.rs",
+    "pair.rs",
+    "image.rs",
+    "film.rs",
+    "march.rs",
+    "importance.rs",
+];
+
+/// The folder of the repository.
+pub fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// The two headers.
+pub struct Headers {
+    /// `covbeam.h`: what hosts that gather beams call.
+    pub main: String,
+    /// `covbeam_extra.h`: the rest.
+    pub extra: String,
+    /// What the library exports.
+    pub functions: Vec<Function>,
+}
+
+/// What cbindgen makes of `ffi/src`, as `ffi/cbindgen.toml` says.
+fn declarations() -> Result<String, String> {
+    let ffi = repository().join("ffi");
+    let config = cbindgen::Config::from_file(ffi.join("cbindgen.toml"))?;
+    // The sources alone: without the crate's metadata cbindgen needs neither cargo nor a network.
+    let builder = SOURCES.iter().fold(cbindgen::Builder::new().with_config(config), |builder, file| {
+        builder.with_src(ffi.join("src").join(file))
+    });
+    let bindings = builder.generate().map_err(|error| error.to_string())?;
+    let mut text = Vec::new();
+    bindings.write(&mut text);
+    String::from_utf8(text).map_err(|error| error.to_string())
+}
+
+const OPEN: &str = "#ifdef __cplusplus\nextern \"C\" {\n#endif // __cplusplus\n\n";
+const CLOSE: &str = "#ifdef __cplusplus\n}  // extern \"C\"\n#endif  // __cplusplus\n";
+
+/// Makes the headers. A declaration whose comment has `@extra` goes into the second one; a function whose
+/// comment has `@single NAME` is followed by the inline function of that name, which calls it for one
+/// element; `@kinds` is described in `kinds`.
+///
+/// # Errors
+/// What cbindgen could not read, or this cannot.
+pub fn headers() -> Result<Headers, String> {
+    let text = declarations()?;
+    let (types, rest) = text.split_once(OPEN).ok_or("no functions")?;
+    let (functions, end) = rest.split_once(CLOSE).ok_or("no end of the functions")?;
+    let (types, calls) = (items(types)?, items(functions)?);
+    let write = |all: &[Item], extra: bool| {
+        let of = all.iter().filter(|item| item.extra == extra).map(Item::text);
+        Ok::<_, String>(of.collect::<Result<Vec<_>, _>>()?.join("\n\n") + "\n")
+    };
+    let main = [&write(&types, false)?, "\n", OPEN, &write(&calls, false)?, "\n", CLOSE, end].concat();
+    let extra = [
+        include_str!("extra.h"),
+        &write(&types, true)?,
+        "\n",
+        OPEN,
+        &write(&calls, true)?,
+        "\n",
+        CLOSE,
+        "\n#endif  /* COVBEAM_EXTRA_H */\n",
+    ]
+    .concat();
+    let functions = calls.into_iter().filter_map(|item| item.function).collect();
+    Ok(Headers { main, extra, functions })
+}
+
+/// All files that are made, from the root of the repository, and what they must contain.
+///
+/// # Errors
+/// What could not be read.
+pub fn files() -> Result<Vec<(&'static str, String)>, String> {
+    let read =
+        |path: &str| fs::read_to_string(repository().join(path)).map_err(|error| format!("{path}: {error}"));
+    let headers = headers()?;
+    Ok(vec![
+        ("ffi/python/src/covbeam/_abi.py", python::abi(&headers)?),
+        ("tests/clients/hostile/calls.h", hostile::calls(&headers)?),
+        ("tests/clients/vectors/plain.h", replay::plain(&headers)?),
+        ("tests/clients/vectors/operators.hpp", operators::replay(&headers)?),
+        ("include/covbeam.hpp", operators::forwarding(&read("include/covbeam.hpp")?, &headers)?),
+        ("tests/bare-metal/src/operators.rs", operators::bare_metal(&headers)?),
+        ("tests/clients/layout.h", layout::assertions(&read("ffi/src/layout.rs")?)),
+        ("include/covbeam.h", headers.main),
+        ("include/covbeam_extra.h", headers.extra),
+    ])
+}
