@@ -51,6 +51,9 @@
  * Options: structs that begin with struct_size, which is to be set to sizeof of themselves. Fields that a
  * newer header adds are 0 for an older host; an older library refuses new fields that are not 0.
  *
+ * Uniform random numbers are in [0, 1). 1 itself, to which (float)0.99999999 rounds, counts as the largest
+ * number below.
+ *
  * Failure: every function that can fail returns a covbeam_status. All but COVBEAM_OK leave the outputs
  * unwritten and the objects as they were, unless the function says otherwise, and covbeam_last_error()
  * names the parameter, the element and the field, "beams[12].direction: ...", and what to do. NaN, infinities
@@ -562,7 +565,8 @@ typedef struct covbeam_segment {
      */
     float length;
     /**
-     * Flux at the origin [W] > 0, mean of the channels.
+     * Flux at the origin [W] > 0, mean of the channels. Only its ratio to that of other segments matters: where
+     * a tenth of the photons carry fields, it need not be ten times the beam's.
      */
     float power;
     /**
@@ -1131,7 +1135,8 @@ static inline covbeam_status covbeam_light_field_gaussian(const float *direction
 }
 
 /**
- * Travel through vacuum or a homogeneous medium.
+ * Travel through vacuum or a homogeneous medium. The frame turns to the principal axes of the light's angles,
+ * where a rounding costs least.
  *
  * @param count number of fields; with 0 nothing is done.
  * @param fields, field_stride the light fields, changed in place.
@@ -1177,8 +1182,8 @@ static inline covbeam_status covbeam_light_field_carry(struct covbeam_light_fiel
 }
 
 /**
- * Turns the frame about the ray, to read covbeam_light_field_slice along given axes. The light stays what it
- * is.
+ * Turns the frame about the ray, to read covbeam_light_field_slice along given axes: every other operator may
+ * turn it, so rotate right before. The light stays what it is.
  *
  * @param count number of fields; with 0 nothing is done.
  * @param fields, field_stride the light fields, changed in place.
@@ -1255,7 +1260,10 @@ static inline covbeam_status covbeam_light_field_refract(struct covbeam_light_fi
 }
 
 /**
- * Occlusion by an edge beside the ray, such as a silhouette that it passes.
+ * Occlusion by an edge beside the ray, such as a silhouette that it passes. Across the edge 1/(2 pi distance)^2
+ * [cycles^2/m^2] is added to the variance of the positions, as if a Gaussian as wide as the distance masked
+ * them. The field must be where the ray passes the edge: travel there first, and make one call an edge.
+ * (covbeam_segment_field_at and covbeam_grid_deposit do both for the edges of a segment.)
  *
  * @param count number of fields; with 0 nothing is done.
  * @param fields, field_stride the light fields, changed in place.
@@ -1352,7 +1360,9 @@ static inline covbeam_status covbeam_light_field_diffuse(struct covbeam_light_fi
 }
 
 /**
- * The spectrum of the fluence across the ray, along the frame's axes.
+ * The spectrum of the fluence across the ray, along the frame's axes: x_axis, and direction x x_axis. They are
+ * not those of the field before an operator: covbeam_light_field_rotate chooses them, and
+ * covbeam_light_field_fluence answers along the axes of the world.
  *
  * @param count number of fields; with 0 nothing is done.
  * @param fields, field_stride the light fields.
@@ -1745,7 +1755,7 @@ covbeam_status covbeam_schedule_kernel(const struct covbeam_schedule *schedule,
 /**
  * Makes a map without beams.
  *
- * @param medium what its beams run through; copied, and voxels are kept alive. For
+ * @param medium what its beams run through; copied, for all gathers too, and voxels are kept alive. For
  *     covbeam_beam_map_gather_shaded: any homogeneous one.
  * @param out the handle.
  */

@@ -103,7 +103,7 @@ pub(crate) fn go_on(poll: covbeam_poll, user: *mut c_void) -> impl FnMut() -> bo
 
 /// Makes a map without beams.
 ///
-/// @param medium what its beams run through; copied, and voxels are kept alive. For
+/// @param medium what its beams run through; copied, for all gathers too, and voxels are kept alive. For
 ///     covbeam_beam_map_gather_shaded: any homogeneous one.
 /// @param out the handle.
 /// @kinds <medium +map

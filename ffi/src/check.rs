@@ -35,10 +35,12 @@ pub(crate) fn positive_or_infinite(e: Element<f32>) -> Result<f32, Failure> {
     if e.value > 0.0 { Ok(e.value) } else { Err(e.is(format_args!("{} is not > 0", e.value))) }
 }
 
-/// A uniform random number.
+/// A uniform random number, below 1.
 pub(crate) fn random(e: Element<f32>) -> Result<f32, Failure> {
-    if (0.0..1.0).contains(&e.value) {
-        Ok(e.value)
+    /// What 1 counts as: a host's generator that rounds a double to a float makes it now and then.
+    const LARGEST: f32 = 1.0 - f32::EPSILON / 2.0;
+    if (0.0..=1.0).contains(&e.value) {
+        Ok(e.value.min(LARGEST))
     } else {
         Err(e.is(format_args!("{} is not in [0, 1)", e.value)))
     }
@@ -46,10 +48,8 @@ pub(crate) fn random(e: Element<f32>) -> Result<f32, Failure> {
 
 /// Two of them.
 pub(crate) fn random_pair(e: Element<[f32; 2]>) -> Result<[f32; 2], Failure> {
-    for value in e.value {
-        random(e.part(|_| value))?;
-    }
-    Ok(e.value)
+    let [a, b] = e.value;
+    Ok([random(e.part(|_| a))?, random(e.part(|_| b))?])
 }
 
 /// The cosine between two unit vectors, up to their rounding.
@@ -99,4 +99,20 @@ pub(crate) fn finite_each<const N: usize>(e: Element<[f32; N]>) -> Result<[f32; 
         finite(e.part(|_| value))?;
     }
     Ok(e.value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_random_number_of_one_is_the_largest_below() {
+        let checked = |value: f32| random(Element::single(value, "u")).ok();
+        // What a double just below 1 becomes.
+        let largest = 1.0_f32.next_down();
+        assert_eq!(checked(0.999_999_99_f64 as f32), Some(largest));
+        assert_eq!([0.0, 0.5, largest].map(checked), [Some(0.0), Some(0.5), Some(largest)]);
+        assert_eq!([-1e-9, 1.0_f32.next_up(), f32::NAN].map(checked), [None; 3]);
+        assert_eq!(random_pair(Element::single([1.0, 1.0], "u")).ok(), Some([largest; 2]));
+    }
 }

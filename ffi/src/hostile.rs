@@ -15,7 +15,7 @@ pub(crate) enum Rule {
     FiniteNotNegative,
     Positive,
     PositiveOrInfinite,
-    /// [0, 1).
+    /// [0, 1]; 1 counts as the largest below.
     Random,
     Cosine,
     /// (-1, 1).
@@ -40,7 +40,7 @@ impl Rule {
             Rule::FiniteNotNegative => v.is_finite() && v >= 0.0,
             Rule::Positive => v.is_finite() && v > 0.0,
             Rule::PositiveOrInfinite => v > 0.0,
-            Rule::Random => (0.0..1.0).contains(&v),
+            Rule::Random => (0.0..=1.0).contains(&v),
             Rule::Cosine => (-1.0..=1.0).contains(&v),
             Rule::Asymmetry => v > -1.0 && v < 1.0,
             Rule::Alpha => v > 0.0 && v <= 1.0,

@@ -182,7 +182,8 @@ pub unsafe extern "C" fn covbeam_light_fields_gaussian(
     })
 }
 
-/// Travel through vacuum or a homogeneous medium.
+/// Travel through vacuum or a homogeneous medium. The frame turns to the principal axes of the light's angles,
+/// where a rounding costs least.
 ///
 /// @param count number of fields; with 0 nothing is done.
 /// @param fields, field_stride the light fields, changed in place.
@@ -241,8 +242,8 @@ pub unsafe extern "C" fn covbeam_light_fields_carry(
     })
 }
 
-/// Turns the frame about the ray, to read covbeam_light_field_slice along given axes. The light stays what it
-/// is.
+/// Turns the frame about the ray, to read covbeam_light_field_slice along given axes: every other operator may
+/// turn it, so rotate right before. The light stays what it is.
 ///
 /// @param count number of fields; with 0 nothing is done.
 /// @param fields, field_stride the light fields, changed in place.
@@ -349,7 +350,10 @@ pub unsafe extern "C" fn covbeam_light_fields_refract(
     })
 }
 
-/// Occlusion by an edge beside the ray, such as a silhouette that it passes.
+/// Occlusion by an edge beside the ray, such as a silhouette that it passes. Across the edge 1/(2 pi distance)^2
+/// [cycles^2/m^2] is added to the variance of the positions, as if a Gaussian as wide as the distance masked
+/// them. The field must be where the ray passes the edge: travel there first, and make one call an edge.
+/// (covbeam_segment_field_at and covbeam_grid_deposit do both for the edges of a segment.)
 ///
 /// @param count number of fields; with 0 nothing is done.
 /// @param fields, field_stride the light fields, changed in place.
@@ -511,7 +515,9 @@ pub unsafe extern "C" fn covbeam_light_fields_diffuse(
     })
 }
 
-/// The spectrum of the fluence across the ray, along the frame's axes.
+/// The spectrum of the fluence across the ray, along the frame's axes: x_axis, and direction x x_axis. They are
+/// not those of the field before an operator: covbeam_light_field_rotate chooses them, and
+/// covbeam_light_field_fluence answers along the axes of the world.
 ///
 /// @param count number of fields; with 0 nothing is done.
 /// @param fields, field_stride the light fields.

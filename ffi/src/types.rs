@@ -132,7 +132,8 @@ pub struct covbeam_segment {
     pub origin: [f32; 3],
     /// Length [m] > 0; infinity reaches the end of the grid.
     pub length: f32,
-    /// Flux at the origin [W] > 0, mean of the channels.
+    /// Flux at the origin [W] > 0, mean of the channels. Only its ratio to that of other segments matters: where
+    /// a tenth of the photons carry fields, it need not be ten times the beam's.
     pub power: f32,
     /// 1 if the light comes from its source without scattering in a medium or on a diffuse surface (mirrors and
     /// glass are no scattering), else 0.

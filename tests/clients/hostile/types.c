@@ -23,7 +23,7 @@ bool chance(uint32_t in) { return below(in) == 0; }
  *   f finite; F finite, and more is asked of it; p >= 0; q finite, >= 0; k the same, and so is the sum of all k
  *   + finite, > 0; m the same, and more is asked of it; P > 0
  *   * any number, NaN too; o NaN or in [0, 1]
- *   r in [0, 1); c in [-1, 1]; t in [0, 1]; a in (-1, 1); l in (0, 1]; L the same, and more is asked of it; N not NaN
+ *   r in [0, 1], where 1 counts as the largest below; c in [-1, 1]; t in [0, 1]; a in (-1, 1); l in (0, 1]; L the same, and more is asked of it; N not NaN
  *   E 1, such as the end of a guide
  *   u of a unit vector; v of a unit vector or 0; d of a vector that is not 0
  *   S struct_size; e an enumeration of three; b 0 or 1; z a number of voxels; i any integer; - not looked at as a number
@@ -129,7 +129,7 @@ bool number_fits(char rule, float v) {
     case 'q': case 'k': return isfinite(v) && v >= 0;
     case '+': case 'm': return isfinite(v) && v > 0;
     case 'P': return v > 0;
-    case 'r': return v >= 0 && v < 1;
+    case 'r': return v >= 0 && v <= 1;
     case 'c': return v >= -1 && v <= 1;
     case 't': return v >= 0 && v <= 1;
     case 'a': return v > -1 && v < 1;
