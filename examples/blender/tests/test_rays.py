@@ -280,7 +280,7 @@ class Errors(unittest.TestCase):
 
         with self.assertRaises(rays.Cancelled):
             gather.gather(beam_map, wide, None, eyes, [0, len(eyes)], poll=poll)
-        self.assertEqual(errors, [cb.Status.WRONG_ORDER] * 4)
+        self.assertEqual(errors, [cb.Status.BUSY] * 4)
 
     # What else is refused, rays/tests/hostile.rs says; here, that it is raised, and what only Python can get wrong.
     def test_meshes_and_instances_that_are_wrong_are_refused_with_the_remedy(self):

@@ -79,7 +79,7 @@ class Gather:
         if handle is None:
             raise ValueError("Gather: used after close(); make a new one")
         if not self._busy.acquire(blocking=False):
-            raise Error(Status.WRONG_ORDER, "Gather: in use by another call; wait for that, or make another one")
+            raise Error(Status.BUSY, "Gather: in use by another call; wait for that, or make another one")
         done, status = ctypes.c_uint32(), ctypes.c_int32()
         try:
             check(start(handle, *arguments))
