@@ -84,8 +84,8 @@ check=(valgrind --quiet --error-exitcode=9 --partial-loads-ok=no --leak-check=fu
 refused "an array that is too short" "Invalid read" "${check[@]}" "$build/hostile" --lie
 # The optimiser computes with the fields of an enum before it asks which variant it is (and drops the result): of values that have
 # never been written, memcheck can judge only code that is not optimised.
-"${check[@]}" --undef-value-errors=no "$build/hostile" 500 3
-"${check[@]}" "$build/hostile-slow" 20 4
+"${check[@]}" --undef-value-errors=no "$build/hostile" 200 3
+"${check[@]}" "$build/hostile-slow" 10 4
 echo "no findings in $((SECONDS - started)) s"
 
 echo "-- ThreadSanitizer"
