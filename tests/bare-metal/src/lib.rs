@@ -5,6 +5,7 @@
 #![no_std]
 #![deny(missing_docs)]
 
+mod importance;
 mod operators;
 mod vectors;
 mod words;

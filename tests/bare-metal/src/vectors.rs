@@ -1,5 +1,6 @@
 //! `tests/vectors.txt`, computed without std; its format is described in `tests/src/vectors/mod.rs`.
 
+use crate::importance::Voxels;
 use crate::operators;
 use crate::words::Words;
 use covbeam::{
@@ -55,12 +56,13 @@ struct Now {
     grid: Option<GridLayout>,
     cells: [GridCell; CELLS],
     means: [FluenceCell; CELLS],
+    importance: Voxels,
 }
 
 impl Now {
     fn new() -> Self {
         let (cells, means) = ([GridCell::default(); CELLS], [FluenceCell::default(); CELLS]);
-        Self { voxels: None, values: [0.0; VALUES], grid: None, cells, means }
+        Self { voxels: None, values: [0.0; VALUES], grid: None, cells, means, importance: Voxels::new() }
     }
 
     fn density(&self) -> Option<DensityGrid<'_>> {
@@ -88,6 +90,12 @@ impl Now {
             b"medium" => self.medium(name, i, o),
             b"density" | b"grid" => self.grid(name, i, o),
             b"image" | b"pixel" => self.image(name, i, o),
+            b"importance" | b"weight" | b"emission" => {
+                let density = self
+                    .voxels
+                    .and_then(|layout| DensityGrid::new(layout, &self.values[..layout.cell_count()]).ok());
+                self.importance.call(name, density, i, o)
+            }
             _ => self.pair(name, i, o),
         }?;
         (inputs.is_empty() && outputs.is_empty()).then_some(())
