@@ -22,24 +22,28 @@ void importance_new(struct call *c)
     must(covbeam_importance_new(&layout, &again));
 }
 
-void importance_add_eye_rays(struct call *c)
+typedef covbeam_status add_rays(covbeam_importance *, const covbeam_medium *, size_t, const covbeam_eye_ray *, size_t,
+    const float *, size_t);
+
+/* To both, with one of the two functions that take pieces of paths. */
+static void add_to_both(struct call *c, add_rays *add)
 {
     const covbeam_medium medium = take_medium(c);
     const size_t count = left(c, 8), size = sizeof(struct weighted);
     struct weighted *all = spread(c, count, 8, 0);
-    must(covbeam_importance_add_eye_rays(importance, &medium, count, &all->ray, size, &all->weight, size));
-    must(covbeam_importance_add_eye_rays(again, &medium, count, &all->ray, size, &all->weight, size));
+    must(add(importance, &medium, count, &all->ray, size, &all->weight, size));
+    must(add(again, &medium, count, &all->ray, size, &all->weight, size));
     free(all);
+}
+
+void importance_add_eye_rays(struct call *c)
+{
+    add_to_both(c, covbeam_importance_add_eye_rays);
 }
 
 void importance_add_paths(struct call *c)
 {
-    const covbeam_medium medium = take_medium(c);
-    const size_t count = left(c, 8), size = sizeof(struct weighted);
-    struct weighted *all = spread(c, count, 8, 0);
-    must(covbeam_importance_add_paths(importance, &medium, count, &all->ray, size, &all->weight, size));
-    must(covbeam_importance_add_paths(again, &medium, count, &all->ray, size, &all->weight, size));
-    free(all);
+    add_to_both(c, covbeam_importance_add_paths);
 }
 
 void importance_add_surfaces(struct call *c)
