@@ -8,11 +8,13 @@ use glam::Vec3;
 /// thousand.
 const UNIT: f32 = 1e-4;
 
+#[inline(always)]
 pub(crate) fn finite(e: Element<f32>) -> Result<f32, Failure> {
     if e.value.is_finite() { Ok(e.value) } else { Err(e.is(format_args!("{} is not finite", e.value))) }
 }
 
 /// Zero and infinity are fine.
+#[inline(always)]
 pub(crate) fn not_negative(e: Element<f32>) -> Result<f32, Failure> {
     if e.value >= 0.0 { Ok(e.value) } else { Err(e.is(format_args!("{} is not >= 0", e.value))) }
 }
@@ -23,6 +25,7 @@ pub(crate) fn finite_not_negative(e: Element<f32>) -> Result<f32, Failure> {
 }
 
 /// Finite too.
+#[inline(always)]
 pub(crate) fn positive(e: Element<f32>) -> Result<f32, Failure> {
     if e.value > 0.0 && e.value.is_finite() {
         Ok(e.value)
@@ -62,6 +65,7 @@ pub(crate) fn cosine(e: Element<f32>) -> Result<f32, Failure> {
 }
 
 /// A point, or any vector.
+#[inline(always)]
 pub(crate) fn vector(e: Element<[f32; 3]>) -> Result<Vec3, Failure> {
     let vector = Vec3::from_array(e.value);
     if vector.is_finite() { Ok(vector) } else { Err(e.is(format_args!("{:?} is not finite", e.value))) }
@@ -73,6 +77,7 @@ pub(crate) fn direction(e: Element<[f32; 3]>) -> Result<Vec3, Failure> {
     if vector == Vec3::ZERO { Err(e.is(format_args!("has no direction: it is 0"))) } else { Ok(vector) }
 }
 
+#[inline(always)]
 pub(crate) fn unit(e: Element<[f32; 3]>) -> Result<Vec3, Failure> {
     let vector = Vec3::from_array(e.value);
     if (vector.length_squared() - 1.0).abs() <= UNIT {

@@ -121,16 +121,13 @@ impl<'a, T: Copy> Inputs<'a, T> {
         Ok(Self { first, stride, count, name })
     }
 
+    #[inline(always)]
     pub(crate) fn get(&self, index: usize) -> Element<'a, T> {
         assert!(index < self.count);
         // SAFETY: inside the array that `new` checked, readable by its contract; a plain struct.
         let value = unsafe { self.first.byte_add(index * self.stride).read() };
-        Element {
-            value,
-            name: self.name,
-            index: (self.count > 1).then_some(index),
-            parts: [Part::default(); 2],
-        }
+        let index = (self.count > 1).then_some(index);
+        Element { value, place: Place { name: self.name, index, ..Place::default() } }
     }
 }
 
@@ -138,11 +135,18 @@ impl<'a, T: Copy> Inputs<'a, T> {
 #[derive(Clone, Copy)]
 pub(crate) struct Element<'a, T> {
     pub(crate) value: T,
+    place: Place<'a>,
+}
+
+/// What a message calls an element, as C names it but for the dot: `segments[3].edges[1].distance`.
+#[derive(Clone, Copy, Default)]
+struct Place<'a> {
     name: &'a str,
     /// None for the only one.
     index: Option<usize>,
     /// The part of it, and the part of that; an empty name is no part.
-    parts: [Part; 2],
+    outer: Part,
+    inner: Part,
 }
 
 /// A field of a struct, or an element of an array in one.
@@ -152,18 +156,21 @@ struct Part {
     index: Option<usize>,
 }
 
+// Inlined, so that a check that passes never writes down where: a gather was 1 % slower for it.
 impl<'a, T: Copy> Element<'a, T> {
     /// A parameter that is no array.
     pub(crate) fn single(value: T, name: &'a str) -> Self {
-        Self { value, name, index: None, parts: [Part::default(); 2] }
+        Self { value, place: Place { name, ..Place::default() } }
     }
 
     /// A part of this element, under the same name.
+    #[inline(always)]
     pub(crate) fn part<U>(&self, part: impl FnOnce(T) -> U) -> Element<'a, U> {
-        Element { value: part(self.value), name: self.name, index: self.index, parts: self.parts }
+        Element { value: part(self.value), place: self.place }
     }
 
     /// A field of this element, under its own name: see [`field!`]. Of fields of fields of fields the outer two are named.
+    #[inline(always)]
     pub(crate) fn field<U>(
         &self,
         name: &'static str,
@@ -171,24 +178,35 @@ impl<'a, T: Copy> Element<'a, T> {
         field: impl FnOnce(T) -> U,
     ) -> Element<'a, U> {
         let mut found = self.part(field);
-        if let Some(free) = found.parts.iter_mut().find(|part| part.name.is_empty()) {
-            *free = Part { name, index };
+        let part = Part { name, index };
+        if found.place.outer.name.is_empty() {
+            found.place.outer = part;
+        } else if found.place.inner.name.is_empty() {
+            found.place.inner = part;
         }
         found
     }
 
     /// The failure that says of this element that it is `what`.
-    pub(crate) fn is(&self, what: core::fmt::Arguments) -> Failure {
+    #[inline(always)]
+    pub(crate) fn is(self, what: core::fmt::Arguments) -> Failure {
+        self.place.is(what)
+    }
+}
+
+impl Place<'_> {
+    #[cold]
+    #[inline(never)]
+    fn is(self, what: core::fmt::Arguments) -> Failure {
         fail(COVBEAM_INVALID_VALUE, format_args!("{self}: {what}"))
     }
 }
 
-impl<T> fmt::Display for Element<'_, T> {
-    /// As C names it, but for the dot: `segments[3].edges[1].distance`.
+impl fmt::Display for Place<'_> {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(self.name)?;
         self.index.map_or(Ok(()), |index| write!(f, "[{index}]"))?;
-        for part in self.parts.iter().filter(|part| !part.name.is_empty()) {
+        for part in [self.outer, self.inner].iter().filter(|part| !part.name.is_empty()) {
             write!(f, ".{}", part.name)?;
             part.index.map_or(Ok(()), |index| write!(f, "[{index}]"))?;
         }
@@ -245,12 +263,8 @@ impl<'a, T: Copy> Outputs<'a, T> {
         assert!(index < self.count);
         // SAFETY: inside the array that `new` checked, readable by its contract; a plain struct.
         let value = unsafe { self.first.byte_add(index * self.stride).read() };
-        Element {
-            value,
-            name: self.name,
-            index: (self.count > 1).then_some(index),
-            parts: [Part::default(); 2],
-        }
+        let index = (self.count > 1).then_some(index);
+        Element { value, place: Place { name: self.name, index, ..Place::default() } }
     }
 
     pub(crate) fn set(&mut self, index: usize, value: T) {

@@ -1,4 +1,7 @@
 //! What the ABI adds to a gather: `cargo test -p covbeam-ffi --release -- --ignored --nocapture overhead`.
+//!
+//! In instructions, which are steadier: the test's program under callgrind, `covbeam_beam_map_gather` over
+//! `BeamMap::gather_while` in it. 80 pairs a ray: 0.96 %.
 #![allow(clippy::print_stdout)]
 
 use crate::beam_map::*;

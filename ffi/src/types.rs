@@ -518,6 +518,7 @@ pub(crate) fn beam(e: Element<covbeam_beam>) -> Result<core_types::Beam, Failure
     })
 }
 
+#[inline(always)]
 pub(crate) fn eye_ray(e: Element<covbeam_eye_ray>) -> Result<core_types::EyeRay, Failure> {
     Ok(core_types::EyeRay {
         origin: vector(field!(e, origin))?,
