@@ -1,11 +1,14 @@
 //! Where the picture needs photons: a pilot finds the importance of light in the voxels, and from it how each lamp emits.
 //!
 //! The pilot is a function of the scene alone: a coarse picture; paths from the camera that carry the inverse of its brightness; rays from
-//! each lamp that ask what the light in a direction is worth.
+//! each lamp that ask what the light in a direction is worth; and a few guided paths that find out how much of the picture's noise is theirs.
 
+mod branches;
 mod importons;
 mod lamps;
 mod look;
+
+pub(crate) use branches::share_of_branches;
 
 use crate::optics::Interior;
 use crate::scene::{Material, Scene};

@@ -2,7 +2,7 @@
 
 use crate::eye::EyeTracer;
 use crate::grids::Grids;
-use crate::guidance::Guidance;
+use crate::guidance::{Guidance, share_of_branches};
 use crate::kind::{Kind, Split};
 use crate::march::{Guide, Marcher, Marching, Placement};
 use crate::media;
@@ -208,6 +208,7 @@ impl<'a> Renderer<'a> {
             && let Some(guidance) = Guidance::new(self.scene, &self.fogs)
         {
             self.tracer.guide(guidance);
+            self.tracer.branch_less(share_of_branches(&self.tracer, &self.fogs, self.photons));
         }
         self.pilot = start.elapsed().as_secs_f64();
         self.has_shadow_rays = parts.straight;

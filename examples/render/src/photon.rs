@@ -127,6 +127,20 @@ impl<'a> PhotonTracer<'a> {
         }
     }
 
+    /// Leaves guided light paths this share of their branches, about.
+    ///
+    /// - `share`: in (0, 1].
+    pub(crate) fn branch_less(&mut self, share: f32) {
+        if let Some(guidance) = &mut self.guidance {
+            guidance.coarsen(1.0 / share);
+        }
+    }
+
+    /// The scene.
+    pub(crate) fn scene(&self) -> &'a Scene {
+        self.scene
+    }
+
     /// Cumulative shares of the paths that start from each light.
     pub(crate) fn lamps(&self) -> &[f32] {
         self.guidance.as_ref().map_or(&self.lights.cumulative, Guidance::lamps)

@@ -33,6 +33,11 @@ pub(crate) fn is_left_to_beams(scene: &Scene, medium: u32) -> bool {
     matches!(scene.media[medium as usize].density, MediumDensity::Grid(_))
 }
 
+/// Shadow rays of a piece of an eye path, alone in its pixel.
+pub(crate) fn rays_of_piece(scene: &Scene) -> u32 {
+    PLACES as u32 * scene.lights.len().min(LAMPS) as u32
+}
+
 /// The straight light of a pass.
 pub(crate) struct Straight<'a> {
     pub(crate) scene: &'a Scene,

@@ -1,20 +1,20 @@
 //! A coarse picture.
 
 use crate::compare::luminance;
-use crate::eye::EyeTracer;
-use crate::kind::Kind;
+use crate::eye::{EyeSegment, EyeTracer};
+use crate::kind::{ByKind, Kind};
 use crate::optics::Interior;
 use crate::photon::{PhotonRecord, PhotonTracer, Record};
 use crate::random::{Emission, Random};
 use crate::scene::Scene;
 use crate::straight::{Straight, is_left_to_beams};
 use crate::surface::SurfaceMap;
-use covbeam::{Beam, BeamMap, GatherScratch, Gathered, Kernel, Medium};
+use covbeam::{Beam, BeamMap, GatherScratch, Gathered, Kernel, Knot, Medium};
 use glam::Vec3;
 use rayon::prelude::*;
 
 /// Eye rays across and down.
-const LATTICE: u32 = 32;
+pub(super) const LATTICE: u32 = 32;
 
 /// Light paths.
 const PATHS: u32 = 4096;
@@ -27,7 +27,7 @@ const DISKS: [f32; 2] = [20.0, 8.0];
 const LEAST_OF_NEIGHBOURS: f32 = 0.3;
 
 /// And for at least this share of the picture's: what is darker is as good as black.
-const LEAST_OF_PICTURE: f32 = 0.01;
+pub(super) const LEAST_OF_PICTURE: f32 = 0.01;
 
 /// Purpose of random numbers, and sequence of light paths.
 const KEY: u32 = 0x100c;
@@ -42,52 +42,111 @@ pub(super) struct Pixel {
 /// The coarse picture's eye rays; None if it is black.
 pub(super) fn pixels(scene: &Scene, fogs: &[Medium]) -> Option<Vec<Pixel>> {
     let tracer = PhotonTracer::new(scene, 0, Emission::LowDiscrepancy);
-    let mut record = PhotonRecord::default();
-    (0..PATHS).for_each(|index| tracer.trace(KEY, index, PATHS, Record::Beams, &mut record));
-    let radius = WIDER * scene.settings.schedule.radius;
-    let mut beams: Vec<Vec<Beam>> = vec![Vec::new(); fogs.len()];
-    for found in record.beams {
-        if found.kind != Kind::Straight || is_left_to_beams(scene, found.medium) {
-            beams[found.medium as usize].push(found.beam);
-        }
-    }
-    let maps: Vec<BeamMap> =
-        beams.into_iter().zip(fogs).map(|(beams, fog)| BeamMap::build(beams, radius, fog)).collect();
-    let [diffuse, caustic] = DISKS.map(|factor| factor * scene.settings.schedule.radius);
-    let surfaces = SurfaceMap::build(record.surface, diffuse, caustic);
-    let interior = Interior::at(scene, scene.camera.position);
-    let eye = EyeTracer { scene, fogs, interior, surfaces: &surfaces };
-    let (min_radius, max_radius) = (radius, radius);
-    let shape = scene.settings.schedule.shape;
-    let kernel = Kernel { shape, min_radius, max_radius, error: 1.0, grid: None };
-    let straight = Straight { scene, fogs, lamps: tracer.lamps(), seed: 0, pass: 1 };
+    let look = Look::new(&tracer, fogs, [KEY, PATHS], 1);
     let seen: Vec<(Vec3, f32)> = (0..LATTICE * LATTICE)
         .into_par_iter()
-        .map_init(Default::default, |(scratch, knots, segments), node| {
-            let scratch: &mut GatherScratch = scratch;
+        .map_init(Memory::default, |memory, node| {
             let mut random = Random::new([0, node, 0, KEY]);
-            let mut at =
-                |index: u32, count: u32| (index as f32 + random.uniform()) / LATTICE as f32 * count as f32;
+            let place = [random.uniform(), random.uniform()];
             let camera = &scene.camera;
-            let direction =
-                camera.direction(at(node % LATTICE, camera.width), at(node / LATTICE, camera.height));
-            let segments: &mut Vec<crate::eye::EyeSegment> = segments;
-            segments.clear();
-            let mut radiance: Vec3 = eye.trace(direction, node, &mut random, segments).iter().sum();
-            for segment in segments.iter() {
-                let mut gathered = [Gathered::default()];
-                let medium = segment.medium as usize;
-                let rays = [segment.ray];
-                maps[medium]
-                    .gather(&fogs[medium], &rays, &kernel, &mut gathered, scratch)
-                    .expect("its map was built in it");
-                let straight = straight.radiance(segment, node, 1.0, (0, 1), knots);
-                radiance += segment.throughput * (gathered[0].radiance + straight);
-            }
-            (direction, luminance(radiance))
+            let at =
+                |index: u32, place: f32, count: u32| (index as f32 + place) / LATTICE as f32 * count as f32;
+            let direction = camera.direction(
+                at(node % LATTICE, place[0], camera.width),
+                at(node / LATTICE, place[1], camera.height),
+            );
+            let radiance = look.radiance(direction, node, &mut random, memory);
+            (direction, luminance(radiance.iter().sum()))
         })
         .collect();
     weigh(&seen)
+}
+
+/// Some light paths, and what eye rays see of them.
+pub(super) struct Look<'a> {
+    scene: &'a Scene,
+    fogs: &'a [Medium<'a>],
+    maps: Vec<BeamMap>,
+    /// In the maps.
+    pub(super) beams: usize,
+    kernel: Kernel<'static>,
+    surfaces: SurfaceMap,
+    straight: Straight<'a>,
+    /// What the camera is inside of.
+    interior: Interior,
+}
+
+/// A thread's, from ray to ray.
+#[derive(Default)]
+pub(super) struct Memory {
+    scratch: GatherScratch,
+    knots: Vec<Knot>,
+    segments: Vec<EyeSegment>,
+    /// Pairs with beams, of all rays.
+    pub(super) pairs: u32,
+    /// Pieces in media, of all rays.
+    pub(super) pieces: u32,
+}
+
+impl<'a> Look<'a> {
+    /// Traces `paths` light paths of a sequence; `pass`: straight light's numbers.
+    pub(super) fn new(
+        tracer: &'a PhotonTracer<'a>,
+        fogs: &'a [Medium<'a>],
+        [sequence, paths]: [u32; 2],
+        pass: u32,
+    ) -> Self {
+        let scene = tracer.scene();
+        let mut record = PhotonRecord::default();
+        (0..paths).for_each(|index| tracer.trace(sequence, index, paths, Record::Beams, &mut record));
+        let radius = WIDER * scene.settings.schedule.radius;
+        let mut beams: Vec<Vec<Beam>> = vec![Vec::new(); fogs.len()];
+        for found in record.beams {
+            if found.kind != Kind::Straight || is_left_to_beams(scene, found.medium) {
+                beams[found.medium as usize].push(found.beam);
+            }
+        }
+        let count = beams.iter().map(Vec::len).sum();
+        let build = |(beams, fog)| BeamMap::build(beams, radius, fog);
+        let maps = beams.into_iter().zip(fogs).map(build).collect();
+        let [diffuse, caustic] = DISKS.map(|factor| factor * scene.settings.schedule.radius);
+        let surfaces = SurfaceMap::build(record.surface, diffuse, caustic);
+        let (min_radius, max_radius) = (radius, radius);
+        let shape = scene.settings.schedule.shape;
+        let kernel = Kernel { shape, min_radius, max_radius, error: 1.0, grid: None };
+        let straight = Straight { scene, fogs, lamps: tracer.lamps(), seed: 0, pass };
+        let interior = Interior::at(scene, scene.camera.position);
+        Self { scene, fogs, maps, beams: count, kernel, surfaces, straight, interior }
+    }
+
+    /// What an eye ray sees; of light in media, all that is not straight counts as scattered.
+    ///
+    /// - `number`: of the ray, for its random numbers.
+    pub(super) fn radiance(
+        &self,
+        direction: Vec3,
+        number: u32,
+        random: &mut Random,
+        memory: &mut Memory,
+    ) -> ByKind {
+        let Self { scene, fogs, interior, ref surfaces, .. } = *self;
+        let eye = EyeTracer { scene, fogs, interior, surfaces };
+        memory.segments.clear();
+        let mut radiance = eye.trace(direction, number, random, &mut memory.segments);
+        for segment in &memory.segments {
+            let mut gathered = [Gathered::default()];
+            let medium = segment.medium as usize;
+            self.maps[medium]
+                .gather(&self.fogs[medium], &[segment.ray], &self.kernel, &mut gathered, &mut memory.scratch)
+                .expect("its map was built in it");
+            memory.pairs += gathered[0].pairs;
+            memory.pieces += 1;
+            let straight = self.straight.radiance(segment, number, 1.0, (0, 1), &mut memory.knots);
+            radiance[Kind::Straight as usize] += segment.throughput * straight;
+            radiance[Kind::Scattered as usize] += segment.throughput * gathered[0].radiance;
+        }
+        radiance
+    }
 }
 
 fn weigh(seen: &[(Vec3, f32)]) -> Option<Vec<Pixel>> {

@@ -1,0 +1,207 @@
+//! How many branches light paths have: as many as lower the picture's noise more than they slow a pass down.
+//!
+//! A pass has a variance `rays` that its light paths do not change, of straight light and of edges inside of pixels, and `paths`, of the light
+//! paths; it costs C for its eye rays and P for its paths and the pairs with their beams. With n times as many branches the product
+//! of variance and cost is (rays + paths/n) (C + P n), least for n² = paths C/(rays P).
+
+use super::look::{LATTICE, LEAST_OF_PICTURE, Look, Memory};
+use crate::compare::luminance;
+use crate::photon::PhotonTracer;
+use crate::random::Random;
+use crate::straight;
+use covbeam::Medium;
+use rayon::prelude::*;
+
+/// Guided light paths of either half.
+const PATHS: u32 = 1024;
+
+/// Purposes of random numbers, and sequences of light paths.
+const KEY: u32 = 0x3b7a;
+
+/// A pixel's relative variance counts for at most this much: of the rare bright pixel a thousand rays say nothing.
+const MOST_SPREAD: f32 = 0.25;
+
+/// And that of straight light, which has four looks where an edge crosses a pixel.
+const MOST_STRAIGHT_SPREAD: f32 = MOST_SPREAD / 4.0;
+
+/// Costs in microseconds: of a beam, with its part of the path, of the directions looked at and of the hierarchy; of a pair; of an eye ray;
+/// of a shadow ray. Only their ratios matter, and of these the square root.
+const BEAM: f32 = 2.0;
+const PAIR: f32 = 0.04;
+const EYE_RAY: f32 = 1.0;
+const SHADOW_RAY: f32 = 0.1;
+
+/// Pairs of a pass' eye ray over those here, where kernels are wider: 0.2 to 0.5 in 32 scenes.
+const PAIRS_OF_A_PASS: f32 = 0.35;
+
+/// Paths get this many times what the formula says: the variance of straight light and of edges falls faster than with the passes, as
+/// they fill lines and pixels evenly. With 1 voxels of smoke have 1.2 times the error.
+const IN_FAVOUR: f32 = 1.5;
+
+/// And no fewer branches than this.
+const LEAST: f32 = 1.0 / 30.0;
+
+/// What a thousand eye rays found.
+#[derive(Clone, Copy, Debug, Default)]
+struct Spread {
+    /// Relative variance of a pixel that is not the light paths'.
+    rays: f32,
+    /// Relative variance of a pixel for one light path a pass.
+    paths: f32,
+    /// Beams of a light path.
+    beams: f32,
+    /// Pairs with the beams of one light path, of an eye ray.
+    pairs: f32,
+    /// Shadow rays of an eye ray; where straight light is left to beams, their pairs cost as much.
+    shadow_rays: f32,
+}
+
+/// The share of the branches that guided light paths should have, up to 1.
+///
+/// - `photons`: light paths a pass. Cost: 12 to 70 core-milliseconds.
+pub(crate) fn share_of_branches(tracer: &PhotonTracer, fogs: &[Medium], photons: u32) -> f32 {
+    let camera = &tracer.scene().camera;
+    share(&spread(tracer, fogs, PATHS), photons as f32, (camera.width * camera.height) as f32)
+}
+
+fn share(spread: &Spread, photons: f32, pixels: f32) -> f32 {
+    let of_rays = pixels * (EYE_RAY + SHADOW_RAY * spread.shadow_rays);
+    let of_paths = photons * (BEAM * spread.beams + PAIR * PAIRS_OF_A_PASS * spread.pairs * pixels);
+    let square = spread.paths / photons * of_rays / (spread.rays * of_paths);
+    // Without noise of either kind: as many as there are.
+    if square.is_nan() { 1.0 } else { (IN_FAVOUR * square.sqrt()).clamp(LEAST, 1.0) }
+}
+
+/// Looks at some pixels from two places in each, with two sets of light paths: what differs from place to place with both sets is not the
+/// paths' noise.
+fn spread(tracer: &PhotonTracer, fogs: &[Medium], paths: u32) -> Spread {
+    let scene = tracer.scene();
+    let camera = &scene.camera;
+    let looks = [1, 2].map(|half| Look::new(tracer, fogs, [KEY + half, paths], half));
+    let seen: Vec<([[[f32; 2]; 2]; 2], Memory)> = (0..LATTICE * LATTICE)
+        .into_par_iter()
+        .map(|node| {
+            let mut memory = Memory::default();
+            let at = |index: u32, count: u32| ((index as f32 + 0.5) / LATTICE as f32 * count as f32).floor();
+            let pixel = [at(node % LATTICE, camera.width), at(node / LATTICE, camera.height)];
+            let light = looks.each_ref().map(|look| {
+                [1, 2].map(|place| {
+                    let mut random = Random::new([place, node, 0, KEY]);
+                    let direction =
+                        camera.direction(pixel[0] + random.uniform(), pixel[1] + random.uniform());
+                    let [straight, focused, scattered] =
+                        look.radiance(direction, node, &mut random, &mut memory).map(luminance);
+                    [straight, focused + scattered]
+                })
+            });
+            (light, memory)
+        })
+        .collect();
+    let count = seen.len() as f32;
+    let brightness = |light: &[[[f32; 2]; 2]; 2]| 0.25 * light.iter().flatten().flatten().sum::<f32>();
+    let mean = seen.iter().map(|(light, _)| brightness(light)).sum::<f32>() / count;
+    let mut sum = Spread::default();
+    for (light, memory) in &seen {
+        let brightness = brightness(light).max(LEAST_OF_PICTURE * mean);
+        let product = |a: f32, b: f32| 0.5 * a / brightness * (b / brightness);
+        // [set of paths][place]
+        let straight = light.map(|places| places.map(|[straight, _]| straight));
+        let other = light.map(|places| places.map(|[_, other]| other));
+        let between_places = |of: [[f32; 2]; 2]| of.map(|[a, b]| a - b);
+        let [a, b] = between_places(straight);
+        let of_straight = 0.5 * (product(a, a) + product(b, b));
+        let [a, b] = between_places(other);
+        let inside_pixel = product(a, b).clamp(-MOST_SPREAD, MOST_SPREAD);
+        sum.rays += of_straight.min(MOST_STRAIGHT_SPREAD) + inside_pixel;
+        for (a, b) in other[0].into_iter().zip(other[1]) {
+            sum.paths += 0.5 * product(a - b, a - b).min(MOST_SPREAD);
+        }
+        // Two rays with either set.
+        sum.pairs += 0.25 * memory.pairs as f32;
+        sum.shadow_rays += 0.25 * (memory.pieces * straight::rays_of_piece(scene)) as f32;
+    }
+    let paths = paths as f32;
+    Spread {
+        rays: (sum.rays / count).max(0.0),
+        paths: sum.paths / count * paths,
+        beams: looks.iter().map(|look| look.beams as f32).sum::<f32>() / (2.0 * paths),
+        pairs: sum.pairs / (count * paths),
+        shadow_rays: sum.shadow_rays / count,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::guidance::Guidance;
+    use crate::media;
+    use crate::random::Emission;
+    use crate::scene::Scene;
+    use std::path::Path;
+
+    const POINT: &str = "[[light]]\nkind = \"point\"\nposition = [1, 1, 0]\nintensity = 1\n";
+    const LIGHT_WALLS: &str = "{ lambert = { albedo = 0.5 } }";
+    const SPREAD: Spread = Spread { rays: 1e-2, paths: 10.0, beams: 2.0, pairs: 0.01, shadow_rays: 16.0 };
+
+    /// Variance x cost by number of branches has its minimum where the formula says.
+    #[test]
+    fn the_share_is_the_best_one() {
+        let (photons, pixels) = (1e4, 5e4);
+        let found = share(&SPREAD, photons, pixels) / IN_FAVOUR;
+        let of_rays = pixels * (EYE_RAY + SHADOW_RAY * 16.0);
+        let of_paths = photons * (BEAM * 2.0 + PAIR * PAIRS_OF_A_PASS * 0.01 * pixels);
+        let product = |n: f32| (1e-2 + 1e-3 / n) * (of_rays + of_paths * n);
+        let best = (1..1000).map(|i| i as f32 * 1e-3).min_by(|a, b| product(*a).total_cmp(&product(*b)));
+        assert!((found - best.unwrap()).abs() < 2e-3, "{found} for {best:?}");
+        assert!(found > LEAST && found < 1.0 / IN_FAVOUR);
+    }
+
+    #[test]
+    fn noise_of_one_kind_alone_decides() {
+        let of = |rays, paths| share(&Spread { rays, paths, ..SPREAD }, 1e4, 5e4);
+        assert_eq!([of(0.0, 0.0), of(0.0, 1.0), of(1.0, 0.0)], [1.0, 1.0, LEAST]);
+    }
+
+    fn tracer<'a>(scene: &'a Scene, fogs: &[Medium]) -> PhotonTracer<'a> {
+        let mut tracer = PhotonTracer::new(scene, 0, Emission::LowDiscrepancy);
+        tracer.guide(Guidance::new(scene, fogs).expect("light"));
+        tracer
+    }
+
+    fn scene(scattering: f32, walls: &str, lights: &str) -> Scene {
+        let text = format!(
+            "outside_medium = \"fog\"\n\
+             [camera]\nposition = [0, 0, -4]\nlook_at = [0, 0, 0]\nvertical_fov = 50\nwidth = 64\nheight = 64\n\
+             [[medium]]\nname = \"fog\"\nscattering = {scattering}\nabsorption = 0.01\n\
+             [[object]]\nshape = \"box\"\nmin = [-5, -5, -5]\nmax = [5, 5, 5]\nmaterial = {walls}\n\
+             {lights}"
+        );
+        Scene::parse(&text, "box", Path::new("")).expect("a valid scene")
+    }
+
+    /// Of N independent paths the variance is 1/N of one path's: four times the paths give the same answer.
+    #[test]
+    fn the_variance_of_paths_is_that_of_one_over_their_number() {
+        let scene = scene(0.3, LIGHT_WALLS, POINT);
+        let fogs = media::all(&scene);
+        let tracer = tracer(&scene, &fogs);
+        let [few, many] = [2 * PATHS, 8 * PATHS].map(|paths| spread(&tracer, &fogs, paths));
+        // Low discrepancy makes it fall a little faster, and a fifth is chance. With fewer paths pixels reach the bound.
+        let ratio = many.paths / few.paths;
+        assert!((0.6..1.2).contains(&ratio), "{few:?}, {many:?}");
+        assert!((few.beams / many.beams - 1.0).abs() < 0.1, "{few:?}, {many:?}");
+    }
+
+    /// Thin fog that a lamp lights evenly, with a cone whose edges are all that is noisy; thick fog around a lamp, where nothing has edges.
+    #[test]
+    fn thin_fog_around_a_narrow_spot_needs_few_branches_and_thick_fog_all() {
+        let spot = "[[light]]\nkind = \"spot\"\nposition = [1, 1, 0]\nlook_at = [-1, -1, 0]\nintensity = 100\ninner_angle = 9\n\
+             outer_angle = 10\n";
+        let both = format!("{POINT}{spot}");
+        let [thin, thick] = [scene(1e-3, "\"black\"", &both), scene(0.5, LIGHT_WALLS, POINT)].map(|scene| {
+            let fogs = media::all(&scene);
+            share_of_branches(&tracer(&scene, &fogs), &fogs, scene.settings.photons)
+        });
+        assert!(thin < 0.5 && thick == 1.0, "{thin}, {thick}");
+    }
+}
