@@ -14,6 +14,8 @@ use covbeam_render::film::Picture;
 pub struct Errors {
     /// Of (I - A)(I - B) / (R² + (0.01 mean R)²), R = (A + B) / 2: relMSE as `covbeam compare` normalises it.
     sums: Vec<f64>,
+    /// The same where no pixel counts for more than an error of 100 %: a handful of rare bright pixels decides relMSE otherwise.
+    bounded: Vec<f64>,
     pixels: f64,
 }
 
@@ -27,14 +29,32 @@ impl Errors {
         let pixels = image.len() as f64;
         let mean = a.iter().chain(&b).sum::<f64>() / (2.0 * pixels);
         let floor = (0.01 * mean).powi(2);
-        let mut sums = Vec::new();
+        let (mut sums, mut bounded) = (Vec::new(), Vec::new());
         for (pixel, ((i, a), b)) in (0..).zip(image.iter().zip(&a).zip(&b)) {
             let block = blocks::block_of(picture.width, pixel);
             sums.resize(sums.len().max(block + 1), 0.0);
+            bounded.resize(sums.len(), 0.0);
             let r = 0.5 * (a + b);
-            sums[block] += (i - a) * (i - b) / (r * r + floor);
+            let square = (i - a) * (i - b) / (r * r + floor);
+            sums[block] += square;
+            bounded[block] += square.clamp(-1.0, 1.0);
         }
-        Self { sums, pixels }
+        Self { sums, bounded, pixels }
+    }
+
+    /// The mean of some pictures of one size held against the same halves, at least one, each multiplied by a factor.
+    pub fn mean(of: &[(Self, f64)]) -> Self {
+        let share = 1.0 / of.len() as f64;
+        let sum = |sums: fn(&Self) -> &Vec<f64>| {
+            let block =
+                |block: usize| of.iter().map(|(errors, factor)| share * factor * sums(errors)[block]).sum();
+            (0..sums(&of[0].0).len()).map(block).collect()
+        };
+        Self {
+            sums: sum(|errors| &errors.sums),
+            bounded: sum(|errors| &errors.bounded),
+            pixels: of[0].0.pixels,
+        }
     }
 
     /// relMSE. Where the noise of the reference is larger than the error it may come out negative.
@@ -49,9 +69,18 @@ impl Errors {
     ///
     /// Blocks that lie side by side share some light, so that the true spread is somewhat larger.
     pub fn over(&self, other: &Self) -> Ratio {
-        let [above, below]: [f64; 2] = [self, other].map(|errors| errors.sums.iter().sum());
-        let without: Vec<f64> =
-            self.sums.iter().zip(&other.sums).map(|(a, b)| (above - a) / (below - b)).collect();
+        Self::ratio(&self.sums, &other.sums)
+    }
+
+    /// The same where no pixel counts for more than an error of 100 %.
+    pub fn bounded_over(&self, other: &Self) -> Ratio {
+        Self::ratio(&self.bounded, &other.bounded)
+    }
+
+    fn ratio(above: &[f64], below: &[f64]) -> Ratio {
+        let parts = above.iter().zip(below);
+        let [above, below]: [f64; 2] = [above, below].map(|sums| sums.iter().sum());
+        let without: Vec<f64> = parts.map(|(a, b)| (above - a) / (below - b)).collect();
         let count = without.len() as f64;
         let mean = without.iter().sum::<f64>() / count;
         let square: f64 = without.iter().map(|ratio| (ratio - mean).powi(2)).sum();
@@ -103,5 +132,24 @@ mod tests {
         assert!(first.error < 0.001);
         let ratio = ten.over(&twenty);
         assert!((ratio.value - 0.25).abs() < 4.0 * ratio.error + 0.01 && ratio.error < 0.02, "{ratio:?}");
+        // Half the time, half of it.
+        let mean = Errors::mean(&[(ten.clone(), 0.5), (ten.clone(), 0.5)]);
+        assert!((mean.over(&ten).value - 0.5).abs() < 1e-12);
+    }
+
+    /// One pixel that is 100 times too bright: relMSE 99²/N, and 1/N where pixels are bounded.
+    #[test]
+    fn a_rare_bright_pixel_counts_once_where_pixels_are_bounded() {
+        let with = |values: [f32; 2]| {
+            let radiance =
+                (0..64).map(|pixel| Vec3::splat(if pixel < 2 { values[pixel] } else { 1.0 })).collect();
+            Picture { width: 8, height: 8, radiance, ..Picture::default() }
+        };
+        let even = with([1.0, 1.0]);
+        let [rare, double] =
+            [with([100.0, 1.0]), with([1.0, 2.0])].map(|image| Errors::new(&image, [&even; 2]));
+        assert!((rare.over(&double).value / 99_f64.powi(2) - 1.0).abs() < 1e-12);
+        // Of an error of 1 / (1 + .01²).
+        assert!((rare.bounded_over(&double).value - 1.0001).abs() < 1e-12);
     }
 }

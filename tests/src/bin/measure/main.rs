@@ -90,6 +90,13 @@ enum Measurement {
         /// CPU-seconds of a method on a scene, rising.
         #[arg(long, value_delimiter = ',', default_values_t = [1.25, 5.0])]
         seconds: Vec<f64>,
+        /// Independent runs of each method at equal time.
+        #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..))]
+        runs: u32,
+        /// CPU-seconds of each half of the reference that errors are held against. With less than some eight times what a method has, its
+        /// own rare bright pixels hide those of plain beams.
+        #[arg(long, default_value_t = 10.0)]
+        reference: f64,
         /// Folder to write.
         #[arg(long, default_value = "fleet")]
         out: PathBuf,
@@ -233,8 +240,8 @@ fn main() -> Outcome<()> {
             means::run(&scene, reference.as_deref(), runs, size)
         }
         Measurement::Emission { scene, passes, pairs, size } => emission::run(&scene, passes, pairs, size),
-        Measurement::Fleet { scenes, seed, first, width, seconds, out } => {
-            fleet::run(&fleet::Fleet { scenes, seed, first, width, seconds, out })
+        Measurement::Fleet { scenes, seed, first, width, seconds, runs, reference, out } => {
+            fleet::run(&fleet::Fleet { scenes, seed, first, width, seconds, runs, reference, out })
         }
         Measurement::Wedges { scene, reference, passes, seeds, out, size } => {
             wedges::run(&scene, &reference, passes, seeds, out, size)

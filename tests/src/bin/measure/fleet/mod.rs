@@ -20,6 +20,10 @@ pub(crate) struct Fleet {
     pub(crate) first: u32,
     pub(crate) width: u32,
     pub(crate) seconds: Vec<f64>,
+    /// Independent runs of a method at equal time.
+    pub(crate) runs: u32,
+    /// CPU-seconds of each half of the reference.
+    pub(crate) reference: f64,
     pub(crate) out: PathBuf,
 }
 
@@ -36,7 +40,7 @@ pub(crate) fn run(fleet: &Fleet) -> Outcome<()> {
         let share = |part: f64| (f64::from(index) + part) / f64::from(fleet.scenes);
         display.show(&format!("scene {number}"), share(0.0));
         let scene = member(fleet.seed, number, fleet.width, &folder)?;
-        rows.push(measure(number, &scene, &fleet.seconds, &|step, part| {
+        rows.push(measure(number, &scene, fleet, &|step, part| {
             display.show(&format!("scene {number}: {step}"), share(part));
         })?);
         // What is there already outlives a run that is stopped.

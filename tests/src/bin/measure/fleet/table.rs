@@ -1,7 +1,7 @@
 //! Tables of a fleet.
 
 use super::Fleet;
-use super::row::Row;
+use super::row::{Point, Row};
 use covbeam_tests::fleet::agreement::Suspect;
 use covbeam_tests::fleet::rings::{ENDS, Ratio};
 use covbeam_tests::fleet::runs::Estimator;
@@ -98,29 +98,36 @@ pub(super) fn calibration(rows: &[Row]) {
 
 /// Error of the default over that of the others at equal CPU time.
 pub(super) fn ratios(rows: &[Row], budgets: &[f64]) {
-    println!("\nrelMSE of the default over that of another method at equal CPU time, over the scenes\n");
+    println!(
+        "\nrelMSE of the default over that of another method at equal CPU time, over the scenes; bounded: no pixel counts for more than an \
+         error of 100 %\n"
+    );
     println!(
         "| CPU-s | over | min | 5 % | median | 95 % | max | ± median | share <= {EQUAL} | surely worse | CPU-s spent (medians) |\n|---|---|---|---|---|---|---|---|---|---|---|"
     );
     for (budget, seconds) in budgets.iter().enumerate() {
         for (index, name) in AGAINST.into_iter().enumerate() {
-            let all: Vec<Ratio> = rows.iter().map(|row| row.points[budget].ratios[index]).collect();
-            let values = sorted(all.iter().map(|ratio| ratio.value));
-            let error = quantile(&sorted(all.iter().map(|ratio| ratio.error)), 0.5);
-            let good = values.iter().filter(|value| **value <= EQUAL).count() as f64 / values.len() as f64;
-            let worse = all.iter().filter(|ratio| ratio.value - 3.0 * ratio.error > EQUAL).count();
             let spent = [0, index + 1].map(|method| {
                 format!(
                     "{:.2}",
                     quantile(&sorted(rows.iter().map(|row| row.points[budget].seconds[method])), 0.5)
                 )
             });
-            let cells = SHARES.map(|share| format!("{:.3}", quantile(&values, share))).join(" | ");
-            println!(
-                "| {seconds} | {name} | {cells} | {error:.3} | {:.1} % | {worse} | {} |",
-                100.0 * good,
-                spent.join(", ")
-            );
+            for (kind, is_bounded) in [("", false), (", bounded", true)] {
+                let of = |point: &Point| if is_bounded { point.bounded } else { point.ratios }[index];
+                let all: Vec<Ratio> = rows.iter().map(|row| of(&row.points[budget])).collect();
+                let values = sorted(all.iter().map(|ratio| ratio.value));
+                let error = quantile(&sorted(all.iter().map(|ratio| ratio.error)), 0.5);
+                let good =
+                    values.iter().filter(|value| **value <= EQUAL).count() as f64 / values.len() as f64;
+                let worse = all.iter().filter(|ratio| ratio.value - 3.0 * ratio.error > EQUAL).count();
+                let cells = SHARES.map(|share| format!("{:.3}", quantile(&values, share))).join(" | ");
+                println!(
+                    "| {seconds} | {name}{kind} | {cells} | {error:.3} | {:.1} % | {worse} | {} |",
+                    100.0 * good,
+                    spent.join(", ")
+                );
+            }
         }
     }
     println!(
@@ -150,10 +157,12 @@ pub(super) fn worst(rows: &[Row], count: usize) -> Vec<&Row> {
 pub(super) fn command(fleet: &Fleet, number: u32) -> String {
     let seconds: Vec<String> = fleet.seconds.iter().map(f64::to_string).collect();
     format!(
-        "measure fleet --seed {} --first {number} --scenes 1 --width {} --seconds {}",
+        "measure fleet --seed {} --first {number} --scenes 1 --width {} --seconds {} --runs {} --reference {}",
         fleet.seed,
         fleet.width,
-        seconds.join(",")
+        seconds.join(","),
+        fleet.runs,
+        fleet.reference
     )
 }
 
@@ -200,6 +209,7 @@ pub(super) fn csv(rows: &[Row], budgets: &[f64]) -> String {
         }
         for method in ["plain", "every_pixel"] {
             let _ = write!(text, ",over_{method}_{seconds},over_{method}_{seconds}_error");
+            let _ = write!(text, ",bounded_over_{method}_{seconds},bounded_over_{method}_{seconds}_error");
         }
     }
     text += ",true_over_stated,reference_noise,cpu_s\n";
@@ -232,8 +242,10 @@ pub(super) fn csv(rows: &[Row], budgets: &[f64]) -> String {
                     point.passes[method], point.seconds[method]
                 );
             }
-            for Ratio { value, error } in point.ratios {
-                let _ = write!(text, ",{value:.4},{error:.4}");
+            for ratios in point.ratios.into_iter().zip(point.bounded) {
+                for Ratio { value, error } in [ratios.0, ratios.1] {
+                    let _ = write!(text, ",{value:.4},{error:.4}");
+                }
             }
         }
         let calibration = row.calibration.map_or(String::new(), |ratio| format!("{ratio:.3}"));
