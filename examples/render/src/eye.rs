@@ -201,7 +201,7 @@ impl EyeTracer<'_> {
         let normal = facing_normal(hit, branch.direction);
         let start = hit.leave(normal);
         let fog = branch.interior.medium(self.scene).map(|id| &self.fogs[id as usize]);
-        let mut irradiance = self.surfaces.irradiance(hit.position, normal);
+        let mut irradiance = self.surfaces.irradiance(hit.position, normal, &hit.curvature);
         irradiance[Kind::Straight as usize] = straight_irradiance(self.scene, fog, start, |light| {
             light.irradiance(hit.position, normal, random)
         });

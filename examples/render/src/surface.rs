@@ -2,6 +2,7 @@
 //! up by shadow rays; lamps themselves are invisible.
 
 use crate::kind::{ByKind, Kind};
+use covbeam::Curvature;
 use glam::{Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -22,6 +23,9 @@ pub struct SurfacePhoton {
     /// True if it came through specular surfaces only: its light may be a caustic and gets the narrow kernel.
     pub caustic: bool,
 }
+
+/// Photons count where the normal differs by less than this cosine: others lie on another surface.
+const FLAT: f32 = 0.9;
 
 struct Disk {
     center: Vec3A,
@@ -60,9 +64,12 @@ impl SurfaceMap {
         Self { photons, hierarchy, radius, caustic_radius }
     }
 
-    /// Irradiance \[W/m²\] at a point of a surface with this normal: 2D Epanechnikov kernel over the tangent plane.
-    pub fn irradiance(&self, point: Vec3, normal: Vec3) -> ByKind {
+    /// Irradiance \[W/m²\] at a point of a surface with this normal: 2D Epanechnikov kernel over distances, no wider than the surface is
+    /// [`FLAT`]. On a sphere that is as even as on a plane: the part of it within a distance d of a point has the area πd².
+    pub fn irradiance(&self, point: Vec3, normal: Vec3, curvature: &Curvature) -> ByKind {
         let mut sum = ByKind::default();
+        // cos θ = 1 - d²/2 of points of a unit sphere at a distance of d.
+        let widest = (2.0 * (1.0 - FLAT)).sqrt() / strongest(curvature);
         if self.photons.is_empty() {
             return sum;
         }
@@ -71,9 +78,9 @@ impl SurfaceMap {
             let first = leaf.first_index as usize;
             for &index in &hierarchy.primitive_indices[first..first + leaf.prim_count as usize] {
                 let photon = &self.photons[index as usize];
-                let radius = if photon.caustic { self.caustic_radius } else { self.radius };
+                let radius = if photon.caustic { self.caustic_radius } else { self.radius }.min(widest);
                 let q2 = photon.position.distance_squared(point) / (radius * radius);
-                if q2 < 1.0 && photon.normal.dot(normal) > 0.9 {
+                if q2 < 1.0 && photon.normal.dot(normal) > FLAT {
                     let kind = if photon.caustic { Kind::Focused } else { Kind::Scattered };
                     sum[kind as usize] += photon.power * (2.0 * (1.0 - q2) / (PI * radius * radius));
                 }
@@ -81,5 +88,62 @@ impl SurfaceMap {
             true
         });
         sum
+    }
+}
+
+/// The larger of the two principal curvatures, in size.
+fn strongest(curvature: &Curvature) -> f32 {
+    let Curvature { along, across, twist, .. } = *curvature;
+    (0.5 * (along + across)).abs() + (0.5 * (along - across)).hypot(twist)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+    use covbeam::Medium;
+
+    /// A random unit vector.
+    fn normal_of(random: &mut Random) -> Vec3 {
+        // Isotropic.
+        Medium::default().phase.sample(Vec3::Z, [random.uniform(), random.uniform()])
+    }
+
+    #[test]
+    fn the_strongest_curvature_is_that_of_the_principal_axes() {
+        // A cylinder of radius ½ with axes turned by φ: 2 cos²φ, 2 sin²φ, 2 sinφ cosφ; and a saddle.
+        let (sin, cos) = 0.7_f32.sin_cos();
+        let tensor = |along, across, twist| Curvature { along, across, twist, ..Curvature::default() };
+        let cylinder = tensor(2.0 * cos * cos, 2.0 * sin * sin, 2.0 * sin * cos);
+        assert!((strongest(&cylinder) - 2.0).abs() < 1e-6);
+        assert_eq!(strongest(&tensor(-3.0, 1.0, 0.0)), 3.0);
+        assert_eq!(strongest(&Curvature::default()), 0.0);
+    }
+
+    /// A ball lit evenly from all sides by a watt: 1/(4πρ²) everywhere, however wide the kernel.
+    #[test]
+    fn light_on_a_small_ball_is_all_there() {
+        const PHOTONS: u32 = 40_000;
+        let ball = 0.1;
+        let photons = (0..PHOTONS).map(|index| {
+            let mut random = Random::new([index, 0, 0, 0]);
+            let normal = normal_of(&mut random);
+            let power = Vec3::splat(1.0 / PHOTONS as f32);
+            SurfacePhoton { position: ball * normal, normal, power, caustic: false }
+        });
+        let photons: Vec<SurfacePhoton> = photons.collect();
+        let curvature = Curvature { along: 1.0 / ball, across: 1.0 / ball, ..Curvature::default() };
+        for radius in [0.03, 0.05, 0.2] {
+            let map = SurfaceMap::build(photons.clone(), radius, radius);
+            let mut sum = 0.0;
+            for index in 0..64 {
+                let mut random = Random::new([index, 1, 0, 0]);
+                let normal = normal_of(&mut random);
+                sum += map.irradiance(ball * normal, normal, &curvature)[Kind::Scattered as usize].x / 64.0;
+            }
+            let expected = 1.0 / (4.0 * PI * ball * ball);
+            // Each of 64 disks has 900 photons or more.
+            assert!((sum / expected - 1.0).abs() < 0.02, "{sum} for {expected} with a radius of {radius}");
+        }
     }
 }
