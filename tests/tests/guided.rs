@@ -243,20 +243,25 @@ fn straight_light_is_that_of_quadrature() {
     let places = sunflower(position, radius, axis, 64);
     let even = "";
     let thinning = "density = { exponential = { scale_height = 1.5 } }\n";
+    // Of the same air in the air: nothing changes, but every shadow ray crosses one or two of its sides.
+    let boxed = "[[object]]\nshape = \"box\"\nmin = [-1.5, -2, -1.5]\nmax = [1.5, 2, 1.5]\nmaterial = { dielectric = { index = 1.0 } }\n\
+        inside = \"air\"\n";
+    let open = "";
     let cases = [
-        ("point", &point, Emission::Even, vec![position], even, 0.0),
-        ("thinning", &point, Emission::Even, vec![position], thinning, 0.6),
-        ("spot", &spot, cone, vec![position], even, -0.5),
-        ("disk", &disk, Emission::Lambert { normal: axis }, places, thinning, 0.0),
+        ("point", &point, Emission::Even, vec![position], even, 0.0, open),
+        ("thinning", &point, Emission::Even, vec![position], thinning, 0.6, open),
+        ("spot", &spot, cone, vec![position], even, -0.5, open),
+        ("disk", &disk, Emission::Lambert { normal: axis }, places, thinning, 0.0, open),
+        ("point and box", &point, Emission::Even, vec![position], even, 0.0, boxed),
     ];
-    for (name, light, emission, places, density, asymmetry) in cases {
+    for (name, light, emission, places, density, asymmetry, more) in cases {
         let scene = scene(&format!(
             "outside_medium = \"air\"\n\
              [camera]\nposition = [0, 0.5, -3.5]\nlook_at = [0, 0.4, 0]\nvertical_fov = 50\nwidth = {SIZE}\nheight = {SIZE}\n\
              [[medium]]\nname = \"air\"\nscattering = {SCATTERING}\nabsorption = [0.3, 0.1, 0.0]\n\
              phase = {{ henyey_greenstein = {asymmetry:?} }}\n{density}\
              [[object]]\nshape = \"box\"\nmin = [-{ROOM}, -{ROOM}, -{ROOM}]\nmax = [{ROOM}, {ROOM}, {ROOM}]\nmaterial = \"black\"\n\
-             [[object]]\nshape = \"sphere\"\ncenter = [0.4, 0.0, 0.3]\nradius = 0.4\nmaterial = \"black\"\n\
+             [[object]]\nshape = \"sphere\"\ncenter = [0.4, 0.0, 0.3]\nradius = 0.4\nmaterial = \"black\"\n{more}\
              [[light]]\n{light}\n[grid]\ncells = [16, 16, 16]\n[render]\nradius = 0.05\nmax_radius = 0.05\n"
         ));
         let world = |place: DVec3| World {

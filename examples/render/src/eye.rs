@@ -3,6 +3,7 @@
 use crate::kind::{ByKind, Kind};
 use crate::media;
 use crate::optics::{Boundary, Interior, facing_normal, reflect};
+use crate::passage::passage;
 use crate::photon::{GOING_ON, LONG_PATH};
 use crate::random::{Random, mix};
 use crate::scene::{Light, Material, Scene};
@@ -32,6 +33,8 @@ pub struct EyeSegment {
     pub throughput: Vec3,
     /// The pixel it belongs to, as the caller numbers them.
     pub pixel: u32,
+    /// What it is inside of.
+    pub interior: Interior,
     /// Equal for paths that have met the same surfaces in the same way.
     pub signature: u64,
 }
@@ -95,7 +98,8 @@ impl EyeTracer<'_> {
         let hit = self.scene.intersect(origin, direction, f32::INFINITY);
         let length = hit.map_or(f32::INFINITY, |hit| hit.distance);
         let ray = EyeRay { origin, direction, length };
-        Some(EyeSegment { ray, medium, throughput: Vec3::ONE, pixel, signature: FIRST })
+        let interior = self.interior;
+        Some(EyeSegment { ray, medium, throughput: Vec3::ONE, pixel, interior, signature: FIRST })
     }
 
     /// Follows the path that starts along `direction`, appends its pieces in media to `segments` and returns the
@@ -143,6 +147,7 @@ impl EyeTracer<'_> {
                     medium: id,
                     throughput: branch.throughput,
                     pixel,
+                    interior: branch.interior,
                     signature: branch.signature,
                 });
                 let column = media::column(fog, branch.origin, branch.direction, length, &mut knots);
@@ -200,29 +205,30 @@ impl EyeTracer<'_> {
     fn reflected(&self, hit: &Hit, branch: &Branch, albedo: Vec3, random: &mut Random) -> ByKind {
         let normal = facing_normal(hit, branch.direction);
         let start = hit.leave(normal);
-        let fog = branch.interior.medium(self.scene).map(|id| &self.fogs[id as usize]);
         let mut irradiance = self.surfaces.irradiance(hit.position, normal, &hit.curvature);
-        irradiance[Kind::Straight as usize] = straight_irradiance(self.scene, fog, start, |light| {
-            light.irradiance(hit.position, normal, random)
-        });
+        irradiance[Kind::Straight as usize] =
+            straight_irradiance(self.scene, self.fogs, branch.interior, start, |light| {
+                light.irradiance(hit.position, normal, random)
+            });
         irradiance.map(|irradiance| albedo * irradiance * FRAC_1_PI)
     }
 }
 
 /// Irradiance that arrives straight from the lamps at a point next to a surface.
 ///
-/// - `unshadowed`: of a lamp, and where its light comes from.
+/// - `interior`: of `start`; `unshadowed`: of a lamp, and where its light comes from.
 pub(crate) fn straight_irradiance(
     scene: &Scene,
-    fog: Option<&Medium>,
+    fogs: &[Medium],
+    interior: Interior,
     start: Vec3,
     mut unshadowed: impl FnMut(&Light) -> (Vec3, Vec3),
 ) -> Vec3 {
     let mut sum = Vec3::ZERO;
     for light in &scene.lights {
         let (direct, from) = unshadowed(light);
-        if direct.max_element() > 0.0 && !scene.occluded(start, from) {
-            sum += direct * fog.map_or(Vec3::ONE, |fog| media::transmittance(fog, start, from));
+        if direct.max_element() > 0.0 {
+            sum += direct * passage(scene, fogs, interior, start, from);
         }
     }
     sum

@@ -54,6 +54,16 @@ impl Scene {
         })
     }
 
+    /// Whether a dielectric may have the same index on both sides: it has that of what is around all, or of another one.
+    pub(crate) fn may_have_matched_boundaries(&self) -> bool {
+        let index = |object: &Object| match object.material {
+            Material::Dielectric { index } => Some(index),
+            _ => None,
+        };
+        let mut indices = self.objects.iter().filter_map(index);
+        indices.next().is_some_and(|first| first == 1.0 || indices.next().is_some())
+    }
+
     /// Edges beside the ray from `origin` along `direction` (unit) that ends at `hit`.
     pub fn edges_beside(&self, origin: Vec3, direction: Vec3, hit: Option<&Hit>) -> Edges {
         let nearest = |towards: Vec3| self.intersect(origin, towards, f32::INFINITY);

@@ -50,7 +50,12 @@ impl Split {
 
     /// A layer for each kind that a scene can have: without mirrors and glass no light is focused.
     pub fn of_each_kind(scene: &Scene) -> Self {
-        let focuses = |material| matches!(material, Material::Mirror { .. } | Material::Dielectric { .. });
+        // Where an index of 1 would bend light, it is inside of one that does too.
+        let focuses = |material| match material {
+            Material::Mirror { .. } => true,
+            Material::Dielectric { index } => index != 1.0,
+            _ => false,
+        };
         let has_focused = scene.objects.iter().any(|object| focuses(object.material));
         if has_focused { Self { of: [0, 1, 2] } } else { Self::STRAIGHT_APART }
     }

@@ -23,6 +23,7 @@ pub mod operators;
 pub mod optics;
 pub mod output;
 pub mod pass;
+mod passage;
 pub mod photon;
 pub mod plan;
 pub mod plot;

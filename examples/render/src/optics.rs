@@ -106,6 +106,11 @@ pub fn curvature_towards(hit: &Hit, normal: Vec3) -> Curvature {
 }
 
 impl Boundary {
+    /// Whether the index is the same on both sides: light goes on as if nothing were there but another medium.
+    pub fn is_matched(&self) -> bool {
+        self.eta == 1.0
+    }
+
     /// What happens to a ray along `direction` that is inside of `interior` and hits a dielectric.
     pub fn new(scene: &Scene, hit: &Hit, direction: Vec3, interior: &Interior) -> Self {
         let normal = facing_normal(hit, direction);

@@ -8,6 +8,7 @@ use crate::light::{EmittedPhoton, cosine_direction};
 use crate::media;
 use crate::operators::Operator;
 use crate::optics::{Boundary, Interior, curvature_towards, facing_normal, reflect};
+use crate::passage::passage;
 use crate::random::{Emission, PathSampler};
 use crate::record::add;
 pub use crate::record::{Energy, FieldSegment, PathBeam, PhotonRecord, Record, Splat};
@@ -323,6 +324,7 @@ impl<'a> PhotonTracer<'a> {
         record: Record,
         out: &mut PhotonRecord,
     ) -> bool {
+        let mut stays_straight = false;
         match self.scene.objects[hit.object as usize].material {
             Material::Black => {
                 add(&mut out.energy.surfaces, photon.power);
@@ -372,6 +374,7 @@ impl<'a> PhotonTracer<'a> {
             }
             Material::Dielectric { .. } => {
                 let boundary = Boundary::new(self.scene, hit, photon.direction, &photon.interior);
+                stays_straight = boundary.is_matched();
                 let curvature = self.curvature(hit, boundary.normal);
                 let through =
                     (sampler.uniform() >= boundary.reflectance).then_some(boundary.refracted).flatten();
@@ -394,7 +397,7 @@ impl<'a> PhotonTracer<'a> {
                 };
             }
         }
-        photon.direct = false;
+        photon.direct &= stays_straight;
         photon.origin = hit.leave(photon.direction);
         true
     }
@@ -462,12 +465,11 @@ impl<'a> PhotonTracer<'a> {
         let offset = camera.position - vertex;
         let distance2 = offset.length_squared();
         let distance = distance2.sqrt();
-        if self.scene.occluded(vertex, camera.position) {
+        let arrives = passage(self.scene, &self.fogs, self.camera, camera.position, vertex);
+        if arrives == Vec3::ZERO {
             return;
         }
-        let fog = self.camera.medium(self.scene).map(|id| &self.fogs[id as usize]);
-        let transmittance = fog.map_or(Vec3::ONE, |fog| media::transmittance(fog, vertex, camera.position));
-        let radiance = flux(offset / distance) * transmittance * (importance / distance2);
+        let radiance = flux(offset / distance) * arrives * (importance / distance2);
         out.splats.push(Splat { pixel: y as u32 * camera.width + x as u32, radiance });
     }
 }

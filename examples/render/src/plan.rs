@@ -55,8 +55,7 @@ impl FirstSurfaces {
                 let hit = scene.intersect(camera.position, direction, f32::INFINITY);
                 let depth = hit.map_or(f32::INFINITY, |hit| hit.distance * direction.dot(camera.forward));
                 let is_black = |hit: Hit| scene.objects[hit.object as usize].material == Material::Black;
-                let fog = interior.medium(scene).map(|id| &fogs[id as usize]);
-                let lit = hit.map_or(0.0, |hit| lit(scene, fog, direction, &hit));
+                let lit = hit.map_or(0.0, |hit| lit(scene, &fogs, interior, direction, &hit));
                 (depth, (hit.is_none_or(is_black), lit))
             })
             .unzip();
@@ -135,11 +134,11 @@ impl FirstSurfaces {
 }
 
 /// Straight light on a surface, seen from where the ray to it starts, up to a factor.
-fn lit(scene: &Scene, fog: Option<&Medium>, direction: glam::Vec3, hit: &Hit) -> f32 {
+fn lit(scene: &Scene, fogs: &[Medium], interior: Interior, direction: glam::Vec3, hit: &Hit) -> f32 {
     let Material::Lambert { albedo } = scene.objects[hit.object as usize].material else { return 0.0 };
     let normal = facing_normal(hit, direction);
     let start = hit.leave(normal);
-    let sum = straight_irradiance(scene, fog, start, |light| {
+    let sum = straight_irradiance(scene, fogs, interior, start, |light| {
         let (density, from) = light.flux_density(start, [0.0; 2]);
         (density * (from - start).normalize_or_zero().dot(normal).max(0.0), from)
     });

@@ -3,6 +3,7 @@
 
 use crate::eye::EyeSegment;
 use crate::media;
+use crate::passage::passage;
 use crate::random::{Random, spread};
 use crate::scene::{Light, MediumDensity, Scene};
 use covbeam::{Column, Knot, Medium};
@@ -150,13 +151,16 @@ impl Straight<'_> {
         let Piece { segment, fog, column, .. } = piece;
         let place = segment.ray.origin + distance * segment.ray.direction;
         let (flux_density, from) = light.flux_density(place, point);
-        if flux_density == Vec3::ZERO || self.scene.occluded(place, from) {
+        if flux_density == Vec3::ZERO {
+            return Vec3::ZERO;
+        }
+        let arrives = passage(self.scene, self.fogs, segment.interior, place, from);
+        if arrives == Vec3::ZERO {
             return Vec3::ZERO;
         }
         let incoming = (place - from).normalize_or_zero();
         let phase = fog.phase.evaluate(-incoming.dot(segment.ray.direction));
         let amount = fog.scattering * (fog.density.at(place) * phase);
-        let passage = fog.transmittance(column.at(distance)) * media::transmittance(fog, place, from);
-        flux_density * amount * passage
+        flux_density * amount * fog.transmittance(column.at(distance)) * arrives
     }
 }

@@ -57,8 +57,12 @@ pub fn narrow(scene: &Scene) -> Scene {
 
 /// Whether light tracing sees all of the picture: it misses what is seen through glass or in mirrors.
 pub fn light_tracing_sees_all(scene: &Scene) -> bool {
-    let specular =
-        |material: Material| matches!(material, Material::Dielectric { .. } | Material::Mirror { .. });
+    // A box of fog with the index of air is no glass.
+    let specular = |material: Material| match material {
+        Material::Mirror { .. } => true,
+        Material::Dielectric { index } => index != 1.0,
+        _ => false,
+    };
     !scene.objects.iter().any(|object| specular(object.material))
 }
 

@@ -127,14 +127,14 @@ impl<'a> Lamp<'a> {
         let emitted = self.light.emit_at(place, &mut sampler);
         let mut power = mean(emitted.power);
         let (mut origin, mut direction, mut interior) = (emitted.origin, emitted.direction, self.interior);
-        let mut worth = 0.0;
-        for event in 0..LONGEST {
+        let (mut worth, mut is_straight) = (0.0, true);
+        for _ in 0..LONGEST {
             let hit = self.scene.intersect(origin, direction, f32::INFINITY);
             let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
             if let Some(id) = interior.medium(self.scene) {
                 let fog = &self.fogs[id as usize];
                 let found = self.importance.of_segment(fog, origin, direction, reach);
-                let is_seen = event > 0 || is_left_to_beams(self.scene, id);
+                let is_seen = !is_straight || is_left_to_beams(self.scene, id);
                 worth += power * (found.scattered + if is_seen { found.beam } else { 0.0 });
                 power *= left(fog, &media::column(fog, origin, direction, reach, knots), reach);
             }
@@ -143,18 +143,20 @@ impl<'a> Lamp<'a> {
                 Material::Black => break,
                 Material::Lambert { albedo } => {
                     worth += power
-                        * match event {
-                            0 => mean(albedo) * self.importance.at(hit.position).scattered,
-                            _ => of_arrival(self.scene, self.importance, &hit),
+                        * match is_straight {
+                            true => mean(albedo) * self.importance.at(hit.position).scattered,
+                            false => of_arrival(self.scene, self.importance, &hit),
                         };
                     break;
                 }
                 Material::Mirror { reflectance } => {
                     power *= mean(reflectance);
                     direction = reflect(direction, facing_normal(&hit, direction));
+                    is_straight = false;
                 }
                 Material::Dielectric { .. } => {
                     let boundary = Boundary::new(self.scene, &hit, direction, &interior);
+                    is_straight &= boundary.is_matched();
                     let through = random.uniform() >= boundary.reflectance;
                     direction = match boundary.refracted.filter(|_| through) {
                         Some(refracted) => {

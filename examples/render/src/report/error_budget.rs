@@ -105,7 +105,8 @@ fn places(scene: &Scene) -> Vec<usize> {
         let material = hit.map(|hit| scene.objects[hit.object as usize].material);
         match material {
             _ if surfaces.has_edge(x, y) => 0,
-            Some(Material::Mirror { .. } | Material::Dielectric { .. }) => 1,
+            Some(Material::Mirror { .. }) => 1,
+            Some(Material::Dielectric { index }) if index != 1.0 => 1,
             _ => 2,
         }
     };
