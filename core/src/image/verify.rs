@@ -14,6 +14,9 @@ const WINDOW: i32 = 4;
 /// error.
 const TOLERANCE: f32 = 1.5;
 
+/// Halves whose differences are within this share of each other's have not met by chance.
+const ALIKE: f32 = 0.1;
+
 /// Luminance at a node through filters of all widths, of each half of the passes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -112,7 +115,8 @@ fn choose(
     // Means over the nodes around: of the variance of each width, and of the squared difference of each two,
     // free of noise because it is a product of the two halves'. The largest of these products is left out: a
     // pixel that is bright in both halves by chance would decide for all nodes around, and what is light is
-    // seen by more than one.
+    // seen by more than one; or, at the border of a picture or of a region, by one again and again, until both
+    // halves are alike.
     let mut variance = [0.0_f32; SCALES];
     let mut bias = [[0.0_f32; SCALES]; SCALES];
     let mut largest = [[0.0_f32; SCALES]; SCALES];
@@ -125,6 +129,10 @@ fn choose(
                 continue;
             }
             let weight = ((WINDOW + 1 - row.abs()) * (WINDOW + 1 - column.abs())) as f32;
+            let at_border = || {
+                let beside = [[-1, 0], [1, 0], [0, -1], [0, 1]].map(|step| lattice.neighbour(other, step));
+                beside.iter().any(|at| at.is_none_or(|at| nodes[at].region != nodes[other].region))
+            };
             // Relative, so that no picture is too dim or too bright to be squared.
             let first = found.first.map(|light| light / found.brightness);
             let second = found.second.map(|light| light / found.brightness);
@@ -133,9 +141,12 @@ fn choose(
                 let difference = first[wide] - second[wide];
                 *variance += 0.25 * weight * difference * difference;
                 for (narrow, bias) in bias.iter_mut().enumerate().skip(wide + 1) {
-                    let squared = weight * (first[wide] - first[narrow]) * (second[wide] - second[narrow]);
+                    let [a, b] = [first[wide] - first[narrow], second[wide] - second[narrow]];
+                    let squared = weight * a * b;
                     *bias += squared;
-                    largest[wide][narrow] = largest[wide][narrow].max(squared);
+                    if squared > largest[wide][narrow] && !((a - b).abs() <= ALIKE * a.abs() && at_border()) {
+                        largest[wide][narrow] = squared;
+                    }
                 }
             }
         }

@@ -50,6 +50,15 @@ fn weight(deviations: f64) -> f64 {
     ((-0.5 * deviations * deviations).exp() - AT_REACH).max(0.0)
 }
 
+/// Pixels across of the blocks that may stand for their pixels: powers of two up to the filter's smallest standard deviation.
+fn blocks(filter: &ImageFilter) -> Vec<u32> {
+    let (xx, xy, yy) =
+        (f64::from(filter.xx) + 1.0 / 12.0, f64::from(filter.xy), f64::from(filter.yy) + 1.0 / 12.0);
+    let smallest = 0.5 * (xx + yy) - (0.25 * (xx - yy).powi(2) + xy * xy).sqrt();
+    let largest = smallest.sqrt().log2().floor().max(0.0) as u32;
+    (0..=largest).map(|power| 1 << power).collect()
+}
+
 /// Least and largest value that a pixel may have: Σ w radiance / Σ w weight over the pixels of its region, where blocks of up to
 /// the filter's smallest standard deviation may count as standing at their middle, in red.
 ///
@@ -61,7 +70,7 @@ fn bounds(rays: &Rays, x: u32, y: u32, filter: &ImageFilter) -> Option<[f64; 2]>
         (f64::from(filter.xx) + 1.0 / 12.0, f64::from(filter.xy), f64::from(filter.yy) + 1.0 / 12.0);
     let smallest = 0.5 * (xx + yy) - (0.25 * (xx - yy).powi(2) + xy * xy).sqrt();
     let determinant = xx * yy - xy * xy;
-    let block = smallest.sqrt().log2().floor().exp2().max(1.0);
+    let block = f64::from(*blocks(filter).last().expect("a pixel is a block"));
     let off = (block - 1.0) / 2.0_f64.sqrt() / smallest.sqrt();
     let own = rays.regions[(y * rays.width + x) as usize];
     let mut terms = Vec::new();
@@ -104,7 +113,9 @@ fn bounds(rays: &Rays, x: u32, y: u32, filter: &ImageFilter) -> Option<[f64; 2]>
 /// What a plane fitted to the region's pixels has at the pixel, in red, with how far off the pixel the filter's centre is, squared, in its
 /// variances: weighted least squares over 1, u and v, with 0.03 of the weight added to the squares of both slopes, within the range of the
 /// values, by Cramer's rule.
-fn plane(rays: &Rays, x: u32, y: u32, filter: &ImageFilter) -> Option<(f64, f64)> {
+///
+/// - `block`: pixels across of squares whose rays all lie in their middle.
+fn plane(rays: &Rays, x: u32, y: u32, filter: &ImageFilter, block: u32) -> Option<(f64, f64)> {
     let (xx, xy, yy) =
         (f64::from(filter.xx) + 1.0 / 12.0, f64::from(filter.xy), f64::from(filter.yy) + 1.0 / 12.0);
     // Places in standard deviations, up to a turn, which changes nothing: those of the Cholesky factor.
@@ -117,8 +128,9 @@ fn plane(rays: &Rays, x: u32, y: u32, filter: &ImageFilter) -> Option<(f64, f64)
         if rays.regions[i] != own || sample.weight == 0.0 {
             continue;
         }
-        let u = (f64::from(i as u32 % rays.width) - f64::from(x)) / l_xx;
-        let v = (f64::from(i as u32 / rays.width) - f64::from(y) - l_yx * u) / l_yy;
+        let middle = |at: u32| f64::from(at / block * block) + 0.5 * f64::from(block - 1);
+        let u = (middle(i as u32 % rays.width) - f64::from(x)) / l_xx;
+        let v = (middle(i as u32 / rays.width) - f64::from(y) - l_yx * u) / l_yy;
         let share = weight((u * u + v * v).sqrt()) * f64::from(sample.weight);
         if share == 0.0 {
             continue;
@@ -201,12 +213,13 @@ fn filter() -> impl Strategy<Value = ImageFilter> {
 }
 
 proptest! {
-    /// Where the filter's centre is the pixel, give or take a tenth of its deviation. Where it is thinner than 4 pixels, no blocks are taken:
+    /// Where the filter's centre is the pixel, give or take a tenth of its deviation, also where blocks stand for their pixels. Where it is thinner than 4 pixels, no blocks are taken:
     /// the bounds are one number, reached to rounding: a few thousand terms of f32.
     #[test]
     fn a_pixel_is_the_sum_over_its_region(rays in rays(), filter in filter(), at in (0..33_u32, 0..33_u32)) {
         let (x, y) = (at.0 % rays.width, at.1 % rays.height);
-        let is_centred = plane(&rays, x, y, &filter).is_some_and(|(_, off)| off < 0.005);
+        let is_centred = |block| plane(&rays, x, y, &filter, block).is_some_and(|(_, off)| off < 0.005);
+        let is_centred = blocks(&filter).into_iter().all(is_centred);
         if let Some([least, most]) = bounds(&rays, x, y, &filter).filter(|_| is_centred) {
             let found = f64::from(rays.reconstruct(|from| from.pixel(x, y, &filter)).x);
             prop_assert!(least - 2e-5 <= found && found <= most + 2e-5, "{found} outside {least}, {most}");
@@ -220,7 +233,7 @@ proptest! {
     ) {
         let filter = turned(10f64.powf(a), 10f64.powf(b), angle);
         let (x, y) = (at.0 % rays.width, at.1 % rays.height);
-        if let Some((exact, off)) = plane(&rays, x, y, &filter).filter(|(_, off)| (off - 0.01).abs() > 1e-4) {
+        if let Some((exact, off)) = plane(&rays, x, y, &filter, 1).filter(|(_, off)| (off - 0.01).abs() > 1e-4) {
             let found = f64::from(rays.reconstruct(|from| from.pixel(x, y, &filter)).x);
             if off > 0.01 {
                 prop_assert!((found - exact).abs() < 2e-4, "{found}, not {exact}; {off} off");
