@@ -129,10 +129,6 @@ fn choose(
                 continue;
             }
             let weight = ((WINDOW + 1 - row.abs()) * (WINDOW + 1 - column.abs())) as f32;
-            let at_border = || {
-                let beside = [[-1, 0], [1, 0], [0, -1], [0, 1]].map(|step| lattice.neighbour(other, step));
-                beside.iter().any(|at| at.is_none_or(|at| nodes[at].region != nodes[other].region))
-            };
             // Relative, so that no picture is too dim or too bright to be squared.
             let first = found.first.map(|light| light / found.brightness);
             let second = found.second.map(|light| light / found.brightness);
@@ -144,7 +140,9 @@ fn choose(
                     let [a, b] = [first[wide] - first[narrow], second[wide] - second[narrow]];
                     let squared = weight * a * b;
                     *bias += squared;
-                    if squared > largest[wide][narrow] && !((a - b).abs() <= ALIKE * a.abs() && at_border()) {
+                    if squared > largest[wide][narrow]
+                        && !((a - b).abs() <= ALIKE * a.abs() && is_at_border(lattice, nodes, other))
+                    {
                         largest[wide][narrow] = squared;
                     }
                 }
@@ -167,4 +165,10 @@ fn choose(
         }
     }
     (best.0, variance[best.0] / count)
+}
+
+/// Whether a node beside this one is missing, or of another region.
+fn is_at_border(lattice: &FilmLattice, nodes: &[FilmFilterNode], node: usize) -> bool {
+    let beside = [[-1, 0], [1, 0], [0, -1], [0, 1]].map(|step| lattice.neighbour(node, step));
+    beside.iter().any(|at| at.is_none_or(|at| nodes[at].region != nodes[node].region))
 }
