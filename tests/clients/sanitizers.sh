@@ -76,7 +76,7 @@ clang "${warnings[@]}" -fsanitize=address,undefined -fno-sanitize-recover=all "$
 "$build/reentry"
 echo "no findings in $((SECONDS - started)) s"
 
-echo "-- valgrind memcheck: the library as it is released, then one that is not optimised"
+echo "-- valgrind memcheck, two processes: the library as it is released, and one that is not optimised"
 started=$SECONDS
 clang "${warnings[@]}" "${hostile[@]}" "$(archive not-optimised)" "${libraries[@]}" -o "$build/hostile-slow"
 check=(valgrind --quiet --error-exitcode=9 --partial-loads-ok=no --leak-check=full --show-leak-kinds=definite,indirect,possible
@@ -84,8 +84,11 @@ check=(valgrind --quiet --error-exitcode=9 --partial-loads-ok=no --leak-check=fu
 refused "an array that is too short" "Invalid read" "${check[@]}" "$build/hostile" --lie
 # The optimiser computes with the fields of an enum before it asks which variant it is (and drops the result): of values that have
 # never been written, memcheck can judge only code that is not optimised.
-"${check[@]}" --undef-value-errors=no "$build/hostile" 200 3
-"${check[@]}" "$build/hostile-slow" 10 4
+"${check[@]}" --undef-value-errors=no "$build/hostile" 200 3 > "$build/first" 2>&1 &
+first=$!
+"${check[@]}" "$build/hostile-slow" 10 4 > "$build/second" 2>&1 || { tail -60 "$build/second"; exit 1; }
+wait "$first" || { tail -60 "$build/first"; exit 1; }
+cat "$build/first" "$build/second"
 echo "no findings in $((SECONDS - started)) s"
 
 echo "-- ThreadSanitizer"
