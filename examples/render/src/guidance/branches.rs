@@ -78,10 +78,10 @@ fn spread(tracer: &PhotonTracer, fogs: &[Medium], paths: u32) -> Spread {
     let scene = tracer.scene();
     let camera = &scene.camera;
     let looks = [1, 2].map(|half| Look::new(tracer, fogs, [KEY + half, paths], half));
-    let seen: Vec<([[[f32; 2]; 2]; 2], Memory)> = (0..LATTICE * LATTICE)
+    let seen: Vec<([[[f32; 2]; 2]; 2], [u32; 2])> = (0..LATTICE * LATTICE)
         .into_par_iter()
-        .map(|node| {
-            let mut memory = Memory::default();
+        .map_init(Memory::default, |memory, node| {
+            (memory.pairs, memory.pieces) = (0, 0);
             let at = |index: u32, count: u32| ((index as f32 + 0.5) / LATTICE as f32 * count as f32).floor();
             let pixel = [at(node % LATTICE, camera.width), at(node / LATTICE, camera.height)];
             let light = looks.each_ref().map(|look| {
@@ -90,18 +90,18 @@ fn spread(tracer: &PhotonTracer, fogs: &[Medium], paths: u32) -> Spread {
                     let direction =
                         camera.direction(pixel[0] + random.uniform(), pixel[1] + random.uniform());
                     let [straight, focused, scattered] =
-                        look.radiance(direction, node, &mut random, &mut memory).map(luminance);
+                        look.radiance(direction, node, &mut random, memory).map(luminance);
                     [straight, focused + scattered]
                 })
             });
-            (light, memory)
+            (light, [memory.pairs, memory.pieces])
         })
         .collect();
     let count = seen.len() as f32;
     let brightness = |light: &[[[f32; 2]; 2]; 2]| 0.25 * light.iter().flatten().flatten().sum::<f32>();
     let mean = seen.iter().map(|(light, _)| brightness(light)).sum::<f32>() / count;
     let mut sum = Spread::default();
-    for (light, memory) in &seen {
+    for (light, [pairs, pieces]) in &seen {
         let brightness = brightness(light).max(LEAST_OF_PICTURE * mean);
         let product = |a: f32, b: f32| 0.5 * a / brightness * (b / brightness);
         // [set of paths][place]
@@ -117,8 +117,8 @@ fn spread(tracer: &PhotonTracer, fogs: &[Medium], paths: u32) -> Spread {
             sum.paths += 0.5 * product(a - b, a - b).min(MOST_SPREAD);
         }
         // Two rays with either set.
-        sum.pairs += 0.25 * memory.pairs as f32;
-        sum.shadow_rays += 0.25 * (memory.pieces * straight::rays_of_piece(scene)) as f32;
+        sum.pairs += 0.25 * *pairs as f32;
+        sum.shadow_rays += 0.25 * (pieces * straight::rays_of_piece(scene)) as f32;
     }
     let paths = paths as f32;
     Spread {

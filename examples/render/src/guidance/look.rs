@@ -82,9 +82,9 @@ pub(super) struct Memory {
     scratch: GatherScratch,
     knots: Vec<Knot>,
     segments: Vec<EyeSegment>,
-    /// Pairs with beams, of all rays.
+    /// Pairs with beams, of all rays since it was last set.
     pub(super) pairs: u32,
-    /// Pieces in media, of all rays.
+    /// Pieces in media, of all rays since it was last set.
     pub(super) pieces: u32,
 }
 
