@@ -56,6 +56,21 @@ struct Spread {
     shadow_rays: f32,
 }
 
+/// What the rays of a pixel saw.
+struct Seen {
+    /// Luminance with either set of paths, of either place: of straight light, and of all other.
+    light: [[[f32; 2]; 2]; 2],
+    pairs: u32,
+    pieces: u32,
+}
+
+impl Seen {
+    /// Mean of the four rays.
+    fn brightness(&self) -> f32 {
+        0.25 * self.light.iter().flatten().flatten().sum::<f32>()
+    }
+}
+
 /// The share of the branches that guided light paths should have, up to 1.
 ///
 /// - `photons`: light paths a pass. Cost: 12 to 70 core-milliseconds.
@@ -78,7 +93,7 @@ fn spread(tracer: &PhotonTracer, fogs: &[Medium], paths: u32) -> Spread {
     let scene = tracer.scene();
     let camera = &scene.camera;
     let looks = [1, 2].map(|half| Look::new(tracer, fogs, [KEY + half, paths], half));
-    let seen: Vec<([[[f32; 2]; 2]; 2], [u32; 2])> = (0..LATTICE * LATTICE)
+    let seen: Vec<Seen> = (0..LATTICE * LATTICE)
         .into_par_iter()
         .map_init(Memory::default, |memory, node| {
             (memory.pairs, memory.pieces) = (0, 0);
@@ -94,15 +109,15 @@ fn spread(tracer: &PhotonTracer, fogs: &[Medium], paths: u32) -> Spread {
                     [straight, focused + scattered]
                 })
             });
-            (light, [memory.pairs, memory.pieces])
+            Seen { light, pairs: memory.pairs, pieces: memory.pieces }
         })
         .collect();
     let count = seen.len() as f32;
-    let brightness = |light: &[[[f32; 2]; 2]; 2]| 0.25 * light.iter().flatten().flatten().sum::<f32>();
-    let mean = seen.iter().map(|(light, _)| brightness(light)).sum::<f32>() / count;
+    let mean = seen.iter().map(Seen::brightness).sum::<f32>() / count;
     let mut sum = Spread::default();
-    for (light, [pairs, pieces]) in &seen {
-        let brightness = brightness(light).max(LEAST_OF_PICTURE * mean);
+    for pixel in &seen {
+        let Seen { light, pairs, pieces } = pixel;
+        let brightness = pixel.brightness().max(LEAST_OF_PICTURE * mean);
         let product = |a: f32, b: f32| 0.5 * a / brightness * (b / brightness);
         // [set of paths][place]
         let straight = light.map(|places| places.map(|[straight, _]| straight));
