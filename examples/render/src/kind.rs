@@ -1,6 +1,6 @@
 //! Kinds of light, by what it has met on its way.
 
-use crate::scene::{Material, Scene};
+use crate::scene::Scene;
 use glam::Vec3;
 
 /// What light has met before it reaches the fog or the surface that sends it to the camera.
@@ -50,13 +50,7 @@ impl Split {
 
     /// A layer for each kind that a scene can have: without mirrors and glass no light is focused.
     pub fn of_each_kind(scene: &Scene) -> Self {
-        // Where an index of 1 would bend light, it is inside of one that does too.
-        let focuses = |material| match material {
-            Material::Mirror { .. } => true,
-            Material::Dielectric { index } => index != 1.0,
-            _ => false,
-        };
-        let has_focused = scene.objects.iter().any(|object| focuses(object.material));
+        let has_focused = scene.objects.iter().any(|object| object.material.bends_light());
         if has_focused { Self { of: [0, 1, 2] } } else { Self::STRAIGHT_APART }
     }
 

@@ -132,6 +132,18 @@ pub enum Material {
     Black,
 }
 
+impl Material {
+    /// Whether it is a mirror or glass: a box of fog with the index of air is neither. Where an index of 1 would bend light, it is inside
+    /// of one that does too.
+    pub fn bends_light(self) -> bool {
+        match self {
+            Self::Mirror { .. } => true,
+            Self::Dielectric { index } => index != 1.0,
+            Self::Black | Self::Lambert { .. } => false,
+        }
+    }
+}
+
 /// A light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Light {

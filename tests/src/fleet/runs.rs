@@ -2,7 +2,7 @@
 
 use covbeam_render::film::{Film, FilmError, Picture};
 use covbeam_render::pass::{Method, Renderer};
-use covbeam_render::scene::{Material, Scene};
+use covbeam_render::scene::Scene;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -57,13 +57,7 @@ pub fn narrow(scene: &Scene) -> Scene {
 
 /// Whether light tracing sees all of the picture: it misses what is seen through glass or in mirrors.
 pub fn light_tracing_sees_all(scene: &Scene) -> bool {
-    // A box of fog with the index of air is no glass.
-    let specular = |material: Material| match material {
-        Material::Mirror { .. } => true,
-        Material::Dielectric { index } => index != 1.0,
-        _ => false,
-    };
-    !scene.objects.iter().any(|object| specular(object.material))
+    !scene.objects.iter().any(|object| object.material.bends_light())
 }
 
 /// Pictures of `passes` passes each, one a seed.

@@ -4,7 +4,7 @@ use super::Method;
 use crate::compare::luminance;
 use crate::film::{Film, FilmError, Picture};
 use crate::plan::{FirstSurfaces, middle};
-use crate::scene::{Material, Scene};
+use crate::scene::Scene;
 use serde::Serialize;
 
 /// First of the seeds, which no run of a method has.
@@ -105,8 +105,7 @@ fn places(scene: &Scene) -> Vec<usize> {
         let material = hit.map(|hit| scene.objects[hit.object as usize].material);
         match material {
             _ if surfaces.has_edge(x, y) => 0,
-            Some(Material::Mirror { .. }) => 1,
-            Some(Material::Dielectric { index }) if index != 1.0 => 1,
+            Some(material) if material.bends_light() => 1,
             _ => 2,
         }
     };
