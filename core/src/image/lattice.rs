@@ -116,6 +116,20 @@ pub struct FilmFilterNode {
     pub(super) variance: f32,
 }
 
+impl FilmFilterNode {
+    /// The node as bits that a file can hold.
+    pub fn to_words(&self) -> [u32; 6] {
+        let Self { inverse: Sym2 { xx, xy, yy }, weight, region, variance } = *self;
+        [xx.to_bits(), xy.to_bits(), yy.to_bits(), weight.to_bits(), region, variance.to_bits()]
+    }
+
+    /// What [`FilmFilterNode::to_words`] was called on.
+    pub fn from_words([xx, xy, yy, weight, region, variance]: [u32; 6]) -> Self {
+        let [xx, xy, yy, weight, variance] = [xx, xy, yy, weight, variance].map(f32::from_bits);
+        Self { inverse: Sym2 { xx, xy, yy }, weight, region, variance }
+    }
+}
+
 /// The filter of each pixel of a picture.
 #[derive(Clone, Copy, Debug)]
 pub struct FilmFilters<'a> {

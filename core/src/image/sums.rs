@@ -69,6 +69,34 @@ impl FilmSums {
         self.rays
     }
 
+    /// Adds the sums of other eye rays of this pixel, in the same unit: the bits do not depend on how rays
+    /// were grouped, nor on the order of groups.
+    pub fn merge(&mut self, other: &Self) {
+        // No term is negative, so that sums which stop at the largest number are as free of order.
+        for (sum, more) in self.radiance.iter_mut().zip(other.radiance) {
+            *sum = sum.saturating_add(more);
+        }
+        self.first = self.first.saturating_add(other.first);
+        self.rays = self.rays.saturating_add(other.rays);
+        self.first_rays = self.first_rays.saturating_add(other.first_rays);
+    }
+
+    /// The sums as whole numbers that a file can hold: red, green, blue, luminance of the odd passes (in the
+    /// film's unit), eye rays, eye rays of the odd passes.
+    pub fn to_words(&self) -> [u64; 6] {
+        let [red, green, blue] = self.radiance.map(|sum| sum as u64);
+        [red, green, blue, self.first as u64, self.rays.into(), self.first_rays.into()]
+    }
+
+    /// What [`FilmSums::to_words`] was called on; None for numbers that no sums have.
+    pub fn from_words([red, green, blue, first, rays, first_rays]: [u64; 6]) -> Option<Self> {
+        let sum = |word| i64::try_from(word).ok();
+        let count = |word| u32::try_from(word).ok();
+        let (rays, first_rays) = (count(rays)?, count(first_rays)?);
+        (first_rays <= rays).then_some(())?;
+        Some(Self { radiance: [sum(red)?, sum(green)?, sum(blue)?], first: sum(first)?, rays, first_rays })
+    }
+
     /// The sums over an expected number of eye rays: what a [`super::Reconstruction`] takes.
     ///
     /// - `expected` > 0: Σ density of all passes; not each ray over its own pass' density: one from an

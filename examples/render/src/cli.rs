@@ -3,7 +3,9 @@
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use covbeam_render::compare::Region;
 use covbeam_render::pass::Method;
+use covbeam_render::progress::Listener;
 use covbeam_render::report::{METHODS, Method as ReportMethod};
+use covbeam_render::shard::PassRange;
 use glam::Vec3;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -16,11 +18,15 @@ Examples:
   covbeam render scene.toml --until 0.02              until half of the pixels are within 2 %
   covbeam render scene.toml --method ppb              plain progressive photon beams
   covbeam render scene.toml --passes 1000 --seed 2 --out reference.exr
+  covbeam render scene.toml --resume                  go on where a render was stopped, even by kill -9
+  covbeam render scene.toml --passes 0..8 --out a.shard    a piece, on one of many machines
+  covbeam merge *.shard --out scene.exr               all pieces: the same bits as one render
   covbeam compare scene-adaptive.exr reference.exr --region caustic=116,172,140,236
   covbeam spectrum scene.toml                         is the predicted bandwidth that of the light?
   covbeam report scene.toml --quick                   which method is how far after how much time?
 
-Ctrl-C stops a render and keeps the passes finished until then.";
+Ctrl-C stops a render and keeps the passes finished until then.
+Exit codes: 0 done, 1 failed, 2 wrong usage, 3 refused input, 128 + n stopped by signal n with the work kept.";
 
 /// Renders fog lit by strong lights, with photon beams as wide as the light's frequencies allow.
 ///
@@ -36,6 +42,8 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Render a scene to an EXR, with a PNG preview beside it
     Render(RenderArgs),
+    /// Add up pieces of a picture that were rendered apart
+    Merge(MergeArgs),
     /// Say how far a picture is from a reference
     Compare(CompareArgs),
     /// Test the predicted bandwidth of the light against the measured one, voxel by voxel
@@ -50,45 +58,149 @@ pub(crate) struct RenderArgs {
     #[arg(value_name = "SCENE.toml")]
     pub(crate) scene: Option<PathBuf>,
     /// How the picture is made
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = PICTURE)]
     pub(crate) method: MethodName,
     /// Trace an eye ray through every pixel in each pass; without it, the methods adaptive and march trace few where the picture is smooth,
     /// and filter between them
-    #[arg(long)]
+    #[arg(long, help_heading = PICTURE)]
     pub(crate) every_pixel: bool,
-    /// Write maps of the eye rays beside the picture: NAME-density.png and NAME-filters.png
-    #[arg(long, conflicts_with = "every_pixel")]
-    pub(crate) maps: bool,
-    /// Write the light of each kind into the picture's file too, as layers that add up to it: straight (from lamps), focused (by mirrors and
-    /// glass), scattered (by fog and surfaces). Needs 310 bytes a pixel more memory
-    #[arg(long)]
-    pub(crate) light_passes: bool,
-    /// Stop after this many passes [default: the scene's, unless --time or --until says when to stop]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    pub(crate) passes: Option<u32>,
-    /// Be done after this many seconds, with the picture written; a pass that is not finished by then is cut, one pass is always made
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
-    pub(crate) time: Option<Duration>,
-    /// Stop when the median over the lit pixels of standard error over brightness is below this: 0.02 for 2 %; with --passes or --time,
-    /// these end the render at the latest
-    #[arg(long, value_name = "E", value_parser = relative_error, allow_negative_numbers = true)]
-    pub(crate) until: Option<f64>,
     /// Light paths a pass [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), help_heading = PICTURE)]
     pub(crate) photons: Option<u32>,
     /// Shadow rays a pixel and pass of the method march, on average, for each light and each piece of an eye path
     /// [default: 16]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536), help_heading = PICTURE)]
     pub(crate) samples: Option<u32>,
     /// Another seed gives another noise, the same seed the same bits [default: the scene's]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", help_heading = PICTURE)]
     pub(crate) seed: Option<u32>,
+    /// Stop after this many passes; A..B = only passes A to B - 1, counted from 0, into a shard for `covbeam merge`: a piece of a picture,
+    /// which goes on from one that is there, and is done at once if that has them all [default: the scene's, unless --time or --until says
+    /// when to stop]
+    #[arg(long, value_name = "N|A..B", help_heading = LENGTH)]
+    pub(crate) passes: Option<PassesArgument>,
+    /// Be done after this many seconds, with the picture written; a pass that is not finished by then is cut, one pass is always made
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true, help_heading = LENGTH)]
+    pub(crate) time: Option<Duration>,
+    /// Stop when the median over the lit pixels of standard error over brightness is below this: 0.02 for 2 %; with --passes or --time,
+    /// these end the render at the latest
+    #[arg(long, value_name = "E", value_parser = relative_error, allow_negative_numbers = true, help_heading = LENGTH)]
+    pub(crate) until: Option<f64>,
+    /// Go on from the sums beside the picture, NAME.shard, with the same bits as without the break
+    #[arg(long, help_heading = LENGTH)]
+    pub(crate) resume: bool,
+    /// Seconds between two writings of the sums that --resume goes on from; 0 = after every pass [default: 60, or as many as keep the
+    /// writing below 1 % of the time]
+    #[arg(long, value_name = "S", value_parser = interval, allow_negative_numbers = true, help_heading = LENGTH)]
+    pub(crate) checkpoint: Option<Duration>,
+    /// The picture to write; its preview gets the ending .png, its sums .shard [default: SCENE-METHOD.exr, or SCENE-METHOD-A-B.shard, in the
+    /// current folder]
+    #[arg(long, value_name = "F.exr|F.shard", help_heading = FILES)]
+    pub(crate) out: Option<PathBuf>,
+    /// Write maps of the eye rays beside the picture: NAME-density.png and NAME-filters.png
+    #[arg(long, conflicts_with = "every_pixel", help_heading = FILES)]
+    pub(crate) maps: bool,
+    /// Write the light of each kind into the picture's file too, as layers that add up to it: straight (from lamps), focused (by mirrors and
+    /// glass), scattered (by fog and surfaces). Needs 310 bytes a pixel more memory
+    #[arg(long, help_heading = FILES)]
+    pub(crate) light_passes: bool,
+    /// Threads; 0 = one for each core. The picture is the same bits for any number
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024), help_heading = MACHINE)]
+    pub(crate) threads: u32,
+    /// Whom progress is for
+    #[arg(long, value_enum, default_value_t, help_heading = MACHINE)]
+    pub(crate) progress: ProgressName,
+}
+
+/// Groups of --help.
+const PICTURE: &str = "The picture";
+const LENGTH: &str = "How long, and which passes";
+const FILES: &str = "Files";
+const MACHINE: &str = "Machine and progress";
+
+/// `N` or `A..B`
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum PassesArgument {
+    Count(u32),
+    Range(PassRange),
+}
+
+impl PassesArgument {
+    pub(crate) fn count(self) -> Option<u32> {
+        if let Self::Count(count) = self { Some(count) } else { None }
+    }
+
+    pub(crate) fn range(self) -> Option<PassRange> {
+        if let Self::Range(range) = self { Some(range) } else { None }
+    }
+}
+
+impl FromStr for PassesArgument {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text.contains("..") {
+            return text.parse().map(Self::Range);
+        }
+        let count = text.parse().ok().filter(|count| *count > 0);
+        count.map(Self::Count).ok_or_else(|| "expected a number of passes above 0, or A..B".to_owned())
+    }
+}
+
+/// The command line's names of [`Listener`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ProgressName {
+    /// A person: a bar in a terminal, else a line every few seconds, on standard error
+    #[default]
+    Plain,
+    /// A program: a JSON object a line on standard output, with "event": progress, done, stopped or failed
+    Json,
+    /// An Open Job Description runner: lines openjd_progress, openjd_status and openjd_fail on standard output
+    Openjd,
+}
+
+impl ProgressName {
+    pub(crate) fn listener(self) -> Listener {
+        match self {
+            Self::Plain => Listener::Person,
+            Self::Json => Listener::Json,
+            Self::Openjd => Listener::Openjd,
+        }
+    }
+}
+
+const MERGE_HELP: &str = "\
+The sums in shards are exact: the picture has the same bits in whatever order and groups they are merged, and as if one
+render had made all passes. Shards of another scene, seed, method, size or version, passes that are there twice, missing
+ones, and damaged files are refused by name; then nothing is written.
+
+Examples:
+  covbeam merge pieces/*.shard --out picture.exr
+  covbeam merge pieces/*.shard --out picture.exr --passes 64   and the last ones must be there too
+  covbeam merge a.shard b.shard --out ab.shard                 in a tree, where there are very many
+  covbeam merge pieces/*.shard --out picture.exr --allow-gaps  a machine died, and the picture is wanted";
+
+#[derive(Args, Debug)]
+#[command(after_help = MERGE_HELP)]
+pub(crate) struct MergeArgs {
+    /// What `covbeam render --passes A..B` wrote, or the sums beside a picture
+    #[arg(value_name = "F.shard", required = true)]
+    pub(crate) shards: Vec<PathBuf>,
+    /// The picture to write, whose preview gets the ending .png; or a shard with the passes of all
+    #[arg(long, value_name = "F.exr|F.shard", value_parser = merged_path)]
+    pub(crate) out: PathBuf,
+    /// Passes that the picture should have [default: up to the last that there is]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) passes: Option<u32>,
+    /// Make the picture of the passes that there are
+    #[arg(long)]
+    pub(crate) allow_gaps: bool,
     /// Threads; 0 = one for each core. The picture is the same bits for any number
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024))]
     pub(crate) threads: u32,
-    /// The picture to write; its preview gets the ending .png [default: SCENE-METHOD.exr in the current folder]
-    #[arg(long, value_name = "F.exr", value_parser = exr_path)]
-    pub(crate) out: Option<PathBuf>,
+    /// Whom progress is for
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) progress: ProgressName,
 }
 
 /// The command line's names of [`Method`].
@@ -316,11 +428,18 @@ fn relative_error(text: &str) -> Result<f64, String> {
     error.ok_or_else(|| "expected a number above 0 and below 1, such as 0.02 for 2 %".to_owned())
 }
 
-fn exr_path(text: &str) -> Result<PathBuf, String> {
+fn interval(text: &str) -> Result<Duration, String> {
+    let time = text.parse().ok().and_then(|s| Duration::try_from_secs_f64(s).ok());
+    time.ok_or_else(|| "expected a number of seconds, 0 or above".to_owned())
+}
+
+fn merged_path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     match path.extension() {
-        Some(ending) if ending.eq_ignore_ascii_case("exr") => Ok(path),
-        _ => Err("expected a file name that ends in .exr (the PNG preview is written beside it)".to_owned()),
+        Some(ending) if ending.eq_ignore_ascii_case("exr") || ending.eq_ignore_ascii_case("shard") => {
+            Ok(path)
+        }
+        _ => Err("expected a file name that ends in .exr, for the picture, or in .shard".to_owned()),
     }
 }
 
@@ -385,8 +504,19 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_ends_in_exr() {
-        assert!(exr_path("a/b.exr").is_ok() && exr_path("B.EXR").is_ok());
-        assert!(exr_path("a.png").is_err() && exr_path("exr").is_err() && exr_path(".exr").is_err());
+    fn what_is_merged_is_a_picture_or_a_shard() {
+        assert!(
+            merged_path("a/b.exr").is_ok() && merged_path("B.EXR").is_ok() && merged_path("c.shard").is_ok()
+        );
+        assert!(merged_path("a.png").is_err() && merged_path("exr").is_err() && merged_path(".exr").is_err());
+    }
+
+    #[test]
+    fn passes_are_a_number_or_a_range() {
+        assert_eq!("64".parse(), Ok(PassesArgument::Count(64)));
+        assert_eq!("8..16".parse(), Ok(PassesArgument::Range(PassRange { start: 8, end: 16 })));
+        for text in ["0", "-1", "8..8", "..", "1.5", ""] {
+            assert!(text.parse::<PassesArgument>().is_err(), "{text}");
+        }
     }
 }

@@ -1,8 +1,13 @@
 //! What the passes add up to, with the same bits in whatever order they come.
 
+mod stored;
+
+pub use stored::FilmLayout;
+pub(crate) use stored::Unfit;
+
 use crate::compare::luminance;
 use crate::kind::{ByKind, Kind, Split};
-use crate::plan::Plan;
+use crate::plan::LayerFilters;
 use crate::samples::{PassImage, SparseSample, SparseSamples};
 use crate::scene::Scene;
 use covbeam::{
@@ -142,6 +147,8 @@ pub enum FilmError {
 pub struct Film {
     width: u32,
     height: u32,
+    /// What the unit comes from.
+    typical: f32,
     unit: FilmUnit,
     passes: u32,
     odd_passes: u32,
@@ -162,7 +169,7 @@ struct FogLayer {
     sums: Vec<FilmSums>,
     density: Vec<u64>,
     /// Of the latest pass, in the order of their numbers.
-    plan: Plan,
+    latest: LayerFilters,
 }
 
 /// Units of the sums of densities and of numbers of pairs in 1.
@@ -189,6 +196,7 @@ impl Film {
         Self {
             width,
             height,
+            typical,
             unit: FilmUnit::new(typical),
             passes: 0,
             odd_passes: 0,
@@ -255,14 +263,14 @@ impl Film {
         self.gather.resize(pixels, [0; 4]);
         for plan in pass.plans.iter().skip(self.fog.len()) {
             let (sums, density) = (vec![FilmSums::default(); pixels], vec![0; pixels]);
-            self.fog.push(FogLayer { sums, density, plan: plan.clone() });
+            self.fog.push(FogLayer { sums, density, latest: plan.filters().clone() });
         }
         for (layer, plan) in self.fog.iter_mut().zip(&pass.plans) {
-            for (sum, density) in layer.density.iter_mut().zip(plan.density().iter()) {
+            for (sum, density) in layer.density.iter_mut().zip(plan.density()) {
                 *sum += (f64::from(*density) * UNITS).round_ties_even() as u64;
             }
-            if layer.plan.pass() < plan.pass() {
-                layer.plan = plan.clone();
+            if layer.latest.pass < plan.filters().pass {
+                layer.latest = plan.filters().clone();
             }
         }
         for sample in &pass.fog {
@@ -325,11 +333,11 @@ impl Film {
     /// Where a layer's eye rays were, and the filters that were found.
     fn maps(&self, layer: &FogLayer, verified: &[FilmFilterNode]) -> LayerMaps {
         let (width, height) = (self.width, self.height);
-        let surfaces = layer.plan.surfaces();
-        let filters = FilmFilters::of(*surfaces.lattice(), surfaces.regions(), verified).expect(FITS);
+        let LayerFilters { kind, lattice, regions, density, .. } = &layer.latest;
+        let filters = FilmFilters::of(*lattice, regions, verified).expect(FITS);
         let all = (0..width * height).into_par_iter();
         let filters = all.map(|pixel| filters.filter(pixel % width, pixel / width)).collect();
-        LayerMaps { kind: layer.plan.kind(), filters, density: Arc::clone(layer.plan.density()) }
+        LayerMaps { kind: *kind, filters, density: Arc::clone(density) }
     }
 
     /// A layer's samples, means over the passes.
@@ -346,8 +354,7 @@ impl Film {
         nodes: &'a mut Vec<FilmNode>,
     ) -> Reconstruction<'a> {
         nodes.resize(Reconstruction::node_count(self.width, self.height), FilmNode::default());
-        let regions = layer.plan.surfaces().regions();
-        Reconstruction::new(self.width, self.height, samples, regions, nodes).expect(FITS)
+        Reconstruction::new(self.width, self.height, samples, &layer.latest.regions, nodes).expect(FITS)
     }
 
     /// Of the fog's light of all layers at the nodes of the lattice, where there is more than one.
@@ -356,8 +363,8 @@ impl Film {
         for layer in self.fog.iter().filter(|_| self.fog.len() > 1) {
             let (samples, mut nodes) = (self.samples(layer), Vec::new());
             let volume = self.volume(layer, &samples, &mut nodes);
-            let predicted = layer.plan.filters();
-            brightness.resize(layer.plan.nodes().len(), 0.0);
+            let predicted = layer.latest.filters();
+            brightness.resize(layer.latest.nodes.len(), 0.0);
             let numbered = brightness.par_iter_mut().enumerate();
             numbered.for_each(|(node, sum)| *sum += predicted.evidence(node, &volume).brightness);
         }
@@ -373,13 +380,12 @@ impl Film {
         kind: Option<&mut [Vec3]>,
     ) -> Vec<FilmFilterNode> {
         let width = self.width;
-        let plan = &layer.plan;
         let (samples, mut nodes) = (self.samples(layer), Vec::new());
         let volume = self.volume(layer, &samples, &mut nodes);
 
-        let (lattice, regions) = (plan.surfaces().lattice(), plan.surfaces().regions());
-        let mut verified = plan.nodes().to_vec();
-        let predicted = plan.filters();
+        let LayerFilters { lattice, regions, nodes, .. } = &layer.latest;
+        let mut verified = nodes.to_vec();
+        let predicted = layer.latest.filters();
         let evidence = (0..verified.len()).into_par_iter().map(|node| {
             let own = predicted.evidence(node, &volume);
             own.beside(brightness.get(node).map_or(0.0, |all| all - own.brightness))
@@ -454,7 +460,7 @@ impl Film {
             return samples.par_iter().map(own).collect();
         };
         let mut nodes = vec![FilmNode::default(); Reconstruction::node_count(self.width, self.height)];
-        let regions = layer.plan.surfaces().regions();
+        let regions = &layer.latest.regions;
         let around = Reconstruction::new(self.width, self.height, samples, regions, &mut nodes).expect(FITS);
         let numbered = samples.par_iter().enumerate();
         let filled = numbered.map(|(index, sample)| {

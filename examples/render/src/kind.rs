@@ -2,9 +2,11 @@
 
 use crate::scene::Scene;
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 
 /// What light has met before it reaches the fog or the surface that sends it to the camera.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Kind {
     /// Nothing: it comes straight from a lamp.
     Straight,
@@ -35,7 +37,8 @@ pub(crate) const MOST_LAYERS: usize = 3;
 pub type ByKind = [Vec3; 3];
 
 /// Which kinds of light have a layer of their own: spectra, beam maps, eye rays and filters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
 pub struct Split {
     /// By kind.
     of: [u8; 3],
@@ -48,10 +51,13 @@ impl Split {
     /// Straight light apart from the others.
     pub const STRAIGHT_APART: Self = Self { of: [0, 1, 1] };
 
+    /// A layer for each kind.
+    pub const EACH: Self = Self { of: [0, 1, 2] };
+
     /// A layer for each kind that a scene can have: without mirrors and glass no light is focused.
     pub fn of_each_kind(scene: &Scene) -> Self {
         let has_focused = scene.objects.iter().any(|object| object.material.bends_light());
-        if has_focused { Self { of: [0, 1, 2] } } else { Self::STRAIGHT_APART }
+        if has_focused { Self::EACH } else { Self::STRAIGHT_APART }
     }
 
     /// The layer of a kind.

@@ -37,6 +37,7 @@ pub mod report;
 pub mod samples;
 pub mod scene;
 pub mod scene_file;
+pub mod shard;
 pub mod spectrum;
 mod straight;
 pub mod surface;

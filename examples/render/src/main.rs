@@ -1,14 +1,18 @@
-//! `covbeam`: renders a scene, compares two pictures, tests the predicted spectra, or reports on all methods.
+//! `covbeam`: renders a scene, merges pieces of a picture, compares two pictures, tests the predicted spectra, or reports on all methods.
 
 mod cli;
+mod failure;
+mod merge_command;
 mod render_command;
 mod report_command;
 mod spectrum_command;
+mod stop;
 
 use clap::Parser;
 use cli::{Cli, Command, CompareArgs, RenderArgs};
 use covbeam_render::compare::{Comparison, compare};
 use covbeam_render::output::read_picture;
+use covbeam_render::progress::Listener;
 use std::error::Error;
 use std::fmt::Write as _;
 use std::io::{Write as _, stdout};
@@ -18,18 +22,26 @@ use std::time::Duration;
 /// How long a render without any argument takes, on a fast machine and on a slow one.
 const FIRST_LOOK: Duration = Duration::from_secs(30);
 
-/// Wrong usage exits with 2 (clap), a failure with 1, a render stopped by a signal with 130.
+/// 0 = done, 1 = failed, 2 = wrong usage, 3 = refused input, 128 + n = stopped by signal n with the work kept.
 fn main() -> ExitCode {
     let first_look = RenderArgs { time: Some(FIRST_LOOK), ..RenderArgs::default() };
-    let done = match Cli::parse().command.unwrap_or(Command::Render(first_look)) {
-        Command::Render(args) => render_command::run(&args),
-        Command::Compare(args) => run_compare(&args),
-        Command::Spectrum(args) => spectrum_command::run(&args),
-        Command::Report(args) => report_command::run(&args),
+    let command = Cli::parse().command.unwrap_or(Command::Render(first_look));
+    let listener = match &command {
+        Command::Render(args) => args.progress.listener(),
+        Command::Merge(args) => args.progress.listener(),
+        Command::Compare(_) | Command::Spectrum(_) | Command::Report(_) => Listener::Person,
+    };
+    let done = match &command {
+        Command::Render(args) => render_command::run(args),
+        Command::Merge(args) => merge_command::run(args),
+        Command::Compare(args) => run_compare(args),
+        Command::Spectrum(args) => spectrum_command::run(args),
+        Command::Report(args) => report_command::run(args),
     };
     done.unwrap_or_else(|error| {
-        eprintln!("error: {error}");
-        ExitCode::FAILURE
+        let code = failure::exit_code(&*error);
+        listener.failed(code, &error.to_string());
+        ExitCode::from(code)
     })
 }
 

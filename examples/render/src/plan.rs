@@ -37,7 +37,7 @@ pub struct FirstSurfaces {
     black: Vec<bool>,
     /// Of each pixel: whether a silhouette or the border of a shadow on it crosses it.
     edge: Vec<bool>,
-    regions: Vec<u32>,
+    regions: Arc<Vec<u32>>,
     lattice: FilmLattice,
 }
 
@@ -78,12 +78,7 @@ impl FirstSurfaces {
                 (is_black, has_silhouette || least < EDGE * most)
             })
             .unzip();
-        Self { camera, depth, black, edge, regions, lattice }
-    }
-
-    /// The region of each pixel, as [`film_regions`] numbers them.
-    pub fn regions(&self) -> &[u32] {
-        &self.regions
+        Self { camera, depth, black, edge, regions: Arc::new(regions), lattice }
     }
 
     /// Whether a pass looks at what is beyond the fog in pixel (x, y): always where there is something to see in it or beside it, and at
@@ -157,16 +152,35 @@ pub(crate) fn middle(camera: &Camera, x: u32, y: u32) -> glam::Vec3 {
     camera.direction(x as f32 + 0.5, y as f32 + 0.5)
 }
 
+/// The filters of a layer of the picture's first piece of fog in one pass: what a film keeps of a plan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LayerFilters {
+    /// The layer's light; None: all light.
+    pub kind: Option<Kind>,
+    /// The pass whose grid they were read from, counted from 1.
+    pub pass: u32,
+    /// Where they are known.
+    pub lattice: FilmLattice,
+    /// The region of each pixel, as [`film_regions`] numbers them.
+    pub regions: Arc<Vec<u32>>,
+    /// One for each node of the lattice: none next to a silhouette, and where the grid has no data.
+    pub nodes: Arc<Vec<FilmFilterNode>>,
+    /// Eye rays a pixel and pass, row by row.
+    pub density: Arc<Vec<f32>>,
+}
+
+impl LayerFilters {
+    /// To be looked up.
+    pub fn filters(&self) -> FilmFilters<'_> {
+        FilmFilters::of(self.lattice, &self.regions, &self.nodes).expect(FITS)
+    }
+}
+
 /// The filters of a layer of the picture's first piece of fog, and the eye rays that it needs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     surfaces: Arc<FirstSurfaces>,
-    kind: Option<Kind>,
-    pass: u32,
-    /// One for each node of the lattice.
-    nodes: Arc<Vec<FilmFilterNode>>,
-    /// One a pixel.
-    density: Arc<Vec<f32>>,
+    filters: LayerFilters,
 }
 
 impl Plan {
@@ -184,25 +198,16 @@ impl Plan {
         spectra: &[ImageSpectrum],
     ) -> Self {
         let camera = &surfaces.camera;
-        let lattice = surfaces.lattice;
+        let (lattice, regions) = (surfaces.lattice, Arc::clone(&surfaces.regions));
         let mut nodes = vec![FilmFilterNode::default(); lattice.node_count()];
-        let filters = FilmFilters::new(lattice, &surfaces.regions, spectra, error, &mut nodes).expect(FITS);
+        let filters = FilmFilters::new(lattice, &regions, spectra, error, &mut nodes).expect(FITS);
         let least = lattice.least_density(paths);
         let density = (0..camera.width * camera.height)
             .into_par_iter()
             .map(|pixel| filters.filter(pixel % camera.width, pixel / camera.width).density().max(least))
             .collect();
-        Self { kind, pass, nodes: Arc::new(nodes), density: Arc::new(density), surfaces }
-    }
-
-    /// The layer's light; None: all light.
-    pub fn kind(&self) -> Option<Kind> {
-        self.kind
-    }
-
-    /// The pass whose grid this was read from.
-    pub fn pass(&self) -> u32 {
-        self.pass
+        let (nodes, density) = (Arc::new(nodes), Arc::new(density));
+        Self { filters: LayerFilters { kind, pass, lattice, regions, nodes, density }, surfaces }
     }
 
     /// The first surface behind each pixel.
@@ -210,26 +215,21 @@ impl Plan {
         &self.surfaces
     }
 
-    /// The filters: none next to a silhouette, and where the grid has no data.
-    pub fn filters(&self) -> FilmFilters<'_> {
-        FilmFilters::of(self.surfaces.lattice, &self.surfaces.regions, &self.nodes).expect(FITS)
-    }
-
-    /// The filters at the nodes of the lattice.
-    pub fn nodes(&self) -> &[FilmFilterNode] {
-        &self.nodes
+    /// The filters.
+    pub fn filters(&self) -> &LayerFilters {
+        &self.filters
     }
 
     /// Eye rays a pixel and pass, row by row.
-    pub fn density(&self) -> &Arc<Vec<f32>> {
-        &self.density
+    pub fn density(&self) -> &[f32] {
+        &self.filters.density
     }
 
     /// Whether the pass asks pixel (x, y) for an eye ray. Plans of the same pass ask the same pixels, as far as their densities go; each
     /// pass of a seed asks others.
     pub fn wants(&self, x: u32, y: u32, seed: u32) -> bool {
         let pixel = (y * self.surfaces.camera.width + x) as usize;
-        is_chosen(self.density[pixel], [x, y], self.pass, seed, FOG_PURPOSE)
+        is_chosen(self.filters.density[pixel], [x, y], self.filters.pass, seed, FOG_PURPOSE)
     }
 }
 

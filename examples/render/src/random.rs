@@ -73,9 +73,11 @@ impl PathSampler {
         Self { seed, sequence, index, dimension }
     }
 
-    /// The independent decisions of a branch of the path; another number for each branch.
-    pub fn branch(&self, number: u32) -> Self {
-        let sequence = mix((u64::from(self.sequence) << 32) | u64::from(number)) as u32;
+    /// The independent decisions of a new branch here. They depend on where the path branches, not on how many branches others have: who
+    /// follows only some of them sees the same ones.
+    pub fn branch(&mut self) -> Self {
+        self.dimension += 1;
+        let sequence = mix((u64::from(self.sequence) << 32) | u64::from(self.dimension)) as u32;
         Self { sequence, dimension: EMISSION_DIMENSIONS, ..*self }
     }
 

@@ -19,8 +19,10 @@ pub struct Goal {
 /// Where a render stands, after a pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
-    /// Passes added to the film.
+    /// Passes in the film.
     pub passes: u32,
+    /// How many of them were in it before this render.
+    pub before: u32,
     /// Time since the start.
     pub elapsed: Duration,
     /// Time of the last pass.
@@ -57,10 +59,10 @@ impl Progress {
                 || goal.error.is_some_and(|goal| self.error.is_some_and(|(error, _)| error <= goal)))
     }
 
-    /// Expected time until the goal is reached, from the mean pass so far; None before the first pass, and where only the
+    /// Expected time until the goal is reached, from the mean pass of this render; None before the first, and where only the
     /// error counts and is not known yet.
     pub fn left(&self, goal: &Goal) -> Option<Duration> {
-        let mean = self.elapsed.checked_div(self.passes)?;
+        let mean = self.elapsed.checked_div(self.passes - self.before)?;
         let passes = goal.passes.map(|passes| mean * passes.saturating_sub(self.passes));
         let time = goal.time.map(|time| time.saturating_sub(self.elapsed));
         let error = self.passes_for(goal).map(|passes| mean * passes.saturating_sub(self.passes));
@@ -111,9 +113,9 @@ pub enum RenderError<E> {
     Report(E),
 }
 
-/// Adds passes 1, 2, … to `film` until `goal` is reached or `cancelled` is true. `start` is when its time began; `pass` renders the
-/// pass of an index (None: it was cancelled); `report` is called after each with where the render stands and with the film, and
-/// answers how long saving the picture took, if it did.
+/// Adds passes to `film`, after those that it has, until `goal` is reached or `cancelled` is true. `start` is when its time began; `pass`
+/// renders the pass of an index, of which the film's first has 1 (None: it was cancelled); `report` is called after each with where the
+/// render stands and with the film, and answers how long saving the picture took, if it did.
 ///
 /// # Errors
 /// A pass that the film refuses, or an error of `report`.
@@ -125,10 +127,11 @@ pub fn render<E>(
     mut pass: impl FnMut(u32, &(dyn Fn() -> bool + Sync)) -> Option<(PassImage, PassTimes)>,
     mut report: impl FnMut(&Progress, &Film) -> Result<Option<Duration>, E>,
 ) -> Result<(End, Progress), RenderError<E>> {
-    let mut progress = Progress::default();
+    let before = film.passes();
+    let mut progress = Progress { passes: before, before, ..Progress::default() };
     while !progress.reaches(goal) {
         let index = progress.passes + 1;
-        let deadline = progress.deadline(goal).filter(|_| index > 1);
+        let deadline = progress.deadline(goal).filter(|_| progress.passes > 0);
         let late = || deadline.is_some_and(|deadline| start.elapsed() >= deadline);
         let begun = start.elapsed();
         let made = if cancelled() { None } else { pass(index, &|| cancelled() || late()) };

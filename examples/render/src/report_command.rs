@@ -1,9 +1,10 @@
 //! `covbeam report`: from scenes to one page, with the numbers beside it.
 
 use crate::cli::ReportArgs;
-use crate::render_command::{DEFAULT_NAME, DEFAULT_SCENE, STOPPED};
+use crate::render_command::{DEFAULT_NAME, DEFAULT_SCENE};
+use crate::stop::Stop;
 use covbeam_render::output::{check_writable, replace_file};
-use covbeam_render::progress::{Display, seconds};
+use covbeam_render::progress::{Display, say, seconds};
 use covbeam_render::report::{
     METHODS, Options, Reference, Report, Subject, Watch, csv, figure, json, measure, page,
 };
@@ -12,8 +13,6 @@ use std::error::Error;
 use std::io::{Write, stdout};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// What is written into the folder.
@@ -50,10 +49,10 @@ pub(crate) fn run(args: &ReportArgs) -> Result<ExitCode, Box<dyn Error>> {
         let reference = options.prepare(&mut subject)?;
         if let (None, Some(folder)) = (&reference, &options.references) {
             let name = &subject.name;
-            eprintln!(
+            say(format!(
                 "{}/{name}.exr does not exist: a reference of {name} is rendered first",
                 folder.display()
-            );
+            ));
         }
         prepared.push((subject, reference));
     }
@@ -65,19 +64,17 @@ pub(crate) fn run(args: &ReportArgs) -> Result<ExitCode, Box<dyn Error>> {
         check_writable(&folder.join(file))?;
     }
 
-    let stop = Arc::new(AtomicBool::new(false));
-    let handler_stop = Arc::clone(&stop);
-    ctrlc::set_handler(move || handler_stop.store(true, Ordering::Relaxed))?;
-    let cancelled = || stop.load(Ordering::Relaxed);
+    let stop = Stop::on_signals()?;
+    let cancelled = || stop.is_asked();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads as usize).build()?;
     let allowed = options.cpu_seconds(&prepared);
-    eprintln!(
+    say(format!(
         "{} scenes, {} methods, {} seeds: about {allowed:.0} CPU-seconds on {} threads",
         prepared.len(),
         options.methods.len(),
         options.seeds,
         pool.current_num_threads()
-    );
+    ));
     let display = Display::new();
     let show = |step: &str, share: f64| display.show(step, share);
     let watch = Watch::new(allowed, &cancelled, &show);
@@ -87,10 +84,10 @@ pub(crate) fn run(args: &ReportArgs) -> Result<ExitCode, Box<dyn Error>> {
     display.finish();
     let report = report?;
     if report.scenes.is_empty() {
-        eprintln!("stopped before the first run was finished: nothing is written");
-        return Ok(ExitCode::from(STOPPED));
+        say("stopped before the first run was finished: nothing is written");
+        return Ok(stop.exit_code());
     }
-    save(&report, folder)
+    save(&report, folder, &stop)
 }
 
 fn options(args: &ReportArgs) -> Options {
@@ -152,7 +149,7 @@ fn command_line(arguments: impl Iterator<Item = String>) -> String {
     std::iter::once("covbeam".to_owned()).chain(quoted).collect::<Vec<_>>().join(" ")
 }
 
-fn save(report: &Report, folder: &Path) -> Result<ExitCode, Box<dyn Error>> {
+fn save(report: &Report, folder: &Path, stop: &Stop) -> Result<ExitCode, Box<dyn Error>> {
     let write =
         |file: &str, text: &str| replace_file(&folder.join(file), |out| out.write_all(text.as_bytes()));
     write("report.json", &json(report))?;
@@ -176,7 +173,7 @@ fn save(report: &Report, folder: &Path) -> Result<ExitCode, Box<dyn Error>> {
         report.cpu_seconds
     );
     stdout().write_all(said.as_bytes())?;
-    Ok(if report.stopped.is_some() { ExitCode::from(STOPPED) } else { ExitCode::SUCCESS })
+    Ok(if report.stopped.is_some() { stop.exit_code() } else { ExitCode::SUCCESS })
 }
 
 #[cfg(test)]

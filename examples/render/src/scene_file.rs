@@ -69,7 +69,11 @@ impl Scene {
     }
 }
 
-fn read_text(path: &Path) -> std::io::Result<String> {
+/// Reads the text of a scene file.
+///
+/// # Errors
+/// What the system says, or a file longer than any scene.
+pub fn read_text(path: &Path) -> std::io::Result<String> {
     let mut text = String::new();
     // A device or a pipe may never end.
     let bytes = File::open(path)?.take(MAX_FILE_BYTES + 1).read_to_string(&mut text)?;

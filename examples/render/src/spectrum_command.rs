@@ -1,10 +1,10 @@
 //! `covbeam spectrum`: the truth test from a scene file to tables and plots on the disk.
 
 use crate::cli::{LineArgument, SpectrumArgs};
-use crate::render_command::STOPPED;
+use crate::stop::Stop;
 use covbeam::GridLayout;
 use covbeam_render::output::{check_writable, replace_file};
-use covbeam_render::progress::Display;
+use covbeam_render::progress::{Display, say};
 use covbeam_render::scene::Scene;
 use covbeam_render::spectrum::{
     Analysis, BATCHES, Line, Options, Point, Prediction, analyse, default_lines, default_points,
@@ -15,8 +15,6 @@ use std::error::Error;
 use std::io::{BufWriter, Write, stdout};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Most voxels: their 16 batches take 256 bytes each.
 const MOST_VOXELS: usize = 1 << 21;
@@ -47,20 +45,18 @@ pub(crate) fn run(args: &SpectrumArgs) -> Result<ExitCode, Box<dyn Error>> {
         check_writable(&folder.join(file))?;
     }
 
-    let stop = Arc::new(AtomicBool::new(false));
-    let handler_stop = Arc::clone(&stop);
-    ctrlc::set_handler(move || handler_stop.store(true, Ordering::Relaxed))?;
+    let stop = Stop::on_signals()?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads as usize).build()?;
     let display = Display::new();
     let report = |share: f64| {
         display.show(&format!("{:.0} % of the light paths", 100.0 * share), share);
-        !stop.load(Ordering::Relaxed)
+        !stop.is_asked()
     };
     let analysis = pool.install(|| analyse(&scene, &options, &report));
     display.finish();
     let Some(analysis) = analysis else {
-        eprintln!("stopped before the measurement was finished: nothing is written");
-        return Ok(ExitCode::from(STOPPED));
+        say("stopped before the measurement was finished: nothing is written");
+        return Ok(stop.exit_code());
     };
     save(args, &scene, &analysis, &name, &folder)
 }

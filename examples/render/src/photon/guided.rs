@@ -52,8 +52,6 @@ struct Tree<'t, 'a> {
     power: f32,
     record: Record,
     waiting: Vec<(Photon, PathSampler, u32)>,
-    /// How many there were.
-    branches: u32,
     knots: Vec<Knot>,
     /// Of the segment that is being followed.
     segment: Option<FieldSegment>,
@@ -92,7 +90,6 @@ impl<'a> PhotonTracer<'a> {
             power: self.lights.flux / paths as f32,
             record,
             waiting: vec![(photon, sampler, 0)],
-            branches: 0,
             knots: Vec::new(),
             segment: None,
         };
@@ -209,7 +206,7 @@ impl Tree<'_, '_> {
         let lost = photon.power * gone;
         let lost = lost / lost.element_sum();
         for collision in 0..count as u32 {
-            let mut sampler = self.branch(sampler);
+            let mut sampler = sampler.branch();
             let channel = channel(lost, sampler.uniform());
             let u = ((collision as f32 + shift) / count).min(1.0 - f32::EPSILON);
             let target = -(-u * gone[channel]).ln_1p() / extinction[channel];
@@ -325,7 +322,7 @@ impl Tree<'_, '_> {
                     turn(field, candidate.direction);
                 }
                 add(&mut out.energy.roulette, -child.power);
-                let sampler = self.branch(sampler);
+                let sampler = sampler.branch();
                 self.waiting.push((child, sampler, depth + 1));
             }
         }
@@ -342,11 +339,6 @@ impl Tree<'_, '_> {
             photon.field = None;
         }
         photon.field.is_some() || self.record != Record::Field
-    }
-
-    fn branch(&mut self, sampler: &PathSampler) -> PathSampler {
-        self.branches += 1;
-        sampler.branch(self.branches)
     }
 }
 

@@ -1,0 +1,232 @@
+//! What a command line asks for: a picture, or a piece of one.
+
+use super::files::{Files, quoted};
+use super::{DEFAULT_NAME, DEFAULT_SCENE};
+use crate::cli::{MethodName, PassesArgument, RenderArgs};
+use crate::failure::{Refused, Usage};
+use covbeam_render::film::Film;
+use covbeam_render::march::Marching;
+use covbeam_render::output::{OutputError, RenderInfo};
+use covbeam_render::progress::say;
+use covbeam_render::render::Goal;
+use covbeam_render::scene::Scene;
+use covbeam_render::scene_file::{SceneError, read_text};
+use covbeam_render::shard::{Origin, PassRange, Passes, Shard, fingerprint, write_shard};
+use std::error::Error;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+pub(super) struct Job {
+    pub(super) scene: Scene,
+    pub(super) origin: Origin,
+    /// Number of the first pass, counted from 0.
+    pub(super) first: u32,
+    pub(super) goal: Goal,
+    pub(super) target: Target,
+}
+
+/// Where the passes go.
+pub(super) enum Target {
+    /// Into a picture, and a shard beside it that it goes on from.
+    Picture(Files),
+    /// Into a shard.
+    Piece(PathBuf),
+}
+
+/// What was there before.
+pub(super) enum Begun {
+    /// Passes to go on from; none: nothing was there.
+    Film(Film),
+    /// All of the piece.
+    Finished,
+}
+
+impl Job {
+    pub(super) fn new(args: &RenderArgs) -> Result<Self, Box<dyn Error>> {
+        let (scene, name, fingerprint) = scene(args.scene.as_deref())?;
+        let method = args.method.name().to_owned();
+        let photons = args.photons.unwrap_or(scene.settings.photons);
+        let seed = args.seed.unwrap_or(scene.settings.seed);
+        let march = matches!(args.method, MethodName::March);
+        let origin = Origin {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            scene: name.clone(),
+            fingerprint,
+            width: scene.camera.width,
+            height: scene.camera.height,
+            method: method.clone(),
+            photons,
+            seed,
+            every_pixel: args.every_pixel,
+            samples: march.then(|| args.samples.unwrap_or(Marching::default().samples)),
+            light_passes: args.light_passes,
+        };
+        if let Some(range) = args.passes.and_then(PassesArgument::range) {
+            let path = args.out.clone();
+            let path = path.unwrap_or_else(|| {
+                PathBuf::from(format!("{name}-{method}-{}-{}.shard", range.start, range.end))
+            });
+            check_ending(&path, "shard", "with --passes A..B a shard is written")?;
+            let goal = Goal { passes: Some(range.count()), ..Goal::default() };
+            return Ok(Self { scene, origin, first: range.start, goal, target: Target::Piece(path) });
+        }
+        let unbounded = args.time.is_none() && args.until.is_none();
+        let passes =
+            args.passes.and_then(PassesArgument::count).or(unbounded.then_some(scene.settings.passes));
+        let goal = Goal { passes, time: args.time, error: args.until };
+        let exr = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{name}-{method}.exr")));
+        check_ending(&exr, "exr", "the PNG preview and the sums are written beside it")?;
+        let info = RenderInfo { method, passes: 0, photons, seed, scene: name };
+        let target = Target::Picture(Files { exr, info, maps: args.maps });
+        Ok(Self { scene, origin, first: 0, goal, target })
+    }
+
+    /// For the user, at the start.
+    pub(super) fn title(&self, threads: usize, passes: u32) -> String {
+        let Origin { scene, width, height, method, photons, .. } = &self.origin;
+        let piece = match &self.target {
+            Target::Picture(_) => String::new(),
+            Target::Piece(_) => format!("passes {}, ", self.range(self.goal.passes.unwrap_or(0))),
+        };
+        let before = if passes > 0 { format!(", {passes} passes are there already") } else { String::new() };
+        format!(
+            "{scene}: {width} x {height} pixels, {piece}method {method}, {photons} light paths a pass, {threads} threads{before}"
+        )
+    }
+
+    fn range(&self, passes: u32) -> PassRange {
+        PassRange { start: self.first, end: self.first + passes }
+    }
+
+    /// What earlier renders left: of a piece always, of a picture where the user wants to go on.
+    pub(super) fn begun(&self, resume: bool) -> Result<Begun, Box<dyn Error>> {
+        let new = || Ok(Begun::Film(Film::of_scene(&self.scene)));
+        let path = self.target.shard();
+        let is_piece = matches!(self.target, Target::Piece(_));
+        if !(is_piece || resume) {
+            return new();
+        }
+        if !path.exists() {
+            if resume {
+                say(format!("{} does not exist: this starts with the first pass", path.display()));
+            }
+            return new();
+        }
+        let remedy =
+            if is_piece { "delete it, or choose another --out" } else { "leave --resume out to begin anew" };
+        let (passes, film) = match Shard::open(&path).and_then(|shard| self.passes_of(shard)) {
+            Ok(Ok(found)) => found,
+            Ok(Err(stranger)) => {
+                return Err(Refused(format!("'{}': {stranger}; {remedy}", path.display())).into());
+            }
+            Err(error) if is_piece && error.is_damaged() => {
+                say(format!("{error}: they are rendered again"));
+                return new();
+            }
+            Err(error) if error.is_damaged() => return Err(Refused(format!("{error}; {remedy}")).into()),
+            Err(error) => return Err(error.into()),
+        };
+        let finished = is_piece && Some(passes) == self.goal.passes;
+        Ok(if finished { Begun::Finished } else { Begun::Film(film) })
+    }
+
+    /// A shard's passes, if they are the first ones of this job; else why they are not.
+    #[allow(clippy::type_complexity, reason = "two reasons to refuse a file")]
+    fn passes_of(
+        &self,
+        shard: Shard,
+    ) -> Result<Result<(u32, Film), String>, covbeam_render::shard::ShardError> {
+        if let Some(difference) = shard.origin().difference(&self.origin) {
+            return Ok(Err(format!("it holds passes of another render ({difference})")));
+        }
+        let count = shard.passes().count();
+        let wanted = self.goal.passes.filter(|_| matches!(self.target, Target::Piece(_)));
+        let fits =
+            *shard.passes() == Passes::from(self.range(count)) && wanted.is_none_or(|wanted| count <= wanted);
+        if !fits {
+            let wanted =
+                wanted.map_or_else(|| format!("{}..N", self.first), |wanted| self.range(wanted).to_string());
+            return Ok(Err(format!(
+                "it holds the passes {}, which are not the first ones of {wanted}",
+                shard.passes()
+            )));
+        }
+        let mut film = shard.film();
+        shard.add_to(&mut film)?;
+        Ok(Ok((count, film)))
+    }
+
+    /// Writes the shard that a render goes on from.
+    pub(super) fn save_shard(&self, film: &Film) -> Result<(), OutputError> {
+        write_shard(&self.target.shard(), &self.origin, &self.range(film.passes()).into(), film)
+    }
+}
+
+impl Target {
+    pub(super) fn shard(&self) -> PathBuf {
+        match self {
+            Self::Picture(files) => files.shard(),
+            Self::Piece(path) => path.clone(),
+        }
+    }
+
+    /// All files that will be written.
+    pub(super) fn files(&self) -> Vec<PathBuf> {
+        match self {
+            Self::Picture(files) => files.all(),
+            Self::Piece(path) => vec![path.clone()],
+        }
+    }
+
+    /// What was written, in words.
+    pub(super) fn saved(&self, film: &Film, first: u32) -> String {
+        match self {
+            Self::Picture(files) => files.saved(film),
+            Self::Piece(path) => {
+                let passes = PassRange { start: first, end: first + film.passes() };
+                format!("wrote {} (sums of passes {passes})\n", path.display())
+            }
+        }
+    }
+
+    pub(super) fn hints(&self, args: &RenderArgs) -> String {
+        match self {
+            Self::Picture(files) => files.hints(args),
+            Self::Piece(path) => format!(
+                "\nwhen all pieces are there\n  covbeam merge {} ... --out picture.exr\n      the picture, the same bits as that of one render\n",
+                quoted(path)
+            ),
+        }
+    }
+}
+
+impl fmt::Display for Target {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Picture(files) => write!(f, "{}", files.exr.display()),
+            Self::Piece(path) => write!(f, "{}", path.display()),
+        }
+    }
+}
+
+fn check_ending(path: &Path, ending: &str, why: &str) -> Result<(), Usage> {
+    if path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending)) {
+        return Ok(());
+    }
+    Err(Usage(format!("--out '{}': expected a file name that ends in .{ending} ({why})", path.display())))
+}
+
+/// The scene, its name and its fingerprint.
+fn scene(path: Option<&Path>) -> Result<(Scene, String, String), Box<dyn Error>> {
+    let Some(path) = path else {
+        let here = Path::new(".");
+        let scene = Scene::parse(DEFAULT_SCENE, "built-in scene", here)?;
+        return Ok((scene, DEFAULT_NAME.to_owned(), fingerprint(DEFAULT_SCENE, here)?));
+    };
+    let file = path.display().to_string();
+    let text = read_text(path).map_err(|source| SceneError::Unreadable { file: file.clone(), source })?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let scene = Scene::parse(&text, &file, folder)?;
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    Ok((scene, name, fingerprint(&text, folder)?))
+}
