@@ -13,6 +13,7 @@ use cli::{Cli, Command, CompareArgs, RenderArgs};
 use covbeam_render::compare::{Comparison, compare};
 use covbeam_render::output::read_picture;
 use covbeam_render::progress::Listener;
+use failure::Usage;
 use std::error::Error;
 use std::fmt::Write as _;
 use std::io::{Write as _, stdout};
@@ -60,9 +61,9 @@ fn run_compare(args: &CompareArgs) -> Result<ExitCode, Box<dyn Error>> {
         let region = named.region;
         if region.x1 > picture.width || region.y1 > picture.height {
             let (width, height) = (picture.width, picture.height);
-            return Err(format!(
+            return Err(Usage(format!(
                 "the region {region} reaches beyond the picture of {width} x {height} pixels"
-            )
+            ))
             .into());
         }
         row(&named.name, compare(&picture, &reference, |x, y| region.contains(x, y))?)?;

@@ -1,6 +1,7 @@
 //! `covbeam report`: from scenes to one page, with the numbers beside it.
 
 use crate::cli::ReportArgs;
+use crate::failure::{Refused, Usage};
 use crate::render_command::{DEFAULT_NAME, DEFAULT_SCENE};
 use crate::stop::Stop;
 use covbeam_render::output::{check_writable, replace_file};
@@ -38,10 +39,10 @@ pub(crate) fn run(args: &ReportArgs) -> Result<ExitCode, Box<dyn Error>> {
     }
     let options = options(args);
     if let Some(folder) = options.references.as_ref().filter(|folder| !folder.is_dir()) {
-        return Err(format!(
+        return Err(Usage(format!(
             "there is no folder '{}'; give the one of the references with --references",
             folder.display()
-        )
+        ))
         .into());
     }
     let mut prepared: Vec<(Subject, Option<Reference>)> = Vec::new();
@@ -109,14 +110,14 @@ fn options(args: &ReportArgs) -> Options {
 }
 
 /// The scenes themselves; of a folder, all files in it that end in .toml, by name, but for a Cargo.toml.
-fn scene_files(given: &[PathBuf]) -> Result<Vec<PathBuf>, String> {
+fn scene_files(given: &[PathBuf]) -> Result<Vec<PathBuf>, Refused> {
     let mut files = Vec::new();
     for path in given {
         if !path.is_dir() {
             files.push(path.clone());
             continue;
         }
-        let failed = |error| format!("cannot read the folder '{}': {error}", path.display());
+        let failed = |error| Refused(format!("cannot read the folder '{}': {error}", path.display()));
         let entries: Result<Vec<_>, _> = std::fs::read_dir(path).map_err(failed)?.collect();
         let mut scenes: Vec<PathBuf> = entries.map_err(failed)?.iter().map(std::fs::DirEntry::path).collect();
         let is_scene = |file: &PathBuf| {
@@ -125,10 +126,10 @@ fn scene_files(given: &[PathBuf]) -> Result<Vec<PathBuf>, String> {
         };
         scenes.retain(|file| file.is_file() && is_scene(file));
         if scenes.is_empty() {
-            return Err(format!(
+            return Err(Refused(format!(
                 "the folder '{}' holds no scene (a file that ends in .toml); name scenes or another folder",
                 path.display()
-            ));
+            )));
         }
         scenes.sort();
         files.append(&mut scenes);

@@ -1,6 +1,7 @@
 //! `covbeam spectrum`: the truth test from a scene file to tables and plots on the disk.
 
 use crate::cli::{LineArgument, SpectrumArgs};
+use crate::failure::{Refused, Usage};
 use crate::stop::Stop;
 use covbeam::GridLayout;
 use covbeam_render::output::{check_writable, replace_file};
@@ -31,10 +32,10 @@ pub(crate) fn run(args: &SpectrumArgs) -> Result<ExitCode, Box<dyn Error>> {
     check_places(args, &layout)?;
     if layout.cell_count() > MOST_VOXELS {
         let [x, y, z] = layout.cells;
-        return Err(format!(
+        return Err(Refused(format!(
             "{}: a grid of {x} x {y} x {z} voxels is too large for this test; choose one of at most 128³, with --grid",
             args.scene.display()
-        )
+        ))
         .into());
     }
     let folder = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{name}-spectrum")));
@@ -76,14 +77,16 @@ fn options(args: &SpectrumArgs, scene: &Scene) -> Options {
     }
 }
 
-fn check_places(args: &SpectrumArgs, layout: &GridLayout) -> Result<(), String> {
+fn check_places(args: &SpectrumArgs, layout: &GridLayout) -> Result<(), Usage> {
     let (min, max) = (layout.min, layout.max);
     let inside = |point: &Vec3| point.cmpge(min).all() && point.cmple(max).all();
     let points = args.points.iter().chain(args.lines.iter().flat_map(|line| [&line.from, &line.to]));
     match points.into_iter().find(|point| !inside(point)) {
         None => Ok(()),
         Some(point) => {
-            Err(format!("the point {point} lies outside the scene's grid, which reaches from {min} to {max}"))
+            let text =
+                format!("the point {point} lies outside the scene's grid, which reaches from {min} to {max}");
+            Err(Usage(text))
         }
     }
 }

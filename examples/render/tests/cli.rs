@@ -51,7 +51,10 @@ fn a_render_writes_both_pictures_and_says_what_to_do_next() {
         &text,
         &["ball-adaptive.exr", "ball-adaptive.png", "3 passes", "gather", "core-seconds", "next"],
     );
-    assert_eq!(names(folder.path()), ["ball-adaptive.exr", "ball-adaptive.png", "ball.toml"]);
+    assert_eq!(
+        names(folder.path()),
+        ["ball-adaptive.exr", "ball-adaptive.png", "ball-adaptive.shard", "ball.toml"]
+    );
     let picture = read_picture(&folder.path().join("ball-adaptive.exr")).unwrap();
     assert_eq!((picture.width, picture.height), (24, 16));
     assert!(picture.radiance.iter().any(|v| v.x > 0.0));
@@ -68,6 +71,7 @@ fn maps_of_the_eye_rays_are_written_beside_the_picture() {
         "ball-adaptive-filters.png",
         "ball-adaptive.exr",
         "ball-adaptive.png",
+        "ball-adaptive.shard",
         "ball.toml",
     ];
     assert_eq!(names(folder.path()), files);
@@ -105,7 +109,7 @@ fn light_passes_add_up_to_the_picture() {
 fn flags_that_a_method_has_no_use_for_are_refused() {
     let folder = folder();
     let refused = |flags: &[&str], words: &[&str]| {
-        let text = said(folder.path(), &[&["render", "ball.toml"], flags].concat(), 1);
+        let text = said(folder.path(), &[&["render", "ball.toml"], flags].concat(), 2);
         assert_contains(&text, words);
         assert_eq!(names(folder.path()), ["ball.toml"]);
     };
@@ -142,7 +146,7 @@ fn a_time_limit_is_kept() {
 #[cfg(unix)]
 #[test]
 fn a_signal_stops_a_render_and_keeps_its_picture() {
-    for signal in ["-INT", "-TERM"] {
+    for (signal, code) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
         let folder = folder();
         let mut child = Command::new(env!("CARGO_BIN_EXE_covbeam"))
             .args(["render", "ball.toml", "--passes", "1000000"])
@@ -163,10 +167,76 @@ fn a_signal_stops_a_render_and_keeps_its_picture() {
             );
         }
         assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
-        assert_eq!(child.wait().unwrap().code(), Some(130));
-        assert_eq!(names(folder.path()), ["ball-adaptive.exr", "ball-adaptive.png", "ball.toml"]);
+        assert_eq!(child.wait().unwrap().code(), Some(code));
+        assert_eq!(
+            names(folder.path()),
+            ["ball-adaptive.exr", "ball-adaptive.png", "ball-adaptive.shard", "ball.toml"]
+        );
         read_picture(&folder.path().join("ball-adaptive.exr")).unwrap();
     }
+}
+
+/// Runs a shell's line in which `covbeam` is the program; returns its exit code, and what was said on standard output.
+#[cfg(unix)]
+fn shell(folder: &Path, line: &str) -> (Option<i32>, String) {
+    let program = Path::new(env!("CARGO_BIN_EXE_covbeam"));
+    let path = std::env::join_paths(
+        std::iter::once(program.parent().unwrap().to_owned())
+            .chain(std::env::split_paths(&std::env::var_os("PATH").unwrap())),
+    );
+    let shell = Command::new("bash")
+        .args(["-o", "pipefail", "-c", line])
+        .env("PATH", path.unwrap())
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    (shell.status.code(), String::from_utf8(shell.stdout).unwrap())
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn what_cannot_be_said_costs_no_render() {
+    for line in [
+        "covbeam render ball.toml 2>/dev/full >/dev/full",
+        "covbeam render ball.toml 2>&1 | head -c 1 >/dev/null",
+        "covbeam render ball.toml --progress json | head -c 1 >/dev/null",
+        "covbeam render ball.toml >&- 2>&-",
+    ] {
+        let folder = folder();
+        assert_eq!(shell(folder.path(), line).0, Some(0), "{line}");
+        read_picture(&folder.path().join("ball-adaptive.exr")).unwrap();
+    }
+    // Of a comparison, the words are all.
+    let folder = folder();
+    write_grey(&folder.path().join("a.exr"), 1, &[1.0]);
+    assert_eq!(shell(folder.path(), "covbeam compare a.exr a.exr >/dev/full").0, Some(1));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_program_reads_progress_on_standard_output() {
+    let folder = folder();
+    let (code, text) = shell(folder.path(), "covbeam render ball.toml --passes 5 --progress json");
+    assert_eq!(code, Some(0));
+    let lines: Vec<serde_json::Value> =
+        text.lines().map(|line| serde_json::from_str(line).unwrap_or_else(|_| panic!("{line}"))).collect();
+    let (last, progress) = lines.split_last().unwrap();
+    assert!(progress.iter().all(|line| line["event"] == "progress" && line["passes"] == 5), "{text}");
+    assert!(progress[0]["share"].as_f64().is_some_and(|share| share > 0.0 && share <= 1.0), "{text}");
+    assert_eq!((&last["event"], &last["passes"]), (&"done".into(), &serde_json::json!([0, 5])));
+    assert_eq!(last["files"][0], "ball-adaptive.exr");
+
+    let (code, text) = shell(folder.path(), "covbeam render none.toml --progress json");
+    let line: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!((code, &line["event"], &line["code"]), (Some(3), &"failed".into(), &3.into()));
+    assert_contains(line["message"].as_str().unwrap(), &["none.toml"]);
+
+    let (code, text) = shell(folder.path(), "covbeam render ball.toml --passes 0..3 --progress openjd");
+    assert_eq!(code, Some(0));
+    assert_contains(&text, &["openjd_progress: 100\n", "openjd_status: pass 1 of 3"]);
+    assert!(text.lines().all(|line| line.starts_with("openjd_")), "{text}");
+    let (_, text) = shell(folder.path(), "covbeam merge none.shard --out a.exr --progress openjd");
+    assert!(text.starts_with("openjd_fail: 'none.shard'"), "{text}");
 }
 
 /// A file may grow to nothing, as on a full disk; the signal that would end the program is ignored as a shell can.
@@ -185,9 +255,9 @@ fn a_file_that_cannot_grow_is_reported_and_nothing_is_left() {
 #[test]
 fn a_scene_that_is_missing_or_wrong_is_named() {
     let folder = folder();
-    assert_contains(&said(folder.path(), &["render", "missing.toml"], 1), &["missing.toml"]);
+    assert_contains(&said(folder.path(), &["render", "missing.toml"], 3), &["missing.toml"]);
     fs::write(folder.path().join("bad.toml"), "[camera\n").unwrap();
-    assert_contains(&said(folder.path(), &["render", "bad.toml"], 1), &["bad.toml", "1"]);
+    assert_contains(&said(folder.path(), &["render", "bad.toml"], 3), &["bad.toml", "1"]);
     assert_eq!(names(folder.path()), ["bad.toml", "ball.toml"]);
 }
 
@@ -215,7 +285,7 @@ fn wrong_flags_are_refused_with_what_was_expected() {
         &["--maps", "--every-pixel", "cannot be used with"],
     );
     assert_contains(&render(&["--until", "2"]), &["--until", "0.02 for 2 %"]);
-    assert_contains(&render(&["--passes", "0"]), &["--passes", "0 is not in"]);
+    assert_contains(&render(&["--passes", "0"]), &["--passes", "above 0, or A..B"]);
     assert_contains(&render(&["--photons", "0"]), &["--photons", "0 is not in"]);
     for time in ["0", "-1", "nan", "inf", "soon"] {
         assert_contains(&render(&["--time", time]), &["--time", "seconds above 0"]);
@@ -233,7 +303,7 @@ fn the_help_teaches_by_examples() {
     assert_contains(&said(folder.path(), &["--help"], 0), &["Examples:", "covbeam compare", "Ctrl-C"]);
     assert_contains(
         &said(folder.path(), &["render", "--help"], 0),
-        &["--method", "light-trace", "[default: adaptive]"],
+        &["--method", "light-trace", "[default: adaptive]", "The picture:", "How long, and which passes:"],
     );
 }
 
@@ -262,10 +332,10 @@ fn pictures_that_cannot_be_compared_are_refused() {
     write_grey(&path("a.exr"), 2, &[1.0; 4]);
     write_grey(&path("wide.exr"), 4, &[1.0; 4]);
     let compare = |more: &[&str], code| said(folder.path(), &[&["compare"], more].concat(), code);
-    assert_contains(&compare(&["a.exr", "wide.exr"], 1), &["2 x 2", "4 x 1", "same size"]);
-    assert_contains(&compare(&["a.exr", "missing.exr"], 1), &["missing.exr"]);
-    assert_contains(&compare(&["a.exr", "ball.toml"], 1), &["ball.toml", "OpenEXR"]);
-    assert_contains(&compare(&["a.exr", "a.exr", "--region", "0,0,3,1"], 1), &["0,0,3,1", "2 x 2"]);
+    assert_contains(&compare(&["a.exr", "wide.exr"], 3), &["2 x 2", "4 x 1", "same size"]);
+    assert_contains(&compare(&["a.exr", "missing.exr"], 3), &["missing.exr"]);
+    assert_contains(&compare(&["a.exr", "ball.toml"], 3), &["ball.toml", "OpenEXR"]);
+    assert_contains(&compare(&["a.exr", "a.exr", "--region", "0,0,3,1"], 2), &["0,0,3,1", "2 x 2"]);
     assert_contains(&compare(&["a.exr", "a.exr", "--region", "1,1,1,2"], 2), &["empty"]);
     assert_contains(&compare(&["a.exr", "a.exr", "--region", "-1,0,1,2"], 2), &["x0,y0,x1,y1"]);
     assert_contains(&compare(&["a.exr"], 2), &["R.exr"]);
@@ -310,7 +380,7 @@ fn a_picture_that_memory_cannot_hold_is_refused_before_the_work() {
     let script = format!("ulimit -v 8000000; exec '{program}' render huge.toml --passes 1");
     let output = Command::new("sh").args(["-c", &script]).current_dir(folder.path()).output().unwrap();
     let text = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert_eq!(output.status.code(), Some(3), "{text}");
     assert_contains(&text, &["16384 x 16384", "GB of memory", "available", "camera.width"]);
     assert!(!folder.path().join("huge-adaptive.exr").exists());
 }

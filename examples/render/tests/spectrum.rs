@@ -70,14 +70,14 @@ fn bad_input_is_refused_with_what_was_expected_and_nothing_is_written() {
         (&["--line", "0,0,0:0,0,0"], 2, &["no length"]),
         (&["--line", "0,0,0:0,0,nan"], 2, &["three finite numbers"]),
         (&["--point", "0,0"], 2, &["three finite numbers"]),
-        (&["--point", "0,0,40"], 1, &["[0, 0, 40]", "outside the scene's grid", "[-4, -1.5, -6]"]),
-        (&["--line", "0,0,0:0,9,0"], 1, &["[0, 9, 0]", "outside the scene's grid"]),
+        (&["--point", "0,0,40"], 2, &["[0, 0, 40]", "outside the scene's grid", "[-4, -1.5, -6]"]),
+        (&["--line", "0,0,0:0,9,0"], 2, &["[0, 9, 0]", "outside the scene's grid"]),
         (&["--out", "ball.toml"], 1, &["ball.toml", "--out"]),
     ] {
         let text = said(folder.path(), &[&["ball.toml"], arguments].concat(), code);
         assert_contains(&text, parts);
     }
-    assert_contains(&said(folder.path(), &["none.toml"], 1), &["none.toml"]);
+    assert_contains(&said(folder.path(), &["none.toml"], 3), &["none.toml"]);
     assert_contains(&said(folder.path(), &[], 2), &["SCENE.toml"]);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "only the scene is there");
 }
@@ -89,7 +89,7 @@ fn a_grid_that_is_too_large_for_the_test_is_refused_before_it_is_measured() {
     let large = scene.replace("cells = [32, 32, 32]", "cells = [250, 250, 250]");
     assert_ne!(large, scene);
     fs::write(folder.path().join("large.toml"), large).unwrap();
-    let text = said(folder.path(), &["large.toml"], 1);
+    let text = said(folder.path(), &["large.toml"], 3);
     assert_contains(&text, &["large.toml", "250 x 250 x 250", "--grid"]);
 }
 
