@@ -42,6 +42,8 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Render a scene to an EXR, with a PNG preview beside it
     Render(RenderArgs),
+    /// Trace what pieces of a picture need of earlier passes, once for all of them
+    Prepare(PrepareArgs),
     /// Add up pieces of a picture that were rendered apart
     Merge(MergeArgs),
     /// Say how far a picture is from a reference
@@ -52,8 +54,9 @@ pub(crate) enum Command {
     Report(ReportArgs),
 }
 
+/// What makes a picture what it is: the same in all pieces of it.
 #[derive(Args, Debug, Default)]
-pub(crate) struct RenderArgs {
+pub(crate) struct PictureArgs {
     /// The scene file; without it the built-in glass ball
     #[arg(value_name = "SCENE.toml")]
     pub(crate) scene: Option<PathBuf>,
@@ -64,6 +67,10 @@ pub(crate) struct RenderArgs {
     /// and filter between them
     #[arg(long, help_heading = PICTURE)]
     pub(crate) every_pixel: bool,
+    /// Keep the light of each kind apart, as layers of the picture's file that add up to it: straight (from lamps), focused (by mirrors and
+    /// glass), scattered (by fog and surfaces). Needs 310 bytes a pixel more memory
+    #[arg(long, help_heading = PICTURE)]
+    pub(crate) light_passes: bool,
     /// Light paths a pass [default: the scene's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), help_heading = PICTURE)]
     pub(crate) photons: Option<u32>,
@@ -74,6 +81,12 @@ pub(crate) struct RenderArgs {
     /// Another seed gives another noise, the same seed the same bits [default: the scene's]
     #[arg(long, value_name = "N", help_heading = PICTURE)]
     pub(crate) seed: Option<u32>,
+}
+
+#[derive(Args, Debug, Default)]
+pub(crate) struct RenderArgs {
+    #[command(flatten)]
+    pub(crate) picture: PictureArgs,
     /// Stop after this many passes; A..B = only passes A to B - 1, counted from 0, into a shard for `covbeam merge`: a piece of a picture,
     /// which goes on from one that is there, and is done at once if that has them all [default: the scene's, unless --time or --until says
     /// when to stop]
@@ -100,10 +113,9 @@ pub(crate) struct RenderArgs {
     /// Write maps of the eye rays beside the picture: NAME-density.png and NAME-filters.png
     #[arg(long, conflicts_with = "every_pixel", help_heading = FILES)]
     pub(crate) maps: bool,
-    /// Write the light of each kind into the picture's file too, as layers that add up to it: straight (from lamps), focused (by mirrors and
-    /// glass), scattered (by fog and surfaces). Needs 310 bytes a pixel more memory
-    #[arg(long, help_heading = FILES)]
-    pub(crate) light_passes: bool,
+    /// Light fields of earlier passes, which `covbeam prepare` wrote: a piece reads them instead of tracing them again
+    #[arg(long, value_name = "F.fields", help_heading = FILES)]
+    pub(crate) fields: Option<PathBuf>,
     /// Threads; 0 = one for each core. The picture is the same bits for any number
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024), help_heading = MACHINE)]
     pub(crate) threads: u32,
@@ -167,6 +179,34 @@ impl ProgressName {
             Self::Openjd => Listener::Openjd,
         }
     }
+}
+
+const PREPARE_HELP: &str = "\
+A pass of the methods adaptive and march needs the light fields of earlier ones: without this file a piece traces them again,
+some hundredths of a second for each of the passes 0 to 7, 15, 23, 31, ... before it. Worth it where many machines make few
+passes each.
+
+Examples:
+  covbeam prepare scene.toml --passes 512 --out scene.fields
+  covbeam render scene.toml --fields scene.fields --passes 504..512 --out 63.shard";
+
+#[derive(Args, Debug)]
+#[command(after_help = PREPARE_HELP)]
+pub(crate) struct PrepareArgs {
+    #[command(flatten)]
+    pub(crate) picture: PictureArgs,
+    /// Passes of the whole picture [default: the scene's]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) passes: Option<u32>,
+    /// The file to write [default: SCENE-METHOD.fields in the current folder]
+    #[arg(long, value_name = "F.fields")]
+    pub(crate) out: Option<PathBuf>,
+    /// Threads; 0 = one for each core. The file is the same bits for any number
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024))]
+    pub(crate) threads: u32,
+    /// Whom progress is for
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) progress: ProgressName,
 }
 
 const MERGE_HELP: &str = "\

@@ -4,7 +4,8 @@ use covbeam_render::compare::CompareError;
 use covbeam_render::output::OutputError;
 use covbeam_render::report::ReferenceError;
 use covbeam_render::scene_file::SceneError;
-use covbeam_render::shard::{FingerprintError, ShardError};
+use covbeam_render::shard::FingerprintError;
+use covbeam_render::stored::StoredError;
 use std::error::Error;
 
 /// Something went wrong that may go right another time.
@@ -28,7 +29,7 @@ pub(crate) struct Refused(pub(crate) String);
 pub(crate) fn exit_code(error: &(dyn Error + 'static)) -> u8 {
     let refused = error.is::<Refused>()
         || error.is::<SceneError>()
-        || error.is::<ShardError>()
+        || error.is::<StoredError>()
         || error.is::<FingerprintError>()
         || error.is::<CompareError>()
         || matches!(error.downcast_ref(), Some(OutputError::Read { .. }))

@@ -50,6 +50,22 @@ impl Grids {
         self.deposited
     }
 
+    /// All light fields so far, by layer.
+    pub(crate) fn state(&self) -> Vec<Vec<GridCell>> {
+        self.layers.iter().map(|grid| grid.cells.clone()).collect()
+    }
+
+    /// Replaces all light fields by those after pass `after`; false = they are of other grids.
+    pub(crate) fn restore(&mut self, after: u32, layers: Vec<Vec<GridCell>>) -> bool {
+        let fits = layers.len() == self.layers.len()
+            && layers.iter().zip(&self.layers).all(|(new, old)| new.len() == old.cells.len());
+        if fits {
+            self.layers.iter_mut().zip(layers).for_each(|(grid, cells)| grid.cells = cells);
+            self.deposited = after;
+        }
+        fits
+    }
+
     /// Forgets all light fields.
     pub(crate) fn clear(&mut self) {
         self.layers.iter_mut().for_each(|grid| grid.cells.fill(GridCell::default()));

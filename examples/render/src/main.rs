@@ -3,6 +3,7 @@
 mod cli;
 mod failure;
 mod merge_command;
+mod prepare_command;
 mod render_command;
 mod report_command;
 mod spectrum_command;
@@ -29,11 +30,13 @@ fn main() -> ExitCode {
     let command = Cli::parse().command.unwrap_or(Command::Render(first_look));
     let listener = match &command {
         Command::Render(args) => args.progress.listener(),
+        Command::Prepare(args) => args.progress.listener(),
         Command::Merge(args) => args.progress.listener(),
         Command::Compare(_) | Command::Spectrum(_) | Command::Report(_) => Listener::Person,
     };
     let done = match &command {
         Command::Render(args) => render_command::run(args),
+        Command::Prepare(args) => prepare_command::run(args),
         Command::Merge(args) => merge_command::run(args),
         Command::Compare(args) => run_compare(args),
         Command::Spectrum(args) => spectrum_command::run(args),

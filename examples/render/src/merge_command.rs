@@ -2,7 +2,7 @@
 
 use crate::cli::MergeArgs;
 use crate::failure::{Refused, Usage};
-use covbeam_render::output::{RenderInfo, check_writable, write_exr, write_png};
+use covbeam_render::output::{check_writable, write_exr, write_png};
 use covbeam_render::progress::{Display, Standing, seconds};
 use covbeam_render::shard::{PassRange, Passes, Shard, write_shard};
 use serde_json::json;
@@ -60,14 +60,7 @@ pub(crate) fn run(args: &MergeArgs) -> Result<ExitCode, Box<dyn Error>> {
     let mut text = format!("merged {count} shards, passes {passes}, in {}\n", seconds(start.elapsed()));
     if is_picture {
         let picture = pool.install(|| film.picture());
-        let info = RenderInfo {
-            method: origin.method.clone(),
-            passes: film.passes(),
-            photons: origin.photons,
-            seed: origin.seed,
-            scene: origin.scene.clone(),
-        };
-        write_exr(out, &picture, &info)?;
+        write_exr(out, &picture, &origin.info(film.passes()))?;
         write_png(&png, &picture)?;
         text += &format!(
             "wrote {} (linear radiance and layers) and {} (preview)\n",

@@ -17,7 +17,7 @@ use crate::scene::Scene;
 use crate::straight::{Straight, is_left_to_beams};
 use crate::surface::SurfaceMap;
 use crate::view::{LayerView, View, pixel_offset};
-use covbeam::{Beam, BeamMap, FluenceCell, FluenceGrid, GridLayout, Kernel, Medium, error_bound};
+use covbeam::{Beam, BeamMap, FluenceCell, FluenceGrid, GridCell, GridLayout, Kernel, Medium, error_bound};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::AddAssign;
@@ -118,6 +118,15 @@ impl AddAssign for PassTimes {
         self.pairs += other.pairs;
         self.shadow_rays += other.shadow_rays;
     }
+}
+
+/// The light fields in the voxels after a pass.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldState {
+    /// The pass, counted from 1: its own and those of all before.
+    pub after: u32,
+    /// By layer of light.
+    pub layers: Vec<Vec<GridCell>>,
 }
 
 /// Renders passes of one scene with one method.
@@ -370,6 +379,24 @@ impl<'a> Renderer<'a> {
         Some(())
     }
 
+    /// The next pass up to `passes` whose light fields are not in the grids yet; None: they are all there, or the method has none.
+    pub fn next_fields(&self, passes: u32) -> Option<u32> {
+        let has_fields = matches!(self.method, Method::Adaptive | Method::March);
+        (has_fields && self.grids.deposited() < latest_field_pass(passes))
+            .then(|| next_field_pass(self.grids.deposited()))
+    }
+
+    /// Traces the light fields of that pass; None = cancelled.
+    pub fn trace_fields(&mut self, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<FieldState> {
+        self.add_light_fields(cancelled)?;
+        Some(FieldState { after: self.grids.deposited(), layers: self.grids.state() })
+    }
+
+    /// Goes on from these light fields, as if this renderer had traced them; false = they are of another scene's grid.
+    pub fn restore_fields(&mut self, state: FieldState) -> bool {
+        self.grids.restore(state.after, state.layers)
+    }
+
     /// The spectra that the adaptive method looks up in pass `passes`, without rendering. `report` is called with the number
     /// of light paths of each pass with light fields done; it answers false to give up, and then None is returned.
     pub fn spectra(mut self, passes: u32, report: &dyn Fn(u32) -> bool) -> Option<Vec<FluenceCell>> {
@@ -558,7 +585,7 @@ pub fn field_passes(passes: u32) -> u32 {
 }
 
 /// The last pass up to `index` whose paths carry light fields; 0 = none.
-fn latest_field_pass(index: u32) -> u32 {
+pub(crate) fn latest_field_pass(index: u32) -> u32 {
     if index <= FIRST_FIELD_PASSES { index } else { index - index % FIELD_PASS_EVERY }
 }
 

@@ -1,24 +1,28 @@
 //! `covbeam render`: from a scene file to pictures on the disk, telling the user what happens.
 
 mod files;
-mod job;
+pub(crate) mod job;
 mod saving;
 
-use crate::cli::{MethodName, PassesArgument, RenderArgs};
+use crate::cli::{MethodName, PassesArgument, PictureArgs, RenderArgs};
 use crate::failure::{Refused, Usage};
 use crate::stop::Stop;
+use covbeam_render::kind::Split;
 use covbeam_render::march::Marching;
 use covbeam_render::memory;
 use covbeam_render::output::check_writable;
 use covbeam_render::pass::Renderer;
+use covbeam_render::prepared::read_prepared;
 use covbeam_render::progress::{Display, Standing, say, seconds};
 use covbeam_render::render::{End, Goal, Progress, RenderError, render};
 use covbeam_render::scene::Scene;
+use covbeam_render::shard::Origin;
 use cpu_time::ProcessTime;
 use job::{Begun, Job};
 use saving::Saving;
 use serde_json::json;
 use std::error::Error;
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -41,18 +45,21 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
         return Ok(ExitCode::SUCCESS);
     };
     job.target.files().iter().try_for_each(|path| check_writable(path))?;
-    check_memory(&job.scene, job.origin.photons, args.light_passes)?;
+    check_memory(&job.scene, job.origin.photons, args.picture.light_passes)?;
 
     let stop = Stop::on_signals()?;
     let cancelled = || stop.is_asked();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads as usize).build()?;
     say(job.title(pool.current_num_threads(), film.passes()));
-    let mut renderer = pool.install(|| renderer(&job, args));
-    if args.light_passes {
-        let split = renderer.keep_kinds();
-        if film.passes() == 0 {
-            film.keep_kinds(split);
-        }
+    let mut renderer = pool.install(|| renderer(&job.scene, &job.origin, &args.picture));
+    if args.picture.method.plans_eye_rays() && !args.picture.every_pixel {
+        pool.install(|| renderer.plan_eye_rays());
+    }
+    if args.picture.light_passes && film.passes() == 0 {
+        film.keep_kinds(Split::of_each_kind(&job.scene));
+    }
+    if let Some(path) = &args.fields {
+        read_fields(path, &job, film.passes(), &mut renderer)?;
     }
     let display = Display::for_listener(listener);
     let mut saving = Saving::new(&job, args.checkpoint);
@@ -87,17 +94,32 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
     Ok(if end == End::Cancelled { stop.exit_code() } else { ExitCode::SUCCESS })
 }
 
-fn renderer<'a>(job: &'a Job, args: &RenderArgs) -> Renderer<'a> {
-    let mut renderer = Renderer::new(&job.scene, args.method.method(), job.origin.photons, job.origin.seed);
+/// What makes the passes of a picture; eye rays are not planned yet.
+pub(crate) fn renderer<'a>(scene: &'a Scene, origin: &Origin, args: &PictureArgs) -> Renderer<'a> {
+    let mut renderer = Renderer::new(scene, args.method.method(), origin.photons, origin.seed);
     if matches!(args.method, MethodName::Adaptive) {
         renderer.light_by_kind();
     }
-    if args.method.plans_eye_rays() && !args.every_pixel {
-        renderer.plan_eye_rays();
+    if args.light_passes {
+        renderer.keep_kinds();
     }
     let marching = Marching::default();
-    renderer.march_as(Marching { samples: job.origin.samples.unwrap_or(marching.samples), ..marching });
+    renderer.march_as(Marching { samples: origin.samples.unwrap_or(marching.samples), ..marching });
     renderer
+}
+
+/// The light fields of the passes before the first one that is missing.
+fn read_fields(path: &Path, job: &Job, passes: u32, renderer: &mut Renderer) -> Result<(), Box<dyn Error>> {
+    let refused =
+        |why: String| Refused(format!("'{}': {why}; make it with `covbeam prepare`", path.display()));
+    match read_prepared(path, &job.origin, job.first + passes + 1) {
+        Ok(state) => match state.is_none_or(|state| renderer.restore_fields(state)) {
+            true => Ok(()),
+            false => Err(refused("it is of another grid".to_owned()).into()),
+        },
+        Err(Ok(why)) => Err(refused(why).into()),
+        Err(Err(error)) => Err(error.into()),
+    }
 }
 
 /// Tells the user where the render stands.
@@ -169,23 +191,31 @@ fn check_memory(scene: &Scene, photons: u32, kinds: bool) -> Result<(), Refused>
     )))
 }
 
-/// Refuses flags that the method would ignore.
-fn check_flags(args: &RenderArgs) -> Result<(), Usage> {
-    let planned = args.method.plans_eye_rays();
-    let march = matches!(args.method, MethodName::March);
-    let adaptive = matches!(args.method, MethodName::Adaptive);
-    for (given, flag, used, users) in [
-        (args.maps, "--maps", planned, "adaptive and march"),
-        (args.every_pixel, "--every-pixel", planned, "adaptive and march"),
-        (args.light_passes, "--light-passes", adaptive, "adaptive"),
-        (args.samples.is_some(), "--samples", march, "march"),
-    ] {
+/// Refuses flags that the method would ignore, and those of `planned` where no eye rays are planned.
+pub(crate) fn check_method(args: &PictureArgs, planned: &[(bool, &'static str)]) -> Result<(), Usage> {
+    let plans = args.method.plans_eye_rays();
+    let planned = planned.iter().map(|(given, flag)| (*given, *flag, plans, "adaptive and march"));
+    let others = [
+        (args.every_pixel, "--every-pixel", plans, "adaptive and march"),
+        (args.light_passes, "--light-passes", matches!(args.method, MethodName::Adaptive), "adaptive"),
+        (args.samples.is_some(), "--samples", matches!(args.method, MethodName::March), "march"),
+    ];
+    for (given, flag, used, users) in planned.chain(others) {
         if given && !used {
             let method = args.method.name();
             return Err(Usage(format!(
                 "{flag} means nothing to the method {method}; leave it out, or choose {users}"
             )));
         }
+    }
+    Ok(())
+}
+
+/// Refuses flags that mean nothing together.
+fn check_flags(args: &RenderArgs) -> Result<(), Usage> {
+    check_method(&args.picture, &[(args.maps, "--maps"), (args.fields.is_some(), "--fields")])?;
+    if args.maps && args.picture.every_pixel {
+        return Err(Usage("--maps cannot be used with --every-pixel: there are none then".to_owned()));
     }
     let piece = args.passes.and_then(PassesArgument::range);
     for (given, flag) in [

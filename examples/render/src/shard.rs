@@ -1,7 +1,4 @@
 //! Some passes of a picture in a file: exact sums, that other passes can be added to with the same bits in any order and grouping.
-//!
-//! A file holds `covshard`, the number of its format, the length and the CRC-32 of a header, the header as JSON, and the film's records: each
-//! with its length and its CRC-32, which begins with the header's and the record's place. All numbers are little-endian.
 
 mod fingerprint;
 mod passes;
@@ -10,17 +7,14 @@ pub(crate) mod planes;
 pub use fingerprint::{FingerprintError, fingerprint};
 pub use passes::{PassRange, Passes};
 
-use crate::film::{Film, FilmLayout, Unfit};
-use crate::output::{OutputError, replace_file};
+use crate::film::{Film, FilmLayout};
+use crate::output::{OutputError, RenderInfo, replace_file};
+use crate::stored::{Kind, Reason, Records, StoredError, open, write_header, write_record};
 use serde::{Deserialize, Serialize};
-use std::fs::File;
-use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
-const MAGIC: &[u8; 8] = b"covshard";
-const FORMAT: u32 = 1;
-/// Most bytes of a header: that of a thousand pieces has some ten thousand.
-const MOST_HEADER: u32 = 1 << 24;
+const KIND: Kind =
+    Kind { magic: b"covshard", format: 1, name: "shard", writers: "`covbeam render` or `covbeam merge`" };
 
 /// What all passes of a picture have in common: those of another origin are not added to them.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -50,6 +44,12 @@ pub struct Origin {
 }
 
 impl Origin {
+    /// What is written into a picture of so many passes.
+    pub fn info(&self, passes: u32) -> RenderInfo {
+        let Self { method, photons, seed, scene, .. } = self;
+        RenderInfo { method: method.clone(), passes, photons: *photons, seed: *seed, scene: scene.clone() }
+    }
+
     /// What is different in `other`, in words; None: nothing.
     pub fn difference(&self, other: &Self) -> Option<String> {
         let size = |origin: &Self| format!("{} x {} pixels", origin.width, origin.height);
@@ -81,48 +81,6 @@ struct Header {
     film: FilmLayout,
 }
 
-/// Why a shard is refused.
-#[derive(Debug, thiserror::Error)]
-#[error("'{path}': {reason}")]
-pub struct ShardError {
-    path: PathBuf,
-    reason: Reason,
-}
-
-impl ShardError {
-    /// Whether the file was a shard once.
-    pub fn is_damaged(&self) -> bool {
-        matches!(self.reason, Reason::Damaged(_))
-    }
-}
-
-#[derive(Debug, thiserror::Error)]
-enum Reason {
-    #[error("cannot be read: {0}")]
-    Io(#[from] io::Error),
-    #[error("is no shard; expected a file that `covbeam render` or `covbeam merge` wrote")]
-    NoShard,
-    #[error(
-        "has format {0}, and this program reads format {FORMAT}; use the version of covbeam that wrote it"
-    )]
-    Format(u32),
-    #[error("is damaged ({0}); render its passes again")]
-    Damaged(&'static str),
-    #[error("has changed since its header was read; begin again when nothing writes it")]
-    Changed,
-    #[error("its sums are of another kind of film; render its passes again with this version of covbeam")]
-    Misfit,
-}
-
-impl From<Unfit> for Reason {
-    fn from(unfit: Unfit) -> Self {
-        match unfit {
-            Unfit::Layout => Self::Misfit,
-            Unfit::Bytes => Self::Damaged("a record holds no sums"),
-        }
-    }
-}
-
 /// Writes the sums of some passes: the whole file or nothing of it. The same sums give the same bytes.
 ///
 /// # Errors
@@ -130,29 +88,13 @@ impl From<Unfit> for Reason {
 pub fn write_shard(path: &Path, origin: &Origin, passes: &Passes, film: &Film) -> Result<(), OutputError> {
     let header = Header { origin: origin.clone(), passes: passes.clone(), film: film.layout() };
     replace_file(path, |file| {
-        let header = serde_json::to_vec(&header)?;
-        let crc = crc32fast::hash(&header);
-        file.write_all(MAGIC)?;
-        for number in [FORMAT, header.len() as u32, crc] {
-            file.write_all(&number.to_le_bytes())?;
-        }
-        file.write_all(&header)?;
+        let crc = write_header(file, &KIND, &header)?;
         let mut place = 0;
         film.store(|record| {
-            file.write_all(&(record.len() as u32).to_le_bytes())?;
-            file.write_all(&record_crc(crc, place, record).to_le_bytes())?;
             place += 1;
-            file.write_all(record)
+            write_record(file, crc, place - 1, record)
         })
     })
-}
-
-/// Of a record: also tells another shard's, or another place's.
-fn record_crc(header: u32, place: u32, record: &[u8]) -> u32 {
-    let mut hasher = crc32fast::Hasher::new_with_initial(header);
-    hasher.update(&place.to_le_bytes());
-    hasher.update(record);
-    hasher.finalize()
 }
 
 /// A shard whose header was read. Its file is closed: there may be more shards than files that may be open.
@@ -167,10 +109,9 @@ impl Shard {
     ///
     /// # Errors
     /// A file that cannot be read, is no shard, or is damaged.
-    pub fn open(path: &Path) -> Result<Self, ShardError> {
-        let read = open(path).and_then(|mut file| read_header(&mut file));
-        let (header, crc) = read.map_err(|reason| ShardError { path: path.to_owned(), reason })?;
-        Ok(Self { path: path.to_owned(), header, crc })
+    pub fn open(path: &Path) -> Result<Self, StoredError> {
+        let (header, records) = open_sound(path).map_err(|reason| StoredError::new(path, reason))?;
+        Ok(Self { path: path.to_owned(), header, crc: records.header })
     }
 
     /// The file.
@@ -197,85 +138,28 @@ impl Shard {
     ///
     /// # Errors
     /// A file that cannot be read, is damaged, has changed, or holds sums of another kind of film. The film is of no use then.
-    pub fn add_to(&self, film: &mut Film) -> Result<(), ShardError> {
-        self.add_records(film).map_err(|reason| ShardError { path: self.path.clone(), reason })
+    pub fn add_to(&self, film: &mut Film) -> Result<(), StoredError> {
+        self.add_records(film).map_err(|reason| StoredError::new(&self.path, reason))
     }
 
     fn add_records(&self, film: &mut Film) -> Result<(), Reason> {
-        let mut file = open(&self.path)?;
-        if read_header(&mut file)?.1 != self.crc {
+        let (_, mut records) = open_sound(&self.path)?;
+        if records.header != self.crc {
             return Err(Reason::Changed);
         }
         let Header { passes, film: layout, .. } = &self.header;
-        let (mut place, most) = (0, layout.most_bytes());
-        film.add_stored(layout, [passes.count(), passes.odd_count()], || {
-            let record = read_record(&mut file, most, self.crc, place)?;
-            place += 1;
-            Ok::<_, Reason>(record)
-        })?;
-        match file.read(&mut [0])? {
-            0 => Ok(()),
-            _ => Err(Reason::Damaged("it goes on after its end")),
-        }
+        let most = layout.most_bytes();
+        film.add_stored(layout, [passes.count(), passes.odd_count()], || records.next(most))?;
+        records.end()
     }
 }
 
-fn open(path: &Path) -> Result<BufReader<File>, Reason> {
-    Ok(BufReader::new(File::open(path)?))
-}
-
-fn read_header(file: &mut impl Read) -> Result<(Header, u32), Reason> {
-    let mut magic = [0; 8];
-    match file.read_exact(&mut magic) {
-        Err(error) if error.kind() != io::ErrorKind::UnexpectedEof => return Err(error.into()),
-        read => read.map_err(|_| Reason::NoShard)?,
-    }
-    if magic != *MAGIC {
-        return Err(Reason::NoShard);
-    }
-    let format = read_number(file)?;
-    if format != FORMAT {
-        return Err(Reason::Format(format));
-    }
-    let (length, crc) = (read_number(file)?, read_number(file)?);
-    if length > MOST_HEADER {
-        return Err(Reason::Damaged("its header is too long"));
-    }
-    let bytes = read_bytes(file, length)?;
-    if crc32fast::hash(&bytes) != crc {
-        return Err(Reason::Damaged("its header"));
-    }
-    let header: Header =
-        serde_json::from_slice(&bytes).map_err(|_| Reason::Damaged("its header's fields"))?;
+fn open_sound(path: &Path) -> Result<(Header, Records), Reason> {
+    let (header, records) = open::<Header>(path, &KIND)?;
     let Header { origin, passes, film } = &header;
     let sound = passes.are_sound()
         && passes.count() > 0
         && film.is_sound()
         && film.is_of(origin.width, origin.height);
-    if sound { Ok((header, crc)) } else { Err(Reason::Damaged("its header's numbers")) }
-}
-
-fn read_record(file: &mut impl Read, most: usize, header: u32, place: u32) -> Result<Vec<u8>, Reason> {
-    let (length, crc) = (read_number(file)?, read_number(file)?);
-    if length as usize > most {
-        return Err(Reason::Damaged("a record is too long"));
-    }
-    let record = read_bytes(file, length)?;
-    if record_crc(header, place, &record) == crc { Ok(record) } else { Err(Reason::Damaged("a record")) }
-}
-
-fn read_number(file: &mut impl Read) -> Result<u32, Reason> {
-    let mut bytes = [0; 4];
-    file.read_exact(&mut bytes).map_err(cut)?;
-    Ok(u32::from_le_bytes(bytes))
-}
-
-fn read_bytes(file: &mut impl Read, length: u32) -> Result<Vec<u8>, Reason> {
-    let mut bytes = Vec::new();
-    let read = file.take(length.into()).read_to_end(&mut bytes)?;
-    if read == length as usize { Ok(bytes) } else { Err(Reason::Damaged("it is cut off")) }
-}
-
-fn cut(error: io::Error) -> Reason {
-    if error.kind() == io::ErrorKind::UnexpectedEof { Reason::Damaged("it is cut off") } else { error.into() }
+    if sound { Ok((header, records)) } else { Err(Reason::Damaged("its header's numbers")) }
 }

@@ -97,6 +97,45 @@ fn pieces_in_any_order_and_groups_are_the_picture_of_one_render() {
 }
 
 #[test]
+fn light_fields_from_a_file_give_the_same_passes() {
+    for flags in
+        [&["--method", "adaptive"][..], &["--light-passes"], &["--method", "march", "--samples", "2"]]
+    {
+        let folder = folder();
+        let folder = folder.path();
+        let prepare = |more: &[&str], code: i32| {
+            said(folder, &[&["prepare", "ball.toml", "--photons", "300"], flags, more].concat(), code)
+        };
+        assert_contains(&prepare(&["--passes", "20", "--out", "a.fields"], 0), &["9 passes", "0..20"]);
+        for (number, passes) in ["0..1", "1..3", "8..9", "15..18", "19..20"].into_iter().enumerate() {
+            let (own, read) = (format!("{number}.shard"), format!("{number}-read.shard"));
+            piece(folder, passes, &own, flags);
+            piece(folder, passes, &read, &[flags, &["--fields", "a.fields"]].concat());
+            let bytes = |name: &str| fs::read(folder.join(name)).unwrap();
+            assert!(bytes(&own) == bytes(&read), "{flags:?} {passes}");
+        }
+        let refused = |more: &[&str], parts: &[&str]| {
+            let out = ["ball.toml", "--out", "no.shard", "--fields", "a.fields"];
+            assert_contains(&render(folder, &[&out, flags, more].concat(), 3), parts);
+            assert!(!folder.join("no.shard").exists());
+        };
+        refused(&["--passes", "21..22"], &["a.fields", "serves passes 0..20", "covbeam prepare"]);
+        refused(&["--passes", "3..4", "--seed", "2"], &["a.fields", "seed 1, not 2"]);
+        // A bit of each part that is read.
+        let good = fs::read(folder.join("a.fields")).unwrap();
+        for at in [3, 9, 13, 17, 40, good.len() - 5] {
+            let mut bad = good.clone();
+            bad[at] ^= 4;
+            fs::write(folder.join("a.fields"), bad).unwrap();
+            refused(&["--passes", "19..20"], &["a.fields"]);
+        }
+    }
+    let folder = folder();
+    let text = said(folder.path(), &["prepare", "ball.toml", "--method", "ppb"], 2);
+    assert_contains(&text, &["ppb", "nothing to prepare"]);
+}
+
+#[test]
 fn a_finished_piece_is_done_at_once_and_a_begun_one_is_gone_on_with() {
     let folder = folder();
     let folder = folder.path();

@@ -71,8 +71,8 @@ impl Files {
     pub(super) fn hints(&self, args: &RenderArgs) -> String {
         // Started by `cargo run`, the program is not on the user's path.
         let covbeam = if std::env::var_os("CARGO").is_some() { "cargo run --release --" } else { "covbeam" };
-        let scene = args.scene.as_deref().map_or(String::new(), |path| format!(" {}", quoted(path)));
-        let (other, about) = match args.method {
+        let scene = args.picture.scene.as_deref().map_or(String::new(), |path| format!(" {}", quoted(path)));
+        let (other, about) = match args.picture.method {
             MethodName::Adaptive => ("ppb", "the same without frequency analysis"),
             MethodName::Ppb | MethodName::LightTrace | MethodName::March => {
                 ("adaptive", "the same with frequency analysis")

@@ -2,11 +2,11 @@
 
 use super::files::{Files, quoted};
 use super::{DEFAULT_NAME, DEFAULT_SCENE};
-use crate::cli::{MethodName, PassesArgument, RenderArgs};
+use crate::cli::{MethodName, PassesArgument, PictureArgs, RenderArgs};
 use crate::failure::{Refused, Usage};
 use covbeam_render::film::Film;
 use covbeam_render::march::Marching;
-use covbeam_render::output::{OutputError, RenderInfo};
+use covbeam_render::output::OutputError;
 use covbeam_render::progress::say;
 use covbeam_render::render::Goal;
 use covbeam_render::scene::Scene;
@@ -43,24 +43,8 @@ pub(super) enum Begun {
 
 impl Job {
     pub(super) fn new(args: &RenderArgs) -> Result<Self, Box<dyn Error>> {
-        let (scene, name, fingerprint) = scene(args.scene.as_deref())?;
-        let method = args.method.name().to_owned();
-        let photons = args.photons.unwrap_or(scene.settings.photons);
-        let seed = args.seed.unwrap_or(scene.settings.seed);
-        let march = matches!(args.method, MethodName::March);
-        let origin = Origin {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            scene: name.clone(),
-            fingerprint,
-            width: scene.camera.width,
-            height: scene.camera.height,
-            method: method.clone(),
-            photons,
-            seed,
-            every_pixel: args.every_pixel,
-            samples: march.then(|| args.samples.unwrap_or(Marching::default().samples)),
-            light_passes: args.light_passes,
-        };
+        let (scene, origin) = subject(&args.picture)?;
+        let (name, method) = (&origin.scene, &origin.method);
         if let Some(range) = args.passes.and_then(PassesArgument::range) {
             let path = args.out.clone();
             let path = path.unwrap_or_else(|| {
@@ -76,7 +60,7 @@ impl Job {
         let goal = Goal { passes, time: args.time, error: args.until };
         let exr = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{name}-{method}.exr")));
         check_ending(&exr, "exr", "the PNG preview and the sums are written beside it")?;
-        let info = RenderInfo { method, passes: 0, photons, seed, scene: name };
+        let info = origin.info(0);
         let target = Target::Picture(Files { exr, info, maps: args.maps });
         Ok(Self { scene, origin, first: 0, goal, target })
     }
@@ -135,7 +119,7 @@ impl Job {
     fn passes_of(
         &self,
         shard: Shard,
-    ) -> Result<Result<(u32, Film), String>, covbeam_render::shard::ShardError> {
+    ) -> Result<Result<(u32, Film), String>, covbeam_render::stored::StoredError> {
         if let Some(difference) = shard.origin().difference(&self.origin) {
             return Ok(Err(format!("it holds passes of another render ({difference})")));
         }
@@ -209,11 +193,31 @@ impl fmt::Display for Target {
     }
 }
 
-fn check_ending(path: &Path, ending: &str, why: &str) -> Result<(), Usage> {
+pub(crate) fn check_ending(path: &Path, ending: &str, why: &str) -> Result<(), Usage> {
     if path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending)) {
         return Ok(());
     }
     Err(Usage(format!("--out '{}': expected a file name that ends in .{ending} ({why})", path.display())))
+}
+
+/// The scene of a picture, and what all passes of it have in common.
+pub(crate) fn subject(args: &PictureArgs) -> Result<(Scene, Origin), Box<dyn Error>> {
+    let (scene, name, fingerprint) = scene(args.scene.as_deref())?;
+    let march = matches!(args.method, MethodName::March);
+    let origin = Origin {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        scene: name,
+        fingerprint,
+        width: scene.camera.width,
+        height: scene.camera.height,
+        method: args.method.name().to_owned(),
+        photons: args.photons.unwrap_or(scene.settings.photons),
+        seed: args.seed.unwrap_or(scene.settings.seed),
+        every_pixel: args.every_pixel,
+        samples: march.then(|| args.samples.unwrap_or(Marching::default().samples)),
+        light_passes: args.light_passes,
+    };
+    Ok((scene, origin))
 }
 
 /// The scene, its name and its fingerprint.

@@ -1,0 +1,68 @@
+//! `covbeam prepare`: what pieces of a picture need of earlier passes, once for all of them.
+
+use crate::cli::PrepareArgs;
+use crate::failure::Usage;
+use crate::render_command::job::{check_ending, subject};
+use crate::render_command::{check_method, renderer};
+use crate::stop::Stop;
+use covbeam_render::output::check_writable;
+use covbeam_render::pass::field_passes;
+use covbeam_render::prepared::write_prepared;
+use covbeam_render::progress::{Display, Standing, say, seconds};
+use serde_json::json;
+use std::error::Error;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+pub(crate) fn run(args: &PrepareArgs) -> Result<ExitCode, Box<dyn Error>> {
+    let start = Instant::now();
+    check_method(&args.picture, &[])?;
+    if !args.picture.method.plans_eye_rays() {
+        let method = args.picture.method.name();
+        return Err(Usage(format!(
+            "the method {method} needs nothing of earlier passes: there is nothing to prepare"
+        ))
+        .into());
+    }
+    let (scene, origin) = subject(&args.picture)?;
+    let out = args.out.clone();
+    let out = out.unwrap_or_else(|| PathBuf::from(format!("{}-{}.fields", origin.scene, origin.method)));
+    check_ending(&out, "fields", "a file of light fields is written")?;
+    check_writable(&out)?;
+    let passes = args.passes.unwrap_or(scene.settings.passes);
+
+    let stop = Stop::on_signals()?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads as usize).build()?;
+    let listener = args.progress.listener();
+    let display = Display::for_listener(listener);
+    let all = field_passes(passes);
+    let mut done = 0;
+    let report = |after: u32| {
+        done += 1;
+        let share = f64::from(done) / f64::from(all);
+        let left = start.elapsed().mul_f64((1.0 - share) / share);
+        display.show_all(&Standing {
+            step: &format!("light fields of pass {after} of {passes}, {} left", seconds(left)),
+            share: Some(share),
+            left: Some(left),
+            facts: json!({ "pass": after, "passes": passes }),
+        });
+    };
+    let written = pool.install(|| {
+        let mut renderer = renderer(&scene, &origin, &args.picture);
+        write_prepared(&out, &origin, &mut renderer, passes, &|| stop.is_asked(), report)
+    });
+    display.finish();
+    if !written? {
+        say("stopped: nothing is written");
+        return Ok(stop.exit_code());
+    }
+    let took = seconds(start.elapsed());
+    let text = format!(
+        "wrote {} (light fields of {all} passes, for passes 0..{passes}), in {took}\n",
+        out.display()
+    );
+    listener.done(&text, json!({ "event": "done", "files": [out], "passes": [0, passes] }));
+    Ok(ExitCode::SUCCESS)
+}
