@@ -4,7 +4,9 @@ use crate::kind::{Kind, Split};
 use crate::photon::PhotonTracer;
 use crate::plan::FirstSurfaces;
 use crate::record::FieldSegment;
-use covbeam::{CovarianceGrid, FluenceCell, FluenceGrid, GridCell, GridLayout, ImageSpectrum, Medium};
+use covbeam::{
+    CovarianceGrid, FluenceCell, FluenceGrid, GridCell, GridError, GridLayout, ImageSpectrum, Medium,
+};
 
 const FITS: &str = "as many cells as the grid has";
 const VALID: &str = "the scene's grid was validated";
@@ -50,20 +52,29 @@ impl Grids {
         self.deposited
     }
 
-    /// All light fields so far, by layer.
-    pub(crate) fn state(&self) -> Vec<Vec<GridCell>> {
-        self.layers.iter().map(|grid| grid.cells.clone()).collect()
+    /// All light fields so far, one grid a layer, as the core saves them.
+    pub(crate) fn save(&self) -> Vec<u8> {
+        let mut bytes = vec![0; self.layout.saved_size() * self.layers.len()];
+        for (grid, out) in self.layers.iter().zip(bytes.chunks_mut(self.layout.saved_size())) {
+            self.layout.save(&grid.cells, out).expect(FITS);
+        }
+        bytes
     }
 
-    /// Replaces all light fields by those after pass `after`; false = they are of other grids.
-    pub(crate) fn restore(&mut self, after: u32, layers: Vec<Vec<GridCell>>) -> bool {
-        let fits = layers.len() == self.layers.len()
-            && layers.iter().zip(&self.layers).all(|(new, old)| new.len() == old.cells.len());
-        if fits {
-            self.layers.iter_mut().zip(layers).for_each(|(grid, cells)| grid.cells = cells);
-            self.deposited = after;
+    /// Replaces all light fields by saved ones, those after pass `after`.
+    ///
+    /// # Errors
+    /// They are of other grids; this one is of no use then.
+    pub(crate) fn load(&mut self, after: u32, saved: &[u8]) -> Result<(), GridError> {
+        let size = self.layout.saved_size();
+        if saved.len() != size * self.layers.len() {
+            return Err(GridError::Length);
         }
-        fits
+        for (grid, saved) in self.layers.iter_mut().zip(saved.chunks(size)) {
+            CovarianceGrid::new(self.layout, &mut grid.cells)?.load(saved)?;
+        }
+        self.deposited = after;
+        Ok(())
     }
 
     /// Forgets all light fields.

@@ -17,7 +17,7 @@ use crate::scene::Scene;
 use crate::straight::{Straight, is_left_to_beams};
 use crate::surface::SurfaceMap;
 use crate::view::{LayerView, View, pixel_offset};
-use covbeam::{Beam, BeamMap, FluenceCell, FluenceGrid, GridCell, GridLayout, Kernel, Medium, error_bound};
+use covbeam::{Beam, BeamMap, FluenceCell, FluenceGrid, GridError, GridLayout, Kernel, Medium, error_bound};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::AddAssign;
@@ -125,8 +125,8 @@ impl AddAssign for PassTimes {
 pub struct FieldState {
     /// The pass, counted from 1: its own and those of all before.
     pub after: u32,
-    /// By layer of light.
-    pub layers: Vec<Vec<GridCell>>,
+    /// A grid for each layer of light, as the core saves them.
+    pub grids: Vec<u8>,
 }
 
 /// Renders passes of one scene with one method.
@@ -389,12 +389,15 @@ impl<'a> Renderer<'a> {
     /// Traces the light fields of that pass; None = cancelled.
     pub fn trace_fields(&mut self, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<FieldState> {
         self.add_light_fields(cancelled)?;
-        Some(FieldState { after: self.grids.deposited(), layers: self.grids.state() })
+        Some(FieldState { after: self.grids.deposited(), grids: self.grids.save() })
     }
 
-    /// Goes on from these light fields, as if this renderer had traced them; false = they are of another scene's grid.
-    pub fn restore_fields(&mut self, state: FieldState) -> bool {
-        self.grids.restore(state.after, state.layers)
+    /// Goes on from these light fields, as if this renderer had traced them.
+    ///
+    /// # Errors
+    /// They are of other grids; the renderer is of no use then.
+    pub fn load_fields(&mut self, state: &FieldState) -> Result<(), GridError> {
+        self.grids.load(state.after, &state.grids)
     }
 
     /// The spectra that the adaptive method looks up in pass `passes`, without rendering. `report` is called with the number

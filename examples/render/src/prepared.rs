@@ -5,25 +5,18 @@
 use crate::output::{OutputError, replace_file};
 use crate::pass::{FieldState, Renderer, latest_field_pass};
 use crate::shard::Origin;
-use crate::shard::planes::{MOST_BYTES, RUN, put, take};
-use crate::stored::{Kind, Reason, StoredError, open, write_header, write_record};
-use covbeam::GridCell;
+use crate::stored::{Kind, StoredError, open, write_header, write_record};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 const KIND: Kind =
     Kind { magic: b"covfield", format: 1, name: "file of light fields", writers: "`covbeam prepare`" };
 
-/// Numbers of a voxel.
-const WORDS: usize = 7;
-
 #[derive(Serialize, Deserialize)]
 struct Header {
     origin: Origin,
     /// Passes that it serves, from the first.
     passes: u32,
-    /// Voxels of a layer, and layers.
-    cells: [usize; 2],
     /// By state: after which pass, counted from 1, and bytes of its record.
     states: Vec<[u32; 2]>,
 }
@@ -40,14 +33,12 @@ pub fn write_prepared(
     cancelled: &(dyn Fn() -> bool + Sync),
     mut report: impl FnMut(u32),
 ) -> Result<bool, OutputError> {
-    let mut header = Header { origin: origin.clone(), passes, cells: [0, 0], states: Vec::new() };
+    let mut header = Header { origin: origin.clone(), passes, states: Vec::new() };
     let mut records = Vec::new();
     while let Some(after) = renderer.next_fields(passes) {
         let Some(state) = renderer.trace_fields(cancelled) else { return Ok(false) };
-        header.cells = [state.layers.first().map_or(0, Vec::len), state.layers.len()];
-        let record = encode(&state);
-        header.states.push([after, record.len() as u32]);
-        records.push(record);
+        header.states.push([after, state.grids.len() as u32]);
+        records.push(state.grids);
         report(after);
     }
     replace_file(path, |file| {
@@ -79,43 +70,7 @@ pub fn read_prepared(
     let Some(place) = place.filter(|_| index - 1 <= header.passes) else {
         return Err(Ok(format!("it serves passes 0..{}", header.passes)));
     };
-    let lengths: Vec<u32> = header.states[..place].iter().map(|[_, length]| *length).collect();
-    let state = records.skip(&lengths).and_then(|()| {
-        let [cells, layers] = header.cells;
-        let most = cells.div_ceil(RUN).saturating_mul(layers).saturating_mul(WORDS * MOST_BYTES);
-        decode(&records.next(most)?, wanted, header.cells)
-    });
-    state.map(Some).map_err(failed)
-}
-
-fn encode(state: &FieldState) -> Vec<u8> {
-    let mut out = Vec::new();
-    for cells in state.layers.iter().flat_map(|layer| layer.chunks(RUN)) {
-        let mut planes = [[0; RUN]; WORDS];
-        for (place, cell) in cells.iter().enumerate() {
-            let numbers = cell.sum.iter().chain([&cell.weight]);
-            planes.iter_mut().zip(numbers).for_each(|(plane, number)| plane[place] = number.to_bits());
-        }
-        planes.iter().for_each(|plane| put(plane, &mut out));
-    }
-    out
-}
-
-fn decode(mut bytes: &[u8], after: u32, [cells, layers]: [usize; 2]) -> Result<FieldState, Reason> {
-    let mut state = FieldState { after, layers: Vec::new() };
-    for _ in 0..layers {
-        let mut layer = Vec::new();
-        while layer.len() < cells {
-            let mut planes = [[0; RUN]; WORDS];
-            for plane in &mut planes {
-                *plane = take(&mut bytes).map_err(|_| Reason::Damaged("a record holds no numbers"))?;
-            }
-            for place in 0..RUN.min(cells - layer.len()) {
-                let [xx, xy, xz, yy, yz, zz, weight] = planes.map(|plane| f64::from_bits(plane[place]));
-                layer.push(GridCell { sum: [xx, xy, xz, yy, yz, zz], weight });
-            }
-        }
-        state.layers.push(layer);
-    }
-    if bytes.is_empty() { Ok(state) } else { Err(Reason::Damaged("a record goes on after its end")) }
+    let lengths: Vec<u32> = header.states.iter().map(|[_, length]| *length).collect();
+    let record = records.skip(&lengths[..place]).and_then(|()| records.next(lengths[place] as usize));
+    record.map(|grids| Some(FieldState { after: wanted, grids })).map_err(failed)
 }

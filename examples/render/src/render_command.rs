@@ -113,10 +113,8 @@ fn read_fields(path: &Path, job: &Job, passes: u32, renderer: &mut Renderer) -> 
     let refused =
         |why: String| Refused(format!("'{}': {why}; make it with `covbeam prepare`", path.display()));
     match read_prepared(path, &job.origin, job.first + passes + 1) {
-        Ok(state) => match state.is_none_or(|state| renderer.restore_fields(state)) {
-            true => Ok(()),
-            false => Err(refused("it is of another grid".to_owned()).into()),
-        },
+        Ok(None) => Ok(()),
+        Ok(Some(state)) => renderer.load_fields(&state).map_err(|error| refused(error.to_string()).into()),
         Err(Ok(why)) => Err(refused(why).into()),
         Err(Err(error)) => Err(error.into()),
     }
