@@ -75,3 +75,23 @@ for scene in glass-ball shaft rose-window; do
         echo "$scene, $method: 2, 7 and 64 pieces, in random order and in a tree, and 20 kills of a render of $length ms: the same bytes"
     done
 done
+
+# A merge that is killed at any moment leaves no picture or the whole one.
+for ((piece = 0; piece < 16; piece++)); do
+    quietly "$covbeam" render glass-ball.toml --photons 500 --passes "$((4 * piece))..$((4 * piece + 4))" --out "$piece.shard"
+done
+quietly "$covbeam" merge ./*.shard --out one.exr
+kills=0
+for ((attempt = 0; attempt < 100; attempt++)); do
+    rm -f killed.*
+    "$covbeam" merge ./*.shard --out killed.exr > /dev/null 2>&1 &
+    merge=$!
+    sleep "$(printf '0.%03d' $((RANDOM % 60)))"
+    if kill -9 "$merge" 2> /dev/null; then kills=$((kills + 1)); fi
+    wait "$merge" 2> /dev/null || true
+    for file in exr png; do
+        [ ! -e "killed.$file" ] || cmp "one.$file" "killed.$file"
+    done
+done
+[ "$kills" -ge 20 ] || { echo "only $kills of 100 merges were killed" >&2; exit 1; }
+echo "$kills merges killed: no picture, or the whole one"

@@ -32,7 +32,10 @@ pub(crate) fn exit_code(error: &(dyn Error + 'static)) -> u8 {
         || error.is::<StoredError>()
         || error.is::<FingerprintError>()
         || error.is::<CompareError>()
-        || matches!(error.downcast_ref(), Some(OutputError::Read { .. }))
+        || matches!(
+            error.downcast_ref(),
+            Some(OutputError::Read { .. } | OutputError::NoFolder { .. } | OutputError::NotAFile(_))
+        )
         || matches!(
             error.downcast_ref(),
             Some(

@@ -75,10 +75,7 @@ pub(crate) fn run(args: &MergeArgs) -> Result<ExitCode, Box<dyn Error>> {
         text += &format!("without the passes {missing}\n");
     }
     let files: Vec<PathBuf> = written.iter().map(|path| path.to_path_buf()).collect();
-    listener.done(
-        &text,
-        json!({ "event": "done", "files": files, "passes": passes.ranges(), "missing": missing }),
-    );
+    listener.done(&text, json!({ "files": files, "passes": passes.ranges(), "missing": missing }));
     Ok(ExitCode::SUCCESS)
 }
 

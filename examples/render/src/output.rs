@@ -39,6 +39,11 @@ pub enum OutputError {
     /// Something that cannot be replaced by a file.
     #[error("cannot write '{0}': it exists and is not a regular file; choose another --out")]
     NotAFile(PathBuf),
+    /// Somebody else wrote it.
+    #[error(
+        "'{0}' was written by another render meanwhile, and this one ends, so that no work is lost; wait for the other, or choose another --out"
+    )]
+    Taken(PathBuf),
     /// The operating system refused.
     #[error("cannot write '{path}': {source}; {remedy}")]
     Write {

@@ -8,7 +8,7 @@ use crate::stop::Stop;
 use covbeam_render::output::check_writable;
 use covbeam_render::pass::field_passes;
 use covbeam_render::prepared::write_prepared;
-use covbeam_render::progress::{Display, Standing, say, seconds};
+use covbeam_render::progress::{Display, Standing, seconds};
 use serde_json::json;
 use std::error::Error;
 use std::path::PathBuf;
@@ -55,7 +55,7 @@ pub(crate) fn run(args: &PrepareArgs) -> Result<ExitCode, Box<dyn Error>> {
     });
     display.finish();
     if !written? {
-        say("stopped: nothing is written");
+        listener.stopped("stopped: nothing is written\n", json!({ "files": [] }));
         return Ok(stop.exit_code());
     }
     let took = seconds(start.elapsed());
@@ -63,6 +63,6 @@ pub(crate) fn run(args: &PrepareArgs) -> Result<ExitCode, Box<dyn Error>> {
         "wrote {} (light fields of {all} passes, for passes 0..{passes}), in {took}\n",
         out.display()
     );
-    listener.done(&text, json!({ "event": "done", "files": [out], "passes": [0, passes] }));
+    listener.done(&text, json!({ "files": [out], "passes": [0, passes] }));
     Ok(ExitCode::SUCCESS)
 }

@@ -48,12 +48,26 @@ impl Listener {
 
     /// Says that the work is done: `text` for a person, `facts` for a program.
     pub fn done(self, text: &str, facts: serde_json::Value) {
+        if self == Self::Openjd {
+            tell("openjd_progress: 100\n");
+        }
+        self.end("done", text, facts);
+    }
+
+    /// Says that the work was stopped; the same.
+    pub fn stopped(self, text: &str, facts: serde_json::Value) {
+        self.end("stopped", text, facts);
+    }
+
+    fn end(self, event: &str, text: &str, mut facts: serde_json::Value) {
         match self {
             Self::Person => tell(text),
-            Self::Json => tell(format!("{facts}\n")),
+            Self::Json => {
+                facts["event"] = event.into();
+                tell(format!("{facts}\n"));
+            }
             Self::Openjd => {
-                let first = text.lines().next().unwrap_or_default();
-                tell(format!("openjd_progress: 100\nopenjd_status: {first}\n"));
+                tell(format!("openjd_status: {event}: {}\n", text.lines().next().unwrap_or_default()));
                 say(text);
             }
         }

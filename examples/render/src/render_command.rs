@@ -18,7 +18,7 @@ use covbeam_render::render::{End, Goal, Progress, RenderError, render};
 use covbeam_render::scene::Scene;
 use covbeam_render::shard::Origin;
 use cpu_time::ProcessTime;
-use job::{Begun, Job};
+use job::{Begun, Job, Target};
 use saving::Saving;
 use serde_json::json;
 use std::error::Error;
@@ -37,11 +37,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
     let listener = args.progress.listener();
     let Begun::Film(mut film) = job.begun(args.resume)? else {
         let text = format!("{}: finished before, nothing is left to do\n", job.target);
-        let passes = job.first..job.goal.passes.map_or(job.first, |passes| job.first + passes);
-        listener.done(
-            &text,
-            json!({ "event": "done", "files": job.target.files(), "passes": [passes.start, passes.end] }),
-        );
+        let end = job.first + job.goal.passes.unwrap_or(0);
+        listener.done(&text, json!({ "files": job.target.files(), "passes": [job.first, end] }));
         return Ok(ExitCode::SUCCESS);
     };
     job.target.files().iter().try_for_each(|path| check_writable(path))?;
@@ -62,7 +59,10 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
         read_fields(path, &job, film.passes(), &mut renderer)?;
     }
     let display = Display::for_listener(listener);
-    let mut saving = Saving::new(&job, args.checkpoint);
+    let goes_on = args.resume || matches!(job.target, Target::Piece(_));
+    // A damaged one is replaced.
+    let anew = film.passes() == 0 && job.target.shard().exists();
+    let mut saving = Saving::new(&job, args.checkpoint, (goes_on && !anew).then(|| film.passes()));
     let rendered = render(
         &mut film,
         &job.goal,
@@ -78,7 +78,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
 
     if film.passes() == 0 {
         rendered?;
-        say("stopped before the first pass was finished: nothing is written");
+        let text = "stopped before the first pass was finished: nothing is written\n";
+        listener.stopped(text, json!({ "files": [], "passes": [job.first, job.first] }));
         return Ok(stop.exit_code());
     }
     // An output error came from saving this very film: trying again would fail again.
@@ -90,8 +91,13 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
         + &verdict(end, &progress, args)
         + &summary(&progress)
         + &job.target.hints(args);
-    listener.done(&text, facts(&job, end, &progress));
-    Ok(if end == End::Cancelled { stop.exit_code() } else { ExitCode::SUCCESS })
+    let facts = facts(&job, &progress);
+    if end == End::Cancelled {
+        listener.stopped(&text, facts);
+        return Ok(stop.exit_code());
+    }
+    listener.done(&text, facts);
+    Ok(ExitCode::SUCCESS)
 }
 
 /// What makes the passes of a picture; eye rays are not planned yet.
@@ -131,7 +137,13 @@ fn show(display: &Display, progress: &Progress, goal: &Goal) {
     let until = left.map_or(String::new(), |left| format!(", {} left", seconds(left)));
     let speed = 1.0 / progress.last.as_secs_f64().max(1e-9);
     let elapsed = progress.elapsed.as_secs_f64();
-    let share = left.map(|left| elapsed / (elapsed + left.as_secs_f64()).max(1e-9));
+    let share = match *goal {
+        // Passes that were there before count, too.
+        Goal { passes: Some(all), time: None, error: None } => {
+            Some(f64::from(progress.passes) / f64::from(all))
+        }
+        _ => left.map(|left| elapsed / (elapsed + left.as_secs_f64()).max(1e-9)),
+    };
     display.show_all(&Standing {
         step: &format!("{passes}{error}{until}, {speed:.2} passes/s"),
         share,
@@ -146,10 +158,8 @@ fn show(display: &Display, progress: &Progress, goal: &Goal) {
 }
 
 /// What a program is told at the end.
-fn facts(job: &Job, end: End, progress: &Progress) -> serde_json::Value {
-    let event = if end == End::Cancelled { "stopped" } else { "done" };
+fn facts(job: &Job, progress: &Progress) -> serde_json::Value {
     json!({
-        "event": event,
         "files": job.target.files(),
         "passes": [job.first, job.first + progress.passes],
         "error": progress.error.map(|(error, _)| error),

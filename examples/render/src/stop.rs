@@ -16,10 +16,12 @@ const SIGNALS: [i32; 2] = [SIGINT, SIGTERM];
 pub(crate) struct Stop(Arc<AtomicUsize>);
 
 impl Stop {
-    /// From now on these signals are noted and end nothing by themselves.
+    /// From now on these signals are noted and end nothing by themselves, but for those that whoever started the program wants to be ignored,
+    /// as `nohup` does.
     pub(crate) fn on_signals() -> io::Result<Self> {
         let latest = Arc::new(AtomicUsize::new(0));
-        for signal in SIGNALS {
+        let ignored = ignored();
+        for signal in SIGNALS.into_iter().filter(|signal| ignored & (1 << (signal - 1)) == 0) {
             register_usize(signal, Arc::clone(&latest), signal as usize)?;
         }
         Ok(Self(latest))
@@ -33,4 +35,11 @@ impl Stop {
     pub(crate) fn exit_code(&self) -> ExitCode {
         ExitCode::from(128 + self.0.load(Ordering::Relaxed) as u8)
     }
+}
+
+/// The signals that are ignored, as bits: the first one has the lowest. None where the system does not tell.
+fn ignored() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
 }

@@ -52,7 +52,7 @@ pub(crate) enum Reason {
         "has format {found}, and this program reads format {known}; use the version of covbeam that wrote it"
     )]
     Format { found: u32, known: u32 },
-    #[error("is damaged ({0}); make it again")]
+    #[error("is damaged ({0}) and has to be made again")]
     Damaged(&'static str),
     #[error("has changed since its header was read; begin again when nothing writes it")]
     Changed,

@@ -233,10 +233,33 @@ fn a_program_reads_progress_on_standard_output() {
 
     let (code, text) = shell(folder.path(), "covbeam render ball.toml --passes 0..3 --progress openjd");
     assert_eq!(code, Some(0));
-    assert_contains(&text, &["openjd_progress: 100\n", "openjd_status: pass 1 of 3"]);
+    assert_contains(
+        &text,
+        &["openjd_progress: 100\n", "openjd_status: pass 1 of 3", "openjd_status: done: wrote"],
+    );
     assert!(text.lines().all(|line| line.starts_with("openjd_")), "{text}");
+    // It goes on, and the share is that of the whole piece.
+    let (_, text) = shell(
+        folder.path(),
+        "covbeam render ball.toml --passes 0..10 --out ball-adaptive-0-3.shard --progress openjd",
+    );
+    assert_contains(&text, &["openjd_progress: 40.0\nopenjd_status: pass 4 of 10"]);
+    let line =
+        "covbeam render ball.toml --passes 0..100000 --progress json & sleep 0.3; kill -TERM $!; wait $!";
+    let (code, text) = shell(folder.path(), line);
+    let last: serde_json::Value = serde_json::from_str(text.lines().last().unwrap_or_default()).unwrap();
+    assert_eq!((code, &last["event"]), (Some(143), &"stopped".into()), "{text}");
     let (_, text) = shell(folder.path(), "covbeam merge none.shard --out a.exr --progress openjd");
     assert!(text.starts_with("openjd_fail: 'none.shard'"), "{text}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_signal_that_is_to_be_ignored_is() {
+    let folder = folder();
+    let line = "trap '' HUP; covbeam render ball.toml --passes 0..40 & sleep 0.3; kill -HUP $!; wait $!";
+    assert_eq!(shell(folder.path(), line).0, Some(0));
+    assert!(folder.path().join("ball-adaptive-0-40.shard").exists());
 }
 
 /// A file may grow to nothing, as on a full disk; the signal that would end the program is ignored as a shell can.
@@ -265,7 +288,7 @@ fn a_scene_that_is_missing_or_wrong_is_named() {
 fn an_output_that_cannot_be_written_is_refused_before_rendering() {
     let folder = folder();
     let refused = |out: &str, parts: &[&str]| {
-        let text = said(folder.path(), &["render", "ball.toml", "--passes", "1000000", "--out", out], 1);
+        let text = said(folder.path(), &["render", "ball.toml", "--passes", "1000000", "--out", out], 3);
         assert_contains(&text, parts);
         assert!(!text.contains("pass 1"), "rendered before the check: {text}");
     };

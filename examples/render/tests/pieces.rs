@@ -147,14 +147,38 @@ fn a_finished_piece_is_done_at_once_and_a_begun_one_is_gone_on_with() {
 
     piece(folder, "2..3", "part.shard", &[]);
     let text = render(folder, &["ball.toml", "--passes", "2..5", "--out", "part.shard"], 0);
-    assert_contains(&text, &["1 passes are there already", "sums of passes 2..5"]);
+    assert_contains(&text, &["1 pass is there already", "sums of passes 2..5"]);
     assert!(fs::read(folder.join("part.shard")).unwrap() == whole);
 
     // A damaged one is as good as none.
     fs::write(folder.join("part.shard"), &whole[..whole.len() / 2]).unwrap();
     let text = render(folder, &["ball.toml", "--passes", "2..5", "--out", "part.shard"], 0);
-    assert_contains(&text, &["part.shard", "cut off", "rendered again"]);
+    assert_contains(&text, &["part.shard", "cut off", "rendered now"]);
     assert!(fs::read(folder.join("part.shard")).unwrap() == whole);
+}
+
+#[test]
+fn two_renders_do_not_write_one_shard() {
+    let folder = folder();
+    let folder = folder.path();
+    piece(folder, "0..3", "later.shard", &[]);
+    let mut child = Command::new(env!("CARGO_BIN_EXE_covbeam"))
+        .args(["render", "ball.toml", "--photons", "300", "--passes", "0..100000", "--checkpoint", "0"])
+        .args(["--out", "a.shard"])
+        .current_dir(folder)
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    while !folder.join("a.shard").exists() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    // As an atomic writer does.
+    fs::rename(folder.join("later.shard"), folder.join("a.shard")).unwrap();
+    let mut text = String::new();
+    std::io::Read::read_to_string(&mut child.stderr.take().unwrap(), &mut text).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(1), "{text}");
+    assert_contains(&text, &["a.shard", "another render", "--out"]);
+    assert_eq!(Shard::open(&folder.join("a.shard")).unwrap().passes().count(), 3);
 }
 
 #[test]

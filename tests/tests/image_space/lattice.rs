@@ -186,3 +186,23 @@ fn slices_of_another_length_are_refused_and_bad_spectra_are_no_filter() {
         }
     }
 }
+
+#[test]
+fn nodes_through_words_are_the_same_filters() {
+    let lattice = lattice();
+    let mut stream = Stream::new(12);
+    let spectra: Vec<_> = (0..lattice.node_count())
+        .map(|_| {
+            spectrum(&turned(stream.between(2.0, 9.0), stream.between(2.0, 9.0), stream.between(0.0, PI)))
+        })
+        .collect();
+    let regions = vec![1; 258 * 258];
+    let mut nodes = vec![FilmFilterNode::default(); lattice.node_count()];
+    FilmFilters::new(lattice, &regions, &spectra, ERROR, &mut nodes).unwrap();
+    let back: Vec<_> = nodes.iter().map(|node| FilmFilterNode::from_words(node.to_words())).collect();
+    assert_eq!(back, nodes);
+    assert_eq!(FilmFilterNode::from_words([0; 6]), FilmFilterNode::default());
+    let of = |nodes| FilmFilters::of(lattice, &regions, nodes).unwrap().filter(100, 50);
+    assert_eq!(of(&back), of(&nodes));
+    assert_ne!(of(&back), ImageFilter::NONE);
+}

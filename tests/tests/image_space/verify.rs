@@ -318,6 +318,39 @@ fn no_picture_makes_a_nan() {
 }
 
 #[test]
+fn groups_of_sums_in_any_order_through_words_are_the_sums_of_all() {
+    let mut stream = Stream::new(11);
+    let unit = FilmUnit::new(0.3);
+    // Up to where sums stop at the largest number.
+    let rays: Vec<Vec3> =
+        (0..60).map(|_| Vec3::splat(10f32.powf(stream.between(-6.0, 9.5) as f32))).collect();
+    let sum = |rays: &[Vec3]| {
+        let mut sums = FilmSums::default();
+        rays.iter().enumerate().for_each(|(i, ray)| sums.add(&unit, *ray, i % 2 == 0));
+        sums
+    };
+    let all = sum(&rays);
+    for cut in [2, 20, 58] {
+        let (first, second) = rays.split_at(cut);
+        let [a, b] = [sum(first), sum(second)].map(|sums| FilmSums::from_words(sums.to_words()).unwrap());
+        let (mut ab, mut ba) = (a, b);
+        ab.merge(&b);
+        ba.merge(&a);
+        assert_eq!((ab, ba), (all, all), "{cut}");
+    }
+    let [red, _, _, first, rays, first_rays] = all.to_words();
+    assert_eq!((red, rays, first_rays), (i64::MAX as u64, 60, 30));
+    assert!(first > 0);
+    let one = [1, 2, 3, 4, 6, 5];
+    assert_eq!(FilmSums::from_words(one).unwrap().to_words(), one);
+    for (place, word) in [(0, 1 << 63), (3, u64::MAX), (4, 1 << 32), (4, 4), (5, 7)] {
+        let mut words = one;
+        words[place] = word;
+        assert_eq!(FilmSums::from_words(words), None, "{words:?}");
+    }
+}
+
+#[test]
 fn sums_do_not_depend_on_the_order_and_know_their_halves() {
     let mut stream = Stream::new(10);
     let unit = FilmUnit::new(3.0);

@@ -72,7 +72,11 @@ impl Job {
             Target::Picture(_) => String::new(),
             Target::Piece(_) => format!("passes {}, ", self.range(self.goal.passes.unwrap_or(0))),
         };
-        let before = if passes > 0 { format!(", {passes} passes are there already") } else { String::new() };
+        let before = match passes {
+            0 => String::new(),
+            1 => ", 1 pass is there already".to_owned(),
+            _ => format!(", {passes} passes are there already"),
+        };
         format!(
             "{scene}: {width} x {height} pixels, {piece}method {method}, {photons} light paths a pass, {threads} threads{before}"
         )
@@ -104,7 +108,7 @@ impl Job {
                 return Err(Refused(format!("'{}': {stranger}; {remedy}", path.display())).into());
             }
             Err(error) if is_piece && error.is_damaged() => {
-                say(format!("{error}: they are rendered again"));
+                say(format!("{error}: its passes are rendered now"));
                 return new();
             }
             Err(error) if error.is_damaged() => return Err(Refused(format!("{error}; {remedy}")).into()),
@@ -140,9 +144,15 @@ impl Job {
         Ok(Ok((count, film)))
     }
 
-    /// Writes the shard that a render goes on from.
-    pub(super) fn save_shard(&self, film: &Film) -> Result<(), OutputError> {
-        write_shard(&self.target.shard(), &self.origin, &self.range(film.passes()).into(), film)
+    /// Writes the shard that a render goes on from. `before`: how many passes this render last read from it or wrote into it; None: it may hold
+    /// anything.
+    pub(super) fn save_shard(&self, film: &Film, before: Option<u32>) -> Result<(), OutputError> {
+        let path = self.target.shard();
+        let there = || Shard::open(&path).map_or(0, |shard| shard.passes().count());
+        if before.is_some_and(|before| before != there()) {
+            return Err(OutputError::Taken(path));
+        }
+        write_shard(&path, &self.origin, &self.range(film.passes()).into(), film)
     }
 }
 

@@ -36,19 +36,22 @@ pub(super) struct Saving<'a> {
     job: &'a Job,
     picture: Clock,
     shard: Clock,
+    /// Passes in the shard; None: it may hold anything, and is replaced.
+    stored: Option<u32>,
 }
 
 impl<'a> Saving<'a> {
     const PICTURE_EVERY: Duration = Duration::from_secs(10);
     const SHARD_EVERY: Duration = Duration::from_secs(60);
 
-    /// `checkpoint`: time between two shards, where the user gives one.
-    pub(super) fn new(job: &'a Job, checkpoint: Option<Duration>) -> Self {
+    /// `checkpoint`: time between two shards, where the user gives one; `stored`: passes in the shard that this goes on from, None: in any
+    /// that is there.
+    pub(super) fn new(job: &'a Job, checkpoint: Option<Duration>, stored: Option<u32>) -> Self {
         let shard = match checkpoint {
             Some(every) => Clock::new(every, 0),
             None => Clock::new(Self::SHARD_EVERY, 100),
         };
-        Self { job, picture: Clock::new(Self::PICTURE_EVERY, 20), shard }
+        Self { job, picture: Clock::new(Self::PICTURE_EVERY, 20), shard, stored }
     }
 
     /// How long saving takes, if it was time to.
@@ -70,7 +73,7 @@ impl<'a> Saving<'a> {
             self.picture.save(|| files.save(film))?;
         }
         if shard {
-            self.shard.save(|| self.job.save_shard(film))?;
+            self.save_shard(film)?;
         }
         Ok(Some(self.picture.took + self.shard.took))
     }
@@ -78,10 +81,16 @@ impl<'a> Saving<'a> {
     /// Saves the picture and the shard.
     pub(super) fn save_all(&mut self, film: &Film) -> Result<(), OutputError> {
         // The work first: a picture can be made of it again.
-        self.shard.save(|| self.job.save_shard(film))?;
+        self.save_shard(film)?;
         match &self.job.target {
             Target::Picture(files) => self.picture.save(|| files.save(film)),
             Target::Piece(_) => Ok(()),
         }
+    }
+
+    fn save_shard(&mut self, film: &Film) -> Result<(), OutputError> {
+        self.shard.save(|| self.job.save_shard(film, self.stored))?;
+        self.stored = Some(film.passes());
+        Ok(())
     }
 }
