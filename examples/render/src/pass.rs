@@ -29,6 +29,10 @@ use std::time::Instant;
 const FIRST_FIELD_PASSES: u32 = 8;
 const FIELD_PASS_EVERY: u32 = 8;
 
+/// From some pass on, each time that the passes double so many of them trace light fields: what a late pass needs of all earlier ones must not
+/// grow with its number, or a thousand machines would wait for it.
+const FIELD_PASSES_A_DOUBLING: u32 = 4;
+
 /// Light paths that one task traces.
 const CHUNK: u32 = 64;
 
@@ -257,7 +261,7 @@ impl<'a> Renderer<'a> {
 
     /// Pass `index`, counted from 1. `cancelled` is polled a few hundred times a pass; None = it said yes.
     ///
-    /// The adaptive method's pass i uses the light fields of passes 1 to i, those that have any: the first eight, and every eighth after them.
+    /// The adaptive method's pass i uses the light fields of passes 1 to i, those that have any: the first eight, every eighth up to 64, and then four each time that the passes double.
     /// Asked for out of order, it traces those of the earlier passes that it has not seen.
     pub fn pass(
         &mut self,
@@ -583,18 +587,31 @@ impl<'a> Renderer<'a> {
 
 /// How many of passes 1 to `passes` trace light fields.
 pub fn field_passes(passes: u32) -> u32 {
-    let first = passes.min(FIRST_FIELD_PASSES);
-    first + latest_field_pass(passes).saturating_sub(first) / FIELD_PASS_EVERY
+    let mut count = 0;
+    let mut pass = next_field_pass(0);
+    while pass <= passes {
+        count += 1;
+        pass = next_field_pass(pass);
+    }
+    count
 }
 
 /// The last pass up to `index` whose paths carry light fields; 0 = none.
 pub(crate) fn latest_field_pass(index: u32) -> u32 {
-    if index <= FIRST_FIELD_PASSES { index } else { index - index % FIELD_PASS_EVERY }
+    index - index % field_pass_step(index)
 }
 
 /// The first pass after `pass` whose paths carry light fields.
 fn next_field_pass(pass: u32) -> u32 {
-    if pass < FIRST_FIELD_PASSES { pass + 1 } else { pass - pass % FIELD_PASS_EVERY + FIELD_PASS_EVERY }
+    (pass - pass % field_pass_step(pass)).saturating_add(field_pass_step(pass))
+}
+
+/// One pass in so many around this one traces light fields: a power of two.
+fn field_pass_step(pass: u32) -> u32 {
+    match pass {
+        ..FIRST_FIELD_PASSES => 1,
+        _ => ((1 << pass.ilog2()) / FIELD_PASSES_A_DOUBLING).max(FIELD_PASS_EVERY),
+    }
 }
 
 /// What `run` returns, and the seconds that it took.
@@ -611,11 +628,16 @@ mod tests {
     #[test]
     fn passes_with_light_fields_follow_one_another() {
         let mut found = vec![];
-        while found.last() < Some(&32) {
+        while found.last() < Some(&512) {
             found.push(next_field_pass(*found.last().unwrap_or(&0)));
         }
-        assert_eq!(found, [1, 2, 3, 4, 5, 6, 7, 8, 16, 24, 32]);
-        for passes in 0..=32 {
+        let expected = [
+            1, 2, 3, 4, 5, 6, 7, 8, 16, 24, 32, 40, 48, 56, 64, 80, 96, 112, 128, 160, 192, 224, 256, 320,
+            384, 448, 512,
+        ];
+        assert_eq!(found, expected);
+        assert_eq!(latest_field_pass(u32::MAX), 7 << 29);
+        for passes in 0..=512 {
             let seen: Vec<u32> = found.iter().copied().filter(|pass| *pass <= passes).collect();
             assert_eq!(latest_field_pass(passes), seen.last().copied().unwrap_or(0));
             assert_eq!(field_passes(passes), seen.len() as u32);
