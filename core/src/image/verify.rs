@@ -14,8 +14,9 @@ const WINDOW: i32 = 4;
 /// error.
 const TOLERANCE: f32 = 1.5;
 
-/// Halves whose differences are within this share of each other's have not met by chance.
-const ALIKE: f32 = 0.1;
+/// Halves whose differences are within this share of each other's have not met by chance: what leaks differs by
+/// its noise, a fifth after some ten passes.
+const ALIKE: f32 = 0.25;
 
 /// Luminance at a node through filters of all widths, of each half of the passes.
 #[repr(C)]
@@ -167,8 +168,10 @@ fn choose(
     (best.0, variance[best.0] / count)
 }
 
-/// Whether a node beside this one is missing, or of another region.
+/// Whether a node beside this one is missing, of another region, or sees no medium.
 fn is_at_border(lattice: &FilmLattice, nodes: &[FilmFilterNode], node: usize) -> bool {
     let beside = [[-1, 0], [1, 0], [0, -1], [0, 1]].map(|step| lattice.neighbour(node, step));
-    beside.iter().any(|at| at.is_none_or(|at| nodes[at].region != nodes[node].region))
+    beside
+        .iter()
+        .any(|at| at.is_none_or(|at| nodes[at].region != nodes[node].region || !(nodes[at].weight > 0.0)))
 }

@@ -137,21 +137,27 @@ fn what_one_node_alone_says_narrows_no_filter() {
 fn what_a_node_at_the_border_finds_alike_in_both_halves_narrows_its_filter() {
     let film = Film::new(1, |_, _| 1.0);
     let across = SIDE.div_ceil(film.lattice.pixel(1)[0]) as usize;
-    let is_narrowed = |node: usize, halves: [f32; 2]| {
+    let is_narrowed_beside = |node: usize, halves: [f32; 2], none: &[usize]| {
         let even = FilmEvidence { first: [1.0; 7], second: [1.0; 7], brightness: 1.0 };
         let mut evidence = vec![even; film.nodes.len()];
         evidence[node].first[0] = halves[0];
         evidence[node].second[0] = halves[1];
         evidence[node].brightness = 0.5 * (halves[0] + halves[1]);
         let mut nodes = film.nodes.clone();
+        none.iter().for_each(|node| nodes[*node] = FilmFilterNode::default());
+        let before = nodes[node];
         verify_filters(&film.lattice, &evidence, &mut nodes).unwrap();
-        shares(&film, &nodes)[node] < 0.9
+        nodes[node].to_words()[..3] != before.to_words()[..3]
     };
+    let is_narrowed = |node, halves| is_narrowed_beside(node, halves, &[]);
     let (border, inside) = (20, 20 * across + 20);
     assert!(is_narrowed(border, [10.0, 10.5]));
     // By chance, and where other nodes would have seen it too.
     assert!(!is_narrowed(border, [10.0, 3.0]));
     assert!(!is_narrowed(inside, [10.0, 10.5]));
+    // The border of a medium is one, too: the nodes beside see none, and none of them could have seen it.
+    assert!(is_narrowed_beside(inside, [10.0, 12.0], &[inside - 1]));
+    assert!(!is_narrowed_beside(inside, [10.0, 3.0], &[inside - 1]));
 }
 
 /// Beams' noise lies across many nodes: where both halves have the same by chance, all of a window says that the light is uneven.
