@@ -5,7 +5,7 @@
 use crate::output::{OutputError, replace_file};
 use crate::pass::{FieldState, Renderer, latest_field_pass};
 use crate::shard::Origin;
-use crate::stored::{Kind, StoredError, open, write_header, write_record};
+use crate::stored::{Kind, Reason, StoredError, open, write_header, write_record};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -48,29 +48,29 @@ pub fn write_prepared(
     Ok(true)
 }
 
-/// The light fields that were there before pass `index`, counted from 1; Err(Ok(…)): the file is of another render, and how it differs.
+/// The light fields that were there before pass `index`, counted from 1; None: there were none.
 ///
 /// # Errors
-/// A file that cannot be read, is damaged, or serves other passes.
-pub fn read_prepared(
-    path: &Path,
-    origin: &Origin,
-    index: u32,
-) -> Result<Option<FieldState>, Result<String, StoredError>> {
-    let failed = |reason| Err(StoredError::new(path, reason));
-    let (header, mut records) = open::<Header>(path, &KIND).map_err(failed)?;
+/// A file that cannot be read, is damaged, is of another render, or serves other passes.
+pub fn read_prepared(path: &Path, origin: &Origin, index: u32) -> Result<Option<FieldState>, StoredError> {
+    read_state(path, origin, index - 1).map_err(|reason| StoredError::new(path, reason))
+}
+
+fn read_state(path: &Path, origin: &Origin, passes: u32) -> Result<Option<FieldState>, Reason> {
+    let (header, mut records) = open::<Header>(path, &KIND)?;
+    let stranger = |why| Err(Reason::Stranger(format!("{why}; make it with `covbeam prepare`")));
     if let Some(difference) = header.origin.difference(origin) {
-        return Err(Ok(format!("it is of another render ({difference})")));
+        return stranger(format!("it is of another render ({difference})"));
     }
-    let wanted = latest_field_pass(index - 1);
-    if wanted == 0 {
+    let after = latest_field_pass(passes);
+    if after == 0 {
         return Ok(None);
     }
-    let place = header.states.iter().position(|[after, _]| *after == wanted);
-    let Some(place) = place.filter(|_| index - 1 <= header.passes) else {
-        return Err(Ok(format!("it serves passes 0..{}", header.passes)));
+    let place = header.states.iter().position(|[state, _]| *state == after);
+    let Some(place) = place.filter(|_| passes <= header.passes) else {
+        return stranger(format!("it serves passes 0..{}", header.passes));
     };
     let lengths: Vec<u32> = header.states.iter().map(|[_, length]| *length).collect();
-    let record = records.skip(&lengths[..place]).and_then(|()| records.next(lengths[place] as usize));
-    record.map(|grids| Some(FieldState { after: wanted, grids })).map_err(failed)
+    records.skip(&lengths[..place])?;
+    Ok(Some(FieldState { after, grids: records.next(lengths[place] as usize)? }))
 }

@@ -116,14 +116,10 @@ pub(crate) fn renderer<'a>(scene: &'a Scene, origin: &Origin, args: &PictureArgs
 
 /// The light fields of the passes before the first one that is missing.
 fn read_fields(path: &Path, job: &Job, passes: u32, renderer: &mut Renderer) -> Result<(), Box<dyn Error>> {
+    let Some(state) = read_prepared(path, &job.origin, job.first + passes + 1)? else { return Ok(()) };
     let refused =
-        |why: String| Refused(format!("'{}': {why}; make it with `covbeam prepare`", path.display()));
-    match read_prepared(path, &job.origin, job.first + passes + 1) {
-        Ok(None) => Ok(()),
-        Ok(Some(state)) => renderer.load_fields(&state).map_err(|error| refused(error.to_string()).into()),
-        Err(Ok(why)) => Err(refused(why).into()),
-        Err(Err(error)) => Err(error.into()),
-    }
+        |error| Refused(format!("'{}': {error}; make it with `covbeam prepare`", path.display())).into();
+    renderer.load_fields(&state).map_err(refused)
 }
 
 /// Tells the user where the render stands.

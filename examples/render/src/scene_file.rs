@@ -31,9 +31,14 @@ const MAX_FILE_BYTES: u64 = 1 << 24;
 impl Scene {
     /// Reads a scene file; mesh and volume files are looked up relative to it.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
+        Ok(Self::load_with_text(path)?.0)
+    }
+
+    /// The same, and the text of the file.
+    pub fn load_with_text(path: &Path) -> Result<(Self, String), SceneError> {
         let file = path.display().to_string();
         let text = read_text(path).map_err(|source| SceneError::Unreadable { file: file.clone(), source })?;
-        Self::parse(&text, &file, path.parent().unwrap_or(Path::new("")))
+        Ok((Self::parse(&text, &file, path.parent().unwrap_or(Path::new("")))?, text))
     }
 
     /// Reads a scene from `text`. `source_name` appears in errors; mesh and volume files are relative to `base_dir`.
@@ -69,11 +74,7 @@ impl Scene {
     }
 }
 
-/// Reads the text of a scene file.
-///
-/// # Errors
-/// What the system says, or a file longer than any scene.
-pub fn read_text(path: &Path) -> std::io::Result<String> {
+fn read_text(path: &Path) -> std::io::Result<String> {
     let mut text = String::new();
     // A device or a pipe may never end.
     let bytes = File::open(path)?.take(MAX_FILE_BYTES + 1).read_to_string(&mut text)?;

@@ -129,6 +129,11 @@ impl Shard {
         &self.header.passes
     }
 
+    /// The refusal of a shard that is not what was asked for.
+    pub fn stranger(&self, why: String) -> StoredError {
+        StoredError::new(&self.path, Reason::Stranger(why))
+    }
+
     /// A film without passes that its sums can be added to.
     pub fn film(&self) -> Film {
         Film::of_layout(&self.header.film)

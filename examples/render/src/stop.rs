@@ -37,7 +37,7 @@ impl Stop {
     }
 }
 
-/// The signals that are ignored, as bits: the first one has the lowest. None where the system does not tell.
+/// The signals that are ignored, as bits: the first one has the lowest. 0 where the system does not tell.
 fn ignored() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));

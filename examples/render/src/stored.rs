@@ -40,6 +40,11 @@ impl StoredError {
     pub fn is_damaged(&self) -> bool {
         matches!(self.reason, Reason::Damaged(_))
     }
+
+    /// Whether the file is a good one, but not of this render.
+    pub fn is_stranger(&self) -> bool {
+        matches!(self.reason, Reason::Stranger(_))
+    }
 }
 
 #[derive(Debug, thiserror::Error)]
@@ -54,6 +59,8 @@ pub(crate) enum Reason {
     Format { found: u32, known: u32 },
     #[error("is damaged ({0}) and has to be made again")]
     Damaged(&'static str),
+    #[error("{0}")]
+    Stranger(String),
     #[error("has changed since its header was read; begin again when nothing writes it")]
     Changed,
     #[error("its sums are of another kind of film; render its passes again with this version of covbeam")]

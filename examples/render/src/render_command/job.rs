@@ -10,8 +10,8 @@ use covbeam_render::output::OutputError;
 use covbeam_render::progress::say;
 use covbeam_render::render::Goal;
 use covbeam_render::scene::Scene;
-use covbeam_render::scene_file::{SceneError, read_text};
 use covbeam_render::shard::{Origin, PassRange, Passes, Shard, fingerprint, write_shard};
+use covbeam_render::stored::StoredError;
 use std::error::Error;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -102,30 +102,25 @@ impl Job {
         }
         let remedy =
             if is_piece { "delete it, or choose another --out" } else { "leave --resume out to begin anew" };
-        let (passes, film) = match Shard::open(&path).and_then(|shard| self.passes_of(shard)) {
-            Ok(Ok(found)) => found,
-            Ok(Err(stranger)) => {
-                return Err(Refused(format!("'{}': {stranger}; {remedy}", path.display())).into());
-            }
+        let (passes, film) = match Shard::open(&path).and_then(|shard| self.passes_of(&shard)) {
+            Ok(found) => found,
             Err(error) if is_piece && error.is_damaged() => {
                 say(format!("{error}: its passes are rendered now"));
                 return new();
             }
-            Err(error) if error.is_damaged() => return Err(Refused(format!("{error}; {remedy}")).into()),
+            Err(error) if error.is_damaged() || error.is_stranger() => {
+                return Err(Refused(format!("{error}; {remedy}")).into());
+            }
             Err(error) => return Err(error.into()),
         };
         let finished = is_piece && Some(passes) == self.goal.passes;
         Ok(if finished { Begun::Finished } else { Begun::Film(film) })
     }
 
-    /// A shard's passes, if they are the first ones of this job; else why they are not.
-    #[allow(clippy::type_complexity, reason = "two reasons to refuse a file")]
-    fn passes_of(
-        &self,
-        shard: Shard,
-    ) -> Result<Result<(u32, Film), String>, covbeam_render::stored::StoredError> {
+    /// The number of a shard's passes and their sums, if they are the first ones of this job.
+    fn passes_of(&self, shard: &Shard) -> Result<(u32, Film), StoredError> {
         if let Some(difference) = shard.origin().difference(&self.origin) {
-            return Ok(Err(format!("it holds passes of another render ({difference})")));
+            return Err(shard.stranger(format!("it holds passes of another render ({difference})")));
         }
         let count = shard.passes().count();
         let wanted = self.goal.passes.filter(|_| matches!(self.target, Target::Piece(_)));
@@ -134,14 +129,14 @@ impl Job {
         if !fits {
             let wanted =
                 wanted.map_or_else(|| format!("{}..N", self.first), |wanted| self.range(wanted).to_string());
-            return Ok(Err(format!(
-                "it holds the passes {}, which are not the first ones of {wanted}",
-                shard.passes()
+            let passes = shard.passes();
+            return Err(shard.stranger(format!(
+                "it holds the passes {passes}, which are not the first ones of {wanted}"
             )));
         }
         let mut film = shard.film();
         shard.add_to(&mut film)?;
-        Ok(Ok((count, film)))
+        Ok((count, film))
     }
 
     /// Writes the shard that a render goes on from. `before`: how many passes this render last read from it or wrote into it; None: it may hold
@@ -237,10 +232,7 @@ fn scene(path: Option<&Path>) -> Result<(Scene, String, String), Box<dyn Error>>
         let scene = Scene::parse(DEFAULT_SCENE, "built-in scene", here)?;
         return Ok((scene, DEFAULT_NAME.to_owned(), fingerprint(DEFAULT_SCENE, here)?));
     };
-    let file = path.display().to_string();
-    let text = read_text(path).map_err(|source| SceneError::Unreadable { file: file.clone(), source })?;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let scene = Scene::parse(&text, &file, folder)?;
+    let (scene, text) = Scene::load_with_text(path)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok((scene, name, fingerprint(&text, folder)?))
+    Ok((scene, name, fingerprint(&text, path.parent().unwrap_or(Path::new("")))?))
 }
