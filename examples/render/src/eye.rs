@@ -1,6 +1,7 @@
 //! Eye paths: from the camera through specular surfaces to the first diffuse or black one.
 
 use crate::kind::{ByKind, Kind};
+use crate::light::cosine_direction;
 use crate::media;
 use crate::optics::{Boundary, Interior, facing_normal, reflect};
 use crate::passage::passage;
@@ -18,6 +19,9 @@ const SPLITS: u32 = 4;
 
 /// Paths lighter than this play roulette.
 const LIGHT_PATH: f32 = 0.02;
+
+/// Rays that look for other surfaces around a place on one.
+const CONTACT_RAYS: u32 = 2;
 
 /// Signature of paths that have met no surface.
 const FIRST: u64 = 0;
@@ -205,12 +209,27 @@ impl EyeTracer<'_> {
     fn reflected(&self, hit: &Hit, branch: &Branch, albedo: Vec3, random: &mut Random) -> ByKind {
         let normal = facing_normal(hit, branch.direction);
         let start = hit.leave(normal);
-        let mut irradiance = self.surfaces.irradiance(hit.position, normal, &hit.curvature);
+        let reach = self.surfaces.reach();
+        let clear = reach.map_or(f32::INFINITY, |reach| self.clearance(start, normal, reach, random));
+        let mut irradiance = self.surfaces.irradiance(hit.position, normal, &hit.curvature, clear);
         irradiance[Kind::Straight as usize] =
             straight_irradiance(self.scene, self.fogs, branch.interior, start, |light| {
                 light.irradiance(hit.position, normal, random)
             });
         irradiance.map(|irradiance| albedo * irradiance * FRAC_1_PI)
+    }
+
+    /// How far random cosine-weighted rays from a surface go until the nearest surface, up to `reach`: light that arrives there varies over no
+    /// less than about that (G. Ward et al. 1988, whose bound on the gradient of irradiance is by the mean distance).
+    fn clearance(&self, start: Vec3, normal: Vec3, reach: f32, random: &mut Random) -> f32 {
+        let mut clear = reach;
+        for _ in 0..CONTACT_RAYS {
+            let direction = cosine_direction(normal, [random.uniform(), random.uniform()]);
+            if let Some(hit) = self.scene.intersect(start, direction, clear) {
+                clear = hit.distance;
+            }
+        }
+        clear
     }
 }
 
@@ -259,7 +278,7 @@ mod tests {
              [[object]]\nshape = \"box\"\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\nmaterial = { dielectric = { index = 1.5 } }\n\
              [[light]]\nkind = \"point\"\nposition = [0, 5, 0]\nintensity = 1\n";
         let scene = Scene::parse(text, "glass", Path::new("")).unwrap();
-        let surfaces = SurfaceMap::build(Vec::new(), 1.0, 1.0);
+        let surfaces = SurfaceMap::empty();
         let interior = Interior::at(&scene, scene.camera.position);
         let tracer = EyeTracer { scene: &scene, fogs: &[], interior, surfaces: &surfaces };
         let direction = Vec3::ONE.normalize();

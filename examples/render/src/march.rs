@@ -151,7 +151,7 @@ impl Marcher<'_> {
     /// the guide.
     pub(crate) fn image(&self, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<(PassImage, f64, u64)> {
         let (width, height) = (self.scene.camera.width, self.scene.camera.height);
-        let surfaces = SurfaceMap::build(Vec::new(), 1.0, 1.0);
+        let surfaces = SurfaceMap::empty();
         let (scene, fogs, interior) = (self.scene, self.fogs, self.interior);
         let tracer = EyeTracer { scene, fogs, interior, surfaces: &surfaces };
         let start = Instant::now();

@@ -15,7 +15,7 @@ use crate::random::Emission;
 use crate::samples::PassImage;
 use crate::scene::Scene;
 use crate::straight::{Straight, is_left_to_beams};
-use crate::surface::SurfaceMap;
+use crate::surface::{CROWD, Disks, SurfaceMap};
 use crate::view::{LayerView, View, pixel_offset};
 use covbeam::{Beam, BeamMap, FluenceCell, FluenceGrid, GridError, GridLayout, Kernel, Medium, error_bound};
 use glam::Vec3;
@@ -53,6 +53,9 @@ const WORTH_LOOKING_UP: f32 = 3.0;
 /// Kernel radii of surface photons in beam radii: of caustics, and of light that arrives after scattering, which is smooth.
 const CAUSTIC_RADIUS_FACTOR: f32 = 2.0;
 const DIFFUSE_RADIUS_FACTOR: f32 = 10.0;
+
+/// Smallest kernel radius of focused light in that of other light: guided photons are dense in a caustic, and its borders sharp.
+const FOCUSED_SHARE: f32 = 0.25;
 
 /// How the picture is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -454,31 +457,43 @@ impl<'a> Renderer<'a> {
         let kernel = |layer| if adaptive { self.kernel(kernel, layer) } else { kernel };
         let start = Instant::now();
         let split = self.split.unwrap_or(Split::TOGETHER);
-        let mut beams = vec![vec![Vec::new(); self.scene.media.len()]; split.count()];
+        // In each layer: focused light, and the rest.
+        let narrows = adaptive && self.split.is_some();
+        let mut beams = vec![vec![Vec::new(); self.scene.media.len()]; 2 * split.count()];
         for PathBeam { medium, kind, beam } in record.beams.drain(..) {
             let is_marched = self.has_shadow_rays && kind == Kind::Straight;
             if !is_marched || is_left_to_beams(self.scene, medium) {
-                beams[split.of(kind)][medium as usize].push(beam);
+                let is_narrow = narrows && kind == Kind::Focused;
+                beams[2 * split.of(kind) + usize::from(is_narrow)][medium as usize].push(beam);
             }
         }
-        let build = |(layer, beams): (usize, Vec<Vec<Beam>>)| {
-            let (kernel, kind) = (kernel(layer), split.last_kind(layer));
+        let build = |(group, beams): (usize, Vec<Vec<Beam>>)| {
+            let layer = group / 2;
+            let (mut kernel, kind) = (kernel(layer), split.last_kind(layer));
+            if group % 2 == 1 {
+                let wide = kernel.max_radius > kernel.min_radius;
+                kernel.min_radius *= FOCUSED_SHARE;
+                if !wide {
+                    kernel.max_radius = kernel.min_radius;
+                }
+            }
             let beams = beams.into_iter().zip(&self.fogs);
             let maps = beams.map(|(beams, fog)| BeamMap::build(beams, kernel.max_radius, fog)).collect();
-            LayerView { maps, kernel, kind }
+            LayerView { layer, maps, kernel, kind }
         };
         // A photon's disk shrinks in area as a beam's kernel shrinks in width: r² ~ 1D schedule.
-        let shrink = (kernel(0).min_radius / settings.schedule.radius).sqrt();
-        let radius_on_surfaces = settings.schedule.radius * shrink;
+        let area = kernel(0).min_radius / settings.schedule.radius;
+        let radius_on_surfaces = settings.schedule.radius * area.sqrt();
+        let disks = Disks {
+            diffuse: DIFFUSE_RADIUS_FACTOR * radius_on_surfaces,
+            caustic: CAUSTIC_RADIUS_FACTOR * radius_on_surfaces,
+            crowd: adaptive.then(|| (CROWD as f32 * area).round() as usize),
+        };
         let photons = std::mem::take(&mut record.surface);
         times.build = start.elapsed().as_secs_f64();
         let ((layers, of_beams), (surfaces, of_photons)) = rayon::join(
             || timed(|| beams.into_iter().enumerate().map(build).collect::<Vec<LayerView>>()),
-            || {
-                let [diffuse, caustic] =
-                    [DIFFUSE_RADIUS_FACTOR, CAUSTIC_RADIUS_FACTOR].map(|factor| factor * radius_on_surfaces);
-                timed(|| SurfaceMap::build(photons, diffuse, caustic))
-            },
+            || timed(|| SurfaceMap::build(photons, disks)),
         );
         times.build += of_beams + of_photons;
 

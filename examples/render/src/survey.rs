@@ -107,7 +107,7 @@ fn light_paths(scene: &Scene) -> PhotonRecord {
 /// Pieces of eye paths in media whose kernels are looked up in the grid, numbered by their eye ray.
 fn eye_pieces(scene: &Scene, fogs: &[Medium]) -> Vec<EyeSegment> {
     let interior = Interior::at(scene, scene.camera.position);
-    let surfaces = SurfaceMap::build(Vec::new(), 1.0, 1.0);
+    let surfaces = SurfaceMap::empty();
     let tracer = EyeTracer { scene, fogs, interior, surfaces: &surfaces };
     let mut pieces: Vec<EyeSegment> = Vec::new();
     for node in 0..LATTICE * LATTICE {

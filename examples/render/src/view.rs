@@ -31,6 +31,7 @@ const LOOK_KEY: u32 = 0x100c_0000;
 
 /// The beams of a layer of light, and how they are seen.
 pub(crate) struct LayerView<'a> {
+    pub(crate) layer: usize,
     /// By medium.
     pub(crate) maps: Vec<BeamMap>,
     pub(crate) kernel: Kernel<'a>,
@@ -166,7 +167,7 @@ impl View<'_> {
         }
         // Paths that met the same surfaces run side by side.
         scratch.segments.sort_by_key(|segment| (segment.medium, segment.signature, segment.pixel));
-        let pairs = (0..self.layers.len()).map(|layer| self.gather(layer, &mut seen, scratch)).sum();
+        let pairs = self.layers.iter().map(|view| self.gather(view, &mut seen, scratch)).sum();
         Cost { seconds: start.elapsed().as_secs_f64(), pairs }
     }
 
@@ -185,9 +186,9 @@ impl View<'_> {
     }
 
     /// The beams of a layer around the pieces of the eye paths.
-    fn gather(&self, layer: usize, seen: &mut Seen, scratch: &mut Scratch) -> u64 {
+    fn gather(&self, view: &LayerView, seen: &mut Seen, scratch: &mut Scratch) -> u64 {
         let Scratch { segments, wanted, rays, pieces, gathered, gather } = scratch;
-        let LayerView { maps, kernel, kind } = &self.layers[layer];
+        let LayerView { layer, maps, kernel, kind } = view;
         let narrow = Kernel { max_radius: kernel.min_radius, grid: None, ..*kernel };
         let mut pairs = 0;
         for group in segments.chunk_by(|a, b| (a.medium, a.signature) == (b.medium, b.signature)) {
@@ -196,7 +197,7 @@ impl View<'_> {
                 continue;
             }
             let is_wanted =
-                |segment: &&EyeSegment| !segment.is_first() || wanted[segment.pixel as usize].0.fog[layer];
+                |segment: &&EyeSegment| !segment.is_first() || wanted[segment.pixel as usize].0.fog[*layer];
             pieces.clear();
             pieces.extend(group.iter().filter(is_wanted).copied());
             rays.clear();
@@ -210,7 +211,7 @@ impl View<'_> {
             maps[medium].gather(fog, rays, kernel, gathered, gather).expect("its map was built in it");
             for (segment, gathered) in pieces.iter().zip(gathered.iter()) {
                 let ray = segment.pixel as usize;
-                seen.add(ray, wanted[ray].1[layer], segment, *kind, gathered.radiance);
+                seen.add(ray, wanted[ray].1[*layer], segment, *kind, gathered.radiance);
                 let share = segment.throughput.element_sum() / 3.0;
                 let add = [
                     share * gathered.weight,
@@ -244,7 +245,7 @@ impl View<'_> {
                 / wanted.looks as f32;
             seen.add(ray, samples[0], segment, Kind::Straight, radiance);
         }
-        let no_photons = SurfaceMap::build(Vec::new(), 1.0, 1.0);
+        let no_photons = SurfaceMap::empty();
         let tracer = EyeTracer { surfaces: &no_photons, ..self.tracer };
         let camera = &self.scene.camera;
         let [jx, jy] = pixel_offset(self.seed, self.pass);

@@ -8,7 +8,7 @@ use crate::photon::{PhotonRecord, PhotonTracer, Record};
 use crate::random::{Emission, Random};
 use crate::scene::Scene;
 use crate::straight::{Straight, is_left_to_beams};
-use crate::surface::SurfaceMap;
+use crate::surface::{Disks, SurfaceMap};
 use covbeam::{Beam, BeamMap, GatherScratch, Gathered, Kernel, Knot, Medium};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -110,7 +110,7 @@ impl<'a> Look<'a> {
         let build = |(beams, fog)| BeamMap::build(beams, radius, fog);
         let maps = beams.into_iter().zip(fogs).map(build).collect();
         let [diffuse, caustic] = DISKS.map(|factor| factor * scene.settings.schedule.radius);
-        let surfaces = SurfaceMap::build(record.surface, diffuse, caustic);
+        let surfaces = SurfaceMap::build(record.surface, Disks { diffuse, caustic, crowd: None });
         let (min_radius, max_radius) = (radius, radius);
         let shape = scene.settings.schedule.shape;
         let kernel = Kernel { shape, min_radius, max_radius, error: 1.0, grid: None };
