@@ -1,7 +1,7 @@
 //! Eye paths: from the camera through specular surfaces to the first diffuse or black one.
 
+use crate::clearance::clearance;
 use crate::kind::{ByKind, Kind};
-use crate::light::cosine_direction;
 use crate::media;
 use crate::optics::{Boundary, Interior, facing_normal, reflect};
 use crate::passage::passage;
@@ -19,9 +19,6 @@ const SPLITS: u32 = 4;
 
 /// Paths lighter than this play roulette.
 const LIGHT_PATH: f32 = 0.02;
-
-/// Rays that look for other surfaces around a place on one.
-const CONTACT_RAYS: u32 = 2;
 
 /// Signature of paths that have met no surface.
 const FIRST: u64 = 0;
@@ -210,26 +207,13 @@ impl EyeTracer<'_> {
         let normal = facing_normal(hit, branch.direction);
         let start = hit.leave(normal);
         let reach = self.surfaces.reach();
-        let clear = reach.map_or(f32::INFINITY, |reach| self.clearance(start, normal, reach, random));
+        let clear = reach.map_or(f32::INFINITY, |reach| clearance(self.scene, start, normal, reach, random));
         let mut irradiance = self.surfaces.irradiance(hit.position, normal, &hit.curvature, clear);
         irradiance[Kind::Straight as usize] =
             straight_irradiance(self.scene, self.fogs, branch.interior, start, |light| {
                 light.irradiance(hit.position, normal, random)
             });
         irradiance.map(|irradiance| albedo * irradiance * FRAC_1_PI)
-    }
-
-    /// How far random cosine-weighted rays from a surface go until the nearest surface, up to `reach`: light that arrives there varies over no
-    /// less than about that (G. Ward et al. 1988, whose bound on the gradient of irradiance is by the mean distance).
-    fn clearance(&self, start: Vec3, normal: Vec3, reach: f32, random: &mut Random) -> f32 {
-        let mut clear = reach;
-        for _ in 0..CONTACT_RAYS {
-            let direction = cosine_direction(normal, [random.uniform(), random.uniform()]);
-            if let Some(hit) = self.scene.intersect(start, direction, clear) {
-                clear = hit.distance;
-            }
-        }
-        clear
     }
 }
 

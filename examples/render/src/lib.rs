@@ -1,6 +1,7 @@
 //! The reference host of covbeam: scene, photon and eye tracing, output, comparison.
 
 pub mod camera;
+mod clearance;
 pub mod compare;
 mod defaults;
 mod disk;

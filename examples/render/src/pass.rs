@@ -16,7 +16,7 @@ use crate::samples::PassImage;
 use crate::scene::Scene;
 use crate::straight::{Straight, is_left_to_beams};
 use crate::surface::{CROWD, Disks, SurfaceMap};
-use crate::view::{LayerView, View, pixel_offset};
+use crate::view::{BeamView, View, pixel_offset};
 use covbeam::{Beam, BeamMap, FluenceCell, FluenceGrid, GridError, GridLayout, Kernel, Medium, error_bound};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -56,6 +56,9 @@ const DIFFUSE_RADIUS_FACTOR: f32 = 10.0;
 
 /// Smallest kernel radius of focused light in that of other light: guided photons are dense in a caustic, and its borders sharp.
 const FOCUSED_SHARE: f32 = 0.25;
+
+/// Photons that a disk of a caustic holds at least: in one that held its own alone its radius would be none of the light's.
+const FEWEST: usize = 2;
 
 /// How the picture is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -457,29 +460,23 @@ impl<'a> Renderer<'a> {
         let kernel = |layer| if adaptive { self.kernel(kernel, layer) } else { kernel };
         let start = Instant::now();
         let split = self.split.unwrap_or(Split::TOGETHER);
-        // In each layer: focused light, and the rest.
+        // In each layer: all but focused light, and focused light.
         let narrows = adaptive && self.split.is_some();
-        let mut beams = vec![vec![Vec::new(); self.scene.media.len()]; 2 * split.count()];
+        let mut beams = vec![[(); 2].map(|()| vec![Vec::new(); self.scene.media.len()]); split.count()];
         for PathBeam { medium, kind, beam } in record.beams.drain(..) {
             let is_marched = self.has_shadow_rays && kind == Kind::Straight;
             if !is_marched || is_left_to_beams(self.scene, medium) {
                 let is_narrow = narrows && kind == Kind::Focused;
-                beams[2 * split.of(kind) + usize::from(is_narrow)][medium as usize].push(beam);
+                beams[split.of(kind)][usize::from(is_narrow)][medium as usize].push(beam);
             }
         }
-        let build = |(group, beams): (usize, Vec<Vec<Beam>>)| {
-            let layer = group / 2;
-            let (mut kernel, kind) = (kernel(layer), split.last_kind(layer));
-            if group % 2 == 1 {
-                let wide = kernel.max_radius > kernel.min_radius;
-                kernel.min_radius *= FOCUSED_SHARE;
-                if !wide {
-                    kernel.max_radius = kernel.min_radius;
-                }
-            }
-            let beams = beams.into_iter().zip(&self.fogs);
-            let maps = beams.map(|(beams, fog)| BeamMap::build(beams, kernel.max_radius, fog)).collect();
-            LayerView { layer, maps, kernel, kind }
+        let build = |(layer, [others, narrow]): (usize, [Vec<Vec<Beam>>; 2])| {
+            let kernel = kernel(layer);
+            [(others, kernel), (narrow, focused(kernel))].map(|(beams, kernel)| {
+                let maps = beams.into_iter().zip(&self.fogs);
+                let maps = maps.map(|(beams, fog)| BeamMap::build(beams, kernel.max_radius, fog)).collect();
+                BeamView { layer, maps, kernel, kind: split.last_kind(layer) }
+            })
         };
         // A photon's disk shrinks in area as a beam's kernel shrinks in width: r² ~ 1D schedule.
         let area = kernel(0).min_radius / settings.schedule.radius;
@@ -487,12 +484,12 @@ impl<'a> Renderer<'a> {
         let disks = Disks {
             diffuse: DIFFUSE_RADIUS_FACTOR * radius_on_surfaces,
             caustic: CAUSTIC_RADIUS_FACTOR * radius_on_surfaces,
-            crowd: adaptive.then(|| (CROWD as f32 * area).round() as usize),
+            crowd: narrows.then(|| crowd(index)),
         };
         let photons = std::mem::take(&mut record.surface);
         times.build = start.elapsed().as_secs_f64();
-        let ((layers, of_beams), (surfaces, of_photons)) = rayon::join(
-            || timed(|| beams.into_iter().enumerate().map(build).collect::<Vec<LayerView>>()),
+        let ((beams, of_beams), (surfaces, of_photons)) = rayon::join(
+            || timed(|| beams.into_iter().enumerate().flat_map(build).collect::<Vec<BeamView>>()),
             || timed(|| SurfaceMap::build(photons, disks)),
         );
         times.build += of_beams + of_photons;
@@ -503,7 +500,7 @@ impl<'a> Renderer<'a> {
             scene: self.scene,
             fogs: &self.fogs,
             tracer,
-            layers: &layers,
+            beams: &beams,
             seed: self.seed,
             pass: index,
             plans,
@@ -600,6 +597,13 @@ impl<'a> Renderer<'a> {
     }
 }
 
+/// The kernel of a layer's focused light.
+fn focused(kernel: Kernel<'_>) -> Kernel<'_> {
+    let is_plain = kernel.max_radius <= kernel.min_radius;
+    let min_radius = FOCUSED_SHARE * kernel.min_radius;
+    Kernel { min_radius, max_radius: if is_plain { min_radius } else { kernel.max_radius }, ..kernel }
+}
+
 /// How many of passes 1 to `passes` trace light fields.
 pub fn field_passes(passes: u32) -> u32 {
     let mut count = 0;
@@ -627,6 +631,12 @@ fn field_pass_step(pass: u32) -> u32 {
         ..FIRST_FIELD_PASSES => 1,
         _ => ((1 << pass.ilog2()) / FIELD_PASSES_A_DOUBLING).max(FIELD_PASS_EVERY),
     }
+}
+
+/// Photons that a disk of a caustic holds in pass `index`: their number falls as index^(-1/3), since the squared bias of disks that hold k goes
+/// as k² and the variance of the mean over so many passes as 1/(k index).
+fn crowd(index: u32) -> usize {
+    ((CROWD as f32 / (index as f32).cbrt()).round() as usize).max(FEWEST)
 }
 
 /// What `run` returns, and the seconds that it took.

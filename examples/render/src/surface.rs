@@ -8,6 +8,8 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::{Boundable, BvhBuildParams};
+use rayon::prelude::*;
+use smallvec::SmallVec;
 use std::f32::consts::PI;
 use std::time::Duration;
 
@@ -25,7 +27,13 @@ pub struct SurfacePhoton {
 }
 
 /// Photons count where the normal differs by less than this cosine: others lie on another surface.
-const FLAT: f32 = 0.9;
+pub const FLAT: f32 = 0.9;
+
+/// Most photons of a caustic that [`Disks::crowd`] may ask for.
+pub const CROWD: usize = 16;
+
+/// Least radius of a caustic's disk in the widest.
+const NARROWEST: f32 = 0.1;
 
 /// How wide the kernels of a pass' surface photons are \[m\].
 #[derive(Clone, Copy, Debug)]
@@ -34,15 +42,13 @@ pub struct Disks {
     pub diffuse: f32,
     /// For caustics.
     pub caustic: f32,
-    /// Some: these are the widest. Light that arrives diffusely is taken to be no smoother than other surfaces are far, and a caustic's disk
-    /// ends at the photon after so many, at most [`CROWD`].
+    /// Some: these are the widest. Light that arrives diffusely is no smoother than other surfaces are far, and the disk of a caustic's photon
+    /// ends where it holds so many, itself included, at most [`CROWD`] (L. Breiman, W. Meisel and E. Purcell 1977). Disks belong to photons,
+    /// not to the places that look them up: so what leaves one place arrives at another, and no light is made where photons are dense.
     pub crowd: Option<usize>,
 }
 
-/// Most photons of a caustic that a disk may be asked to end after.
-pub const CROWD: usize = 8;
-
-/// Where a photon's disk may reach.
+/// Where a photon counts at most.
 struct Extent {
     center: Vec3A,
     radius: f32,
@@ -57,6 +63,8 @@ impl Boundable for Extent {
 /// The surface photons of a pass.
 pub struct SurfaceMap {
     photons: Vec<SurfacePhoton>,
+    /// Of their disks.
+    radii: Vec<f32>,
     hierarchy: Bvh2,
     disks: Disks,
 }
@@ -64,19 +72,24 @@ pub struct SurfaceMap {
 impl SurfaceMap {
     /// Of a pass' photons.
     pub fn build(photons: Vec<SurfacePhoton>, disks: Disks) -> Self {
-        let extents: Vec<Extent> = photons
-            .iter()
-            .map(|p| Extent {
-                center: p.position.into(),
-                radius: if p.caustic { disks.caustic } else { disks.diffuse },
-            })
-            .collect();
+        let radii: Vec<f32> =
+            photons.iter().map(|photon| if photon.caustic { disks.caustic } else { disks.diffuse }).collect();
+        let extent =
+            |(photon, &radius): (&SurfacePhoton, &f32)| Extent { center: photon.position.into(), radius };
+        let extents: Vec<Extent> = photons.iter().zip(&radii).map(extent).collect();
         let hierarchy = if extents.is_empty() {
             Bvh2::default()
         } else {
             build_bvh2(&extents, BvhBuildParams::fastest_build(), &mut Duration::default())
         };
-        Self { photons, hierarchy, disks }
+        let mut map = Self { photons, radii, hierarchy, disks };
+        if let Some(crowd) = disks.crowd {
+            let radius = |(photon, &radius): (&SurfacePhoton, &f32)| {
+                if photon.caustic { map.radius_of(photon, crowd) } else { radius }
+            };
+            map.radii = map.photons.par_iter().zip(&map.radii).map(radius).collect();
+        }
+        map
     }
 
     /// Without photons.
@@ -92,86 +105,56 @@ impl SurfaceMap {
     /// Irradiance \[W/m²\] at a point of a surface with this normal: 2D Epanechnikov kernel over distances, no wider than the surface is
     /// [`FLAT`]. On a sphere that is as even as on a plane: the part of it within a distance d of a point has the area πd².
     ///
-    /// - `clear`: how far other surfaces are \[m\]; counts up to [`SurfaceMap::reach`].
+    /// - `clear`: how far diffuse light may be spread there \[m\]; counts down to the widest disk of a caustic.
     pub fn irradiance(&self, point: Vec3, normal: Vec3, curvature: &Curvature, clear: f32) -> ByKind {
         let mut sum = ByKind::default();
-        if self.photons.is_empty() {
-            return sum;
-        }
         // cos θ = 1 - d²/2 of points of a unit sphere at a distance of d.
         let widest = (2.0 * (1.0 - FLAT)).sqrt() / strongest(curvature);
-        let Disks { diffuse, caustic, crowd } = self.disks;
-        let diffuse = diffuse.min(clear.max(caustic)).min(widest);
-        let caustic = caustic.min(widest);
-        let mut nearest = crowd.map(Nearest::new);
+        let diffuse = widest.min(clear.max(self.disks.caustic));
+        self.for_photons_around(point, normal, |index, distance2| {
+            let photon = &self.photons[index];
+            let (kind, widest) =
+                if photon.caustic { (Kind::Focused, widest) } else { (Kind::Scattered, diffuse) };
+            let radius2 = self.radii[index].min(widest).powi(2);
+            if distance2 < radius2 {
+                sum[kind as usize] += photon.power * (2.0 * (1.0 - distance2 / radius2) / (PI * radius2));
+            }
+        });
+        sum
+    }
+
+    /// Calls `found` with each photon on this side of the surface whose widest disk holds the point, and its squared distance.
+    fn for_photons_around(&self, point: Vec3, normal: Vec3, mut found: impl FnMut(usize, f32)) {
+        if self.photons.is_empty() {
+            return;
+        }
         self.hierarchy.point_traverse(point.into(), |hierarchy, node| {
             let leaf = &hierarchy.nodes[node as usize];
             let first = leaf.first_index as usize;
             for &index in &hierarchy.primitive_indices[first..first + leaf.prim_count as usize] {
                 let photon = &self.photons[index as usize];
-                let radius2 = if photon.caustic { caustic * caustic } else { diffuse * diffuse };
-                let distance2 = photon.position.distance_squared(point);
-                if !(distance2 < radius2 && photon.normal.dot(normal) > FLAT) {
-                    continue;
-                }
-                if !photon.caustic {
-                    sum[Kind::Scattered as usize] += disk(radius2, distance2, photon.power);
-                } else if let Some(nearest) = &mut nearest {
-                    nearest.add(distance2, photon.power);
-                } else {
-                    sum[Kind::Focused as usize] += disk(radius2, distance2, photon.power);
+                if photon.normal.dot(normal) > FLAT {
+                    found(index as usize, photon.position.distance_squared(point));
                 }
             }
             true
         });
-        if let Some(nearest) = nearest {
-            sum[Kind::Focused as usize] += nearest.irradiance(caustic * caustic);
-        }
-        sum
-    }
-}
-
-/// What a photon adds within a disk around it, by their squared sizes.
-fn disk(radius2: f32, distance2: f32, power: Vec3) -> Vec3 {
-    power * (2.0 * (1.0 - distance2 / radius2) / (PI * radius2))
-}
-
-/// The nearest photons of a caustic, and the next one.
-struct Nearest {
-    crowd: usize,
-    count: usize,
-    /// Squared distances and powers, the nearest first.
-    photons: [(f32, Vec3); CROWD + 1],
-}
-
-impl Nearest {
-    fn new(crowd: usize) -> Self {
-        Self { crowd: crowd.clamp(1, CROWD), count: 0, photons: Default::default() }
     }
 
-    fn add(&mut self, distance2: f32, power: Vec3) {
-        let mut at = self.count;
-        if at > self.crowd {
-            at = self.crowd;
-            if distance2 >= self.photons[at].0 {
-                return;
+    /// Radius of the disk around a photon of a caustic that holds `crowd` of them.
+    fn radius_of(&self, photon: &SurfacePhoton, crowd: usize) -> f32 {
+        let widest = self.disks.caustic;
+        // Squared distances, the nearest first.
+        let mut nearest = SmallVec::<[f32; CROWD]>::new();
+        self.for_photons_around(photon.position, photon.normal, |index, distance2| {
+            let at = nearest.partition_point(|nearer| *nearer < distance2);
+            if self.photons[index].caustic && at < crowd {
+                nearest.truncate(crowd - 1);
+                nearest.insert(at, distance2);
             }
-        } else {
-            self.count += 1;
-        }
-        while at > 0 && self.photons[at - 1].0 > distance2 {
-            self.photons[at] = self.photons[at - 1];
-            at -= 1;
-        }
-        self.photons[at] = (distance2, power);
-    }
-
-    /// Of the nearest in a disk that ends at the next one; if there is none, of all in the whole disk. Unbiased where photons are evenly
-    /// spread, since how many are in a disk says nothing of where in it they are.
-    fn irradiance(&self, radius2: f32) -> Vec3 {
-        let count = self.count.min(self.crowd);
-        let radius2 = if self.count > self.crowd { self.photons[self.crowd].0 } else { radius2 };
-        self.photons[..count].iter().map(|&(distance2, power)| disk(radius2, distance2, power)).sum()
+        });
+        let end = nearest.get(crowd - 1).map_or(widest, |distance2| distance2.sqrt());
+        end.clamp(NARROWEST * widest, widest)
     }
 }
 
@@ -231,5 +214,60 @@ mod tests {
             // Each of 64 disks has 900 photons or more.
             assert!((sum / expected - 1.0).abs() < 0.02, "{sum} for {expected} with a radius of {radius}");
         }
+    }
+
+    /// As a caustic: a thousandth of the floor holds half of the light.
+    #[test]
+    fn disks_that_follow_the_photons_lose_and_make_no_light() {
+        const PHOTONS: u32 = 2000;
+        let photon = |index| {
+            let mut random = Random::new([index, 2, 0, 0]);
+            let [x, z] = [random.uniform() - 0.5, random.uniform() - 0.5];
+            let scale = if index % 2 == 0 { Vec3::new(1.0, 0.0, 0.001) } else { Vec3::ONE };
+            let position = scale * Vec3::new(x, 0.0, z);
+            let power = Vec3::splat(random.uniform());
+            SurfacePhoton { position, normal: Vec3::Y, power, caustic: true }
+        };
+        let photons: Vec<SurfacePhoton> = (0..PHOTONS).map(photon).collect();
+        let expected: f32 = photons.iter().map(|photon| photon.power.x).sum();
+        let widest = 0.1;
+        let map = SurfaceMap::build(photons, Disks { diffuse: widest, caustic: widest, crowd: Some(CROWD) });
+        let narrowed = map.radii.iter().filter(|radius| **radius < 0.5 * widest).count();
+        assert!(narrowed > PHOTONS as usize / 3, "{narrowed} of {PHOTONS} disks are narrower");
+        // Cells of a third of the narrowest disk, over all that any disk reaches.
+        let cells = 400;
+        let side = 1.0 + 2.0 * widest;
+        let place = |cell: i32| side * ((cell as f32 + 0.5) / cells as f32 - 0.5);
+        let mut sum = 0.0;
+        for (row, column) in (0..cells).flat_map(|row| (0..cells).map(move |column| (row, column))) {
+            let at = Vec3::new(place(row), 0.0, place(column));
+            let seen = map.irradiance(at, Vec3::Y, &Curvature::default(), f32::INFINITY);
+            sum += f64::from(seen[Kind::Focused as usize].x);
+        }
+        let sum = sum as f32 * (side / cells as f32).powi(2);
+        // A disk of three cells' radius counts to 2 %, at random; there are 1,000 of them.
+        assert!((sum / expected - 1.0).abs() < 2e-3, "{sum} for {expected}");
+    }
+
+    #[test]
+    fn disks_end_where_they_hold_so_many_photons() {
+        let at = |x: f32| SurfacePhoton {
+            position: Vec3::new(x, 0.0, 0.0),
+            normal: Vec3::Y,
+            power: Vec3::ONE,
+            caustic: true,
+        };
+        let photons = [0.0, 0.3, 0.4, 0.9, 0.9, 0.9].map(at).to_vec();
+        let map = SurfaceMap::build(photons, Disks { diffuse: 9.0, caustic: 1.0, crowd: Some(3) });
+        // The third of those within it, or what is least.
+        let expected = [0.4, 0.3, 0.4, NARROWEST, NARROWEST, NARROWEST];
+        for (radius, expected) in map.radii.iter().zip(expected) {
+            assert!((radius - expected).abs() < 1e-6, "{:?}", map.radii);
+        }
+        let lonely = SurfaceMap::build(
+            [0.0, 0.3].map(at).to_vec(),
+            Disks { diffuse: 9.0, caustic: 1.0, crowd: Some(3) },
+        );
+        assert_eq!(lonely.radii, [1.0, 1.0]);
     }
 }

@@ -29,13 +29,13 @@ const LOOKS: u32 = 4;
 const FAINT_KEY: u32 = 0xfa17;
 const LOOK_KEY: u32 = 0x100c_0000;
 
-/// The beams of a layer of light, and how they are seen.
-pub(crate) struct LayerView<'a> {
+/// Beams of a layer of light that are seen through the same kernel.
+pub(crate) struct BeamView<'a> {
     pub(crate) layer: usize,
     /// By medium.
     pub(crate) maps: Vec<BeamMap>,
     pub(crate) kernel: Kernel<'a>,
-    /// The last of its kinds.
+    /// The last of the layer's kinds.
     pub(crate) kind: Kind,
 }
 
@@ -44,7 +44,7 @@ pub(crate) struct View<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) fogs: &'a [Medium<'a>],
     pub(crate) tracer: EyeTracer<'a>,
-    pub(crate) layers: &'a [LayerView<'a>],
+    pub(crate) beams: &'a [BeamView<'a>],
     pub(crate) seed: u32,
     pub(crate) pass: u32,
     /// Eye rays where these want them, one a layer; none: one through every pixel.
@@ -167,7 +167,7 @@ impl View<'_> {
         }
         // Paths that met the same surfaces run side by side.
         scratch.segments.sort_by_key(|segment| (segment.medium, segment.signature, segment.pixel));
-        let pairs = self.layers.iter().map(|view| self.gather(view, &mut seen, scratch)).sum();
+        let pairs = self.beams.iter().map(|beams| self.gather(beams, &mut seen, scratch)).sum();
         Cost { seconds: start.elapsed().as_secs_f64(), pairs }
     }
 
@@ -185,10 +185,10 @@ impl View<'_> {
         seen.rays[number] = SparseSample { pixel, has_surfaces: surfaces, light, gather: [0.0; 4] };
     }
 
-    /// The beams of a layer around the pieces of the eye paths.
-    fn gather(&self, view: &LayerView, seen: &mut Seen, scratch: &mut Scratch) -> u64 {
+    /// Beams around the pieces of the eye paths.
+    fn gather(&self, beams: &BeamView, seen: &mut Seen, scratch: &mut Scratch) -> u64 {
         let Scratch { segments, wanted, rays, pieces, gathered, gather } = scratch;
-        let LayerView { layer, maps, kernel, kind } = view;
+        let BeamView { layer, maps, kernel, kind } = beams;
         let narrow = Kernel { max_radius: kernel.min_radius, grid: None, ..*kernel };
         let mut pairs = 0;
         for group in segments.chunk_by(|a, b| (a.medium, a.signature) == (b.medium, b.signature)) {
