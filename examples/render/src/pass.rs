@@ -1,5 +1,6 @@
 //! Renders one pass: light paths, covariance grid, beams, eye rays.
 
+use crate::crowd::CROWD;
 use crate::eye::EyeTracer;
 use crate::grids::Grids;
 use crate::guidance::{Guidance, share_of_branches};
@@ -15,7 +16,7 @@ use crate::random::Emission;
 use crate::samples::PassImage;
 use crate::scene::Scene;
 use crate::straight::{Straight, is_left_to_beams};
-use crate::surface::{CROWD, Disks, SurfaceMap};
+use crate::surface::{Disks, SurfaceMap};
 use crate::view::{BeamView, View, pixel_offset};
 use covbeam::{Beam, BeamMap, FluenceCell, FluenceGrid, GridError, GridLayout, Kernel, Medium, error_bound};
 use glam::Vec3;
@@ -57,7 +58,7 @@ const DIFFUSE_RADIUS_FACTOR: f32 = 10.0;
 /// Smallest kernel radius of focused light in that of other light: guided photons are dense in a caustic, and its borders sharp.
 const FOCUSED_SHARE: f32 = 0.25;
 
-/// Photons that a disk of a caustic holds at least: in one that held its own alone its radius would be none of the light's.
+/// Photons that a disk of a caustic holds at least: its own says nothing of how far others are.
 const FEWEST: usize = 2;
 
 /// How the picture is made.

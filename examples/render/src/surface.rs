@@ -1,6 +1,7 @@
 //! Photons on diffuse surfaces and the radiance that they make visible. Light straight from a lamp is looked
 //! up by shadow rays; lamps themselves are invisible.
 
+use crate::crowd;
 use crate::kind::{ByKind, Kind};
 use covbeam::Curvature;
 use glam::{Vec3, Vec3A};
@@ -8,8 +9,6 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::{Boundable, BvhBuildParams};
-use rayon::prelude::*;
-use smallvec::SmallVec;
 use std::f32::consts::PI;
 use std::time::Duration;
 
@@ -29,12 +28,6 @@ pub struct SurfacePhoton {
 /// Photons count where the normal differs by less than this cosine: others lie on another surface.
 pub const FLAT: f32 = 0.9;
 
-/// Most photons of a caustic that [`Disks::crowd`] may ask for.
-pub const CROWD: usize = 16;
-
-/// Least radius of a caustic's disk in the widest.
-const NARROWEST: f32 = 0.1;
-
 /// How wide the kernels of a pass' surface photons are \[m\].
 #[derive(Clone, Copy, Debug)]
 pub struct Disks {
@@ -43,7 +36,7 @@ pub struct Disks {
     /// For caustics.
     pub caustic: f32,
     /// Some: these are the widest. Light that arrives diffusely is no smoother than other surfaces are far, and the disk of a caustic's photon
-    /// ends where it holds so many, itself included, at most [`CROWD`] (L. Breiman, W. Meisel and E. Purcell 1977). Disks belong to photons,
+    /// ends where it holds so many, itself included, at most [`crowd::CROWD`] (L. Breiman, W. Meisel and E. Purcell 1977). Disks belong to photons,
     /// not to the places that look them up: so what leaves one place arrives at another, and no light is made where photons are dense.
     pub crowd: Option<usize>,
 }
@@ -72,8 +65,14 @@ pub struct SurfaceMap {
 impl SurfaceMap {
     /// Of a pass' photons.
     pub fn build(photons: Vec<SurfacePhoton>, disks: Disks) -> Self {
-        let radii: Vec<f32> =
-            photons.iter().map(|photon| if photon.caustic { disks.caustic } else { disks.diffuse }).collect();
+        let widest = |photon: &SurfacePhoton| if photon.caustic { disks.caustic } else { disks.diffuse };
+        let mut radii: Vec<f32> = photons.iter().map(widest).collect();
+        if let Some(crowd) = disks.crowd {
+            let of_caustics: Vec<&SurfacePhoton> = photons.iter().filter(|photon| photon.caustic).collect();
+            let found = crowd::radii(&of_caustics, crowd, disks.caustic);
+            let narrowed = photons.iter().zip(&mut radii).filter(|(photon, _)| photon.caustic);
+            narrowed.zip(found).for_each(|((_, radius), found)| *radius = found);
+        }
         let extent =
             |(photon, &radius): (&SurfacePhoton, &f32)| Extent { center: photon.position.into(), radius };
         let extents: Vec<Extent> = photons.iter().zip(&radii).map(extent).collect();
@@ -82,14 +81,7 @@ impl SurfaceMap {
         } else {
             build_bvh2(&extents, BvhBuildParams::fastest_build(), &mut Duration::default())
         };
-        let mut map = Self { photons, radii, hierarchy, disks };
-        if let Some(crowd) = disks.crowd {
-            let radius = |(photon, &radius): (&SurfacePhoton, &f32)| {
-                if photon.caustic { map.radius_of(photon, crowd) } else { radius }
-            };
-            map.radii = map.photons.par_iter().zip(&map.radii).map(radius).collect();
-        }
-        map
+        Self { photons, radii, hierarchy, disks }
     }
 
     /// Without photons.
@@ -111,50 +103,25 @@ impl SurfaceMap {
         // cos θ = 1 - d²/2 of points of a unit sphere at a distance of d.
         let widest = (2.0 * (1.0 - FLAT)).sqrt() / strongest(curvature);
         let diffuse = widest.min(clear.max(self.disks.caustic));
-        self.for_photons_around(point, normal, |index, distance2| {
-            let photon = &self.photons[index];
-            let (kind, widest) =
-                if photon.caustic { (Kind::Focused, widest) } else { (Kind::Scattered, diffuse) };
-            let radius2 = self.radii[index].min(widest).powi(2);
-            if distance2 < radius2 {
-                sum[kind as usize] += photon.power * (2.0 * (1.0 - distance2 / radius2) / (PI * radius2));
-            }
-        });
-        sum
-    }
-
-    /// Calls `found` with each photon on this side of the surface whose widest disk holds the point, and its squared distance.
-    fn for_photons_around(&self, point: Vec3, normal: Vec3, mut found: impl FnMut(usize, f32)) {
         if self.photons.is_empty() {
-            return;
+            return sum;
         }
         self.hierarchy.point_traverse(point.into(), |hierarchy, node| {
             let leaf = &hierarchy.nodes[node as usize];
             let first = leaf.first_index as usize;
             for &index in &hierarchy.primitive_indices[first..first + leaf.prim_count as usize] {
                 let photon = &self.photons[index as usize];
-                if photon.normal.dot(normal) > FLAT {
-                    found(index as usize, photon.position.distance_squared(point));
+                let (kind, widest) =
+                    if photon.caustic { (Kind::Focused, widest) } else { (Kind::Scattered, diffuse) };
+                let radius = self.radii[index as usize].min(widest);
+                let q2 = photon.position.distance_squared(point) / (radius * radius);
+                if q2 < 1.0 && photon.normal.dot(normal) > FLAT {
+                    sum[kind as usize] += photon.power * (2.0 * (1.0 - q2) / (PI * radius * radius));
                 }
             }
             true
         });
-    }
-
-    /// Radius of the disk around a photon of a caustic that holds `crowd` of them.
-    fn radius_of(&self, photon: &SurfacePhoton, crowd: usize) -> f32 {
-        let widest = self.disks.caustic;
-        // Squared distances, the nearest first.
-        let mut nearest = SmallVec::<[f32; CROWD]>::new();
-        self.for_photons_around(photon.position, photon.normal, |index, distance2| {
-            let at = nearest.partition_point(|nearer| *nearer < distance2);
-            if self.photons[index].caustic && at < crowd {
-                nearest.truncate(crowd - 1);
-                nearest.insert(at, distance2);
-            }
-        });
-        let end = nearest.get(crowd - 1).map_or(widest, |distance2| distance2.sqrt());
-        end.clamp(NARROWEST * widest, widest)
+        sum
     }
 }
 
@@ -231,7 +198,8 @@ mod tests {
         let photons: Vec<SurfacePhoton> = (0..PHOTONS).map(photon).collect();
         let expected: f32 = photons.iter().map(|photon| photon.power.x).sum();
         let widest = 0.1;
-        let map = SurfaceMap::build(photons, Disks { diffuse: widest, caustic: widest, crowd: Some(CROWD) });
+        let map =
+            SurfaceMap::build(photons, Disks { diffuse: widest, caustic: widest, crowd: Some(crowd::CROWD) });
         let narrowed = map.radii.iter().filter(|radius| **radius < 0.5 * widest).count();
         assert!(narrowed > PHOTONS as usize / 3, "{narrowed} of {PHOTONS} disks are narrower");
         // Cells of a third of the narrowest disk, over all that any disk reaches.
@@ -247,27 +215,5 @@ mod tests {
         let sum = sum as f32 * (side / cells as f32).powi(2);
         // A disk of three cells' radius counts to 2 %, at random; there are 1,000 of them.
         assert!((sum / expected - 1.0).abs() < 2e-3, "{sum} for {expected}");
-    }
-
-    #[test]
-    fn disks_end_where_they_hold_so_many_photons() {
-        let at = |x: f32| SurfacePhoton {
-            position: Vec3::new(x, 0.0, 0.0),
-            normal: Vec3::Y,
-            power: Vec3::ONE,
-            caustic: true,
-        };
-        let photons = [0.0, 0.3, 0.4, 0.9, 0.9, 0.9].map(at).to_vec();
-        let map = SurfaceMap::build(photons, Disks { diffuse: 9.0, caustic: 1.0, crowd: Some(3) });
-        // The third of those within it, or what is least.
-        let expected = [0.4, 0.3, 0.4, NARROWEST, NARROWEST, NARROWEST];
-        for (radius, expected) in map.radii.iter().zip(expected) {
-            assert!((radius - expected).abs() < 1e-6, "{:?}", map.radii);
-        }
-        let lonely = SurfaceMap::build(
-            [0.0, 0.3].map(at).to_vec(),
-            Disks { diffuse: 9.0, caustic: 1.0, crowd: Some(3) },
-        );
-        assert_eq!(lonely.radii, [1.0, 1.0]);
     }
 }
