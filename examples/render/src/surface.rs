@@ -196,10 +196,20 @@ mod tests {
             SurfacePhoton { position, normal: Vec3::Y, power, caustic: true }
         };
         let photons: Vec<SurfacePhoton> = (0..PHOTONS).map(photon).collect();
-        let expected: f32 = photons.iter().map(|photon| photon.power.x).sum();
+        let power: f32 = photons.iter().map(|photon| photon.power.x).sum();
         let widest = 0.1;
-        let map =
-            SurfaceMap::build(photons, Disks { diffuse: widest, caustic: widest, crowd: Some(crowd::CROWD) });
+        let disks = Disks { diffuse: widest, caustic: widest, crowd: Some(crowd::CROWD) };
+        let even = SurfaceMap::build(photons.clone(), Disks { crowd: None, ..disks });
+        let map = SurfaceMap::build(photons, disks);
+        let on_line = |map: &SurfaceMap| -> f32 {
+            let seen =
+                |x: i32| map.irradiance(Vec3::X * (x as f32 / 100.0), Vec3::Y, &Curvature::default(), 0.0);
+            (-40..40).map(|x| seen(x)[Kind::Focused as usize].x).sum()
+        };
+        // A disk's profile across a line is 4/(πr): 250 W along 1 m, narrowest and widest, and 250 W/m² that are everywhere.
+        let expected = (250.0 * 4.0 / (PI * 0.1 * widest) + 250.0) / (250.0 * 4.0 / (PI * widest) + 250.0);
+        let ratio = on_line(&map) / on_line(&even);
+        assert!((ratio / expected - 1.0).abs() < 0.1, "{ratio} for {expected}");
         let narrowed = map.radii.iter().filter(|radius| **radius < 0.5 * widest).count();
         assert!(narrowed > PHOTONS as usize / 3, "{narrowed} of {PHOTONS} disks are narrower");
         // Cells of a third of the narrowest disk, over all that any disk reaches.
@@ -214,6 +224,6 @@ mod tests {
         }
         let sum = sum as f32 * (side / cells as f32).powi(2);
         // A disk of three cells' radius counts to 2 %, at random; there are 1,000 of them.
-        assert!((sum / expected - 1.0).abs() < 2e-3, "{sum} for {expected}");
+        assert!((sum / power - 1.0).abs() < 2e-3, "{sum} for {power}");
     }
 }
