@@ -35,6 +35,8 @@ pub(crate) struct BeamView<'a> {
     /// By medium.
     pub(crate) maps: Vec<BeamMap>,
     pub(crate) kernel: Kernel<'a>,
+    /// For pieces of eye paths that no filter thins out: wide kernels cost more than they are worth to them.
+    pub(crate) behind: Kernel<'a>,
     /// The last of the layer's kinds.
     pub(crate) kind: Kind,
 }
@@ -188,8 +190,7 @@ impl View<'_> {
     /// Beams around the pieces of the eye paths.
     fn gather(&self, beams: &BeamView, seen: &mut Seen, scratch: &mut Scratch) -> u64 {
         let Scratch { segments, wanted, rays, pieces, gathered, gather } = scratch;
-        let BeamView { layer, maps, kernel, kind } = beams;
-        let narrow = Kernel { max_radius: kernel.min_radius, grid: None, ..*kernel };
+        let BeamView { layer, maps, kernel, behind, kind } = beams;
         let mut pairs = 0;
         for group in segments.chunk_by(|a, b| (a.medium, a.signature) == (b.medium, b.signature)) {
             let medium = group[0].medium as usize;
@@ -205,9 +206,8 @@ impl View<'_> {
             gathered.clear();
             gathered.resize(pieces.len(), Gathered::default());
             let fog = &self.fogs[medium];
-            // Wide kernels cost more than they are worth to rays that no filter thins out.
-            let planned = !self.plans.is_empty() && !group[0].is_first();
-            let kernel = if planned { &narrow } else { kernel };
+            let is_behind = !self.plans.is_empty() && !group[0].is_first();
+            let kernel = if is_behind { behind } else { kernel };
             maps[medium].gather(fog, rays, kernel, gathered, gather).expect("its map was built in it");
             for (segment, gathered) in pieces.iter().zip(gathered.iter()) {
                 let ray = segment.pixel as usize;
