@@ -3,7 +3,6 @@
 pub mod camera;
 mod clearance;
 pub mod compare;
-mod crowd;
 mod defaults;
 mod disk;
 mod exr_format;

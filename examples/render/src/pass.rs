@@ -1,6 +1,5 @@
 //! Renders one pass: light paths, covariance grid, beams, eye rays.
 
-use crate::crowd::CROWD;
 use crate::eye::EyeTracer;
 use crate::grids::Grids;
 use crate::guidance::{Guidance, share_of_branches};
@@ -16,7 +15,7 @@ use crate::random::Emission;
 use crate::samples::PassImage;
 use crate::scene::Scene;
 use crate::straight::{Straight, is_left_to_beams};
-use crate::surface::{Disks, SurfaceMap};
+use crate::surface::{CROWD, Disks, SurfaceMap};
 use crate::view::{BeamView, View, pixel_offset};
 use covbeam::{Beam, BeamMap, FluenceCell, FluenceGrid, GridError, GridLayout, Kernel, Medium, error_bound};
 use glam::Vec3;
@@ -462,8 +461,9 @@ impl<'a> Renderer<'a> {
         let kernel = |layer| if adaptive { self.kernel(kernel, layer) } else { kernel };
         let start = Instant::now();
         let split = self.split.unwrap_or(Split::TOGETHER);
-        // In each layer: all but focused light, and focused light.
-        let narrows = adaptive && self.split.is_some();
+        let by_kind = adaptive && self.split.is_some();
+        let narrows = by_kind && !plans.is_empty();
+        // In each layer: what has the layer's kernel, and focused light.
         let mut beams = vec![[(); 2].map(|()| vec![Vec::new(); self.scene.media.len()]); split.count()];
         for PathBeam { medium, kind, beam } in record.beams.drain(..) {
             let is_marched = self.has_shadow_rays && kind == Kind::Straight;
@@ -472,11 +472,9 @@ impl<'a> Renderer<'a> {
                 beams[split.of(kind)][usize::from(is_narrow)][medium as usize].push(beam);
             }
         }
-        let has_filters = !plans.is_empty();
         let build = |(layer, [others, narrow]): (usize, [Vec<Vec<Beam>>; 2])| {
             let plain = kernel(layer);
-            let focused = if has_filters { focused(plain) } else { plain };
-            [(others, plain), (narrow, focused)].map(|(beams, kernel)| {
+            [(others, plain), (narrow, focused(plain))].map(|(beams, kernel)| {
                 let maps = beams.into_iter().zip(&self.fogs);
                 let maps = maps.map(|(beams, fog)| BeamMap::build(beams, plain.max_radius, fog)).collect();
                 let behind = Kernel { max_radius: plain.min_radius, grid: None, ..plain };
@@ -489,7 +487,7 @@ impl<'a> Renderer<'a> {
         let disks = Disks {
             diffuse: DIFFUSE_RADIUS_FACTOR * radius_on_surfaces,
             caustic: CAUSTIC_RADIUS_FACTOR * radius_on_surfaces,
-            crowd: narrows.then(|| crowd(index)),
+            crowd: by_kind.then(|| crowd(index)),
         };
         let photons = std::mem::take(&mut record.surface);
         times.build = start.elapsed().as_secs_f64();

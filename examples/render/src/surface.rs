@@ -1,7 +1,10 @@
 //! Photons on diffuse surfaces and the radiance that they make visible. Light straight from a lamp is looked
 //! up by shadow rays; lamps themselves are invisible.
 
-use crate::crowd;
+mod crowd;
+
+pub(crate) use crowd::CROWD;
+
 use crate::kind::{ByKind, Kind};
 use covbeam::Curvature;
 use glam::{Vec3, Vec3A};
@@ -36,7 +39,7 @@ pub struct Disks {
     /// For caustics.
     pub caustic: f32,
     /// Some: these are the widest. Light that arrives diffusely is no smoother than other surfaces are far, and the disk of a caustic's photon
-    /// ends where it holds so many, itself included, at most [`crowd::CROWD`] (L. Breiman, W. Meisel and E. Purcell 1977). Disks belong to photons,
+    /// ends where it holds so many, itself included, 2 to [`CROWD`] (L. Breiman, W. Meisel and E. Purcell 1977). Disks belong to photons,
     /// not to the places that look them up: so what leaves one place arrives at another, and no light is made where photons are dense.
     pub crowd: Option<usize>,
 }
@@ -51,6 +54,16 @@ impl Boundable for Extent {
     fn aabb(&self) -> Aabb {
         Aabb::new(self.center - self.radius, self.center + self.radius)
     }
+}
+
+/// Over balls, by their centers and radii.
+fn hierarchy(balls: impl Iterator<Item = (Vec3, f32)>) -> Bvh2 {
+    let extents: Vec<Extent> =
+        balls.map(|(center, radius)| Extent { center: center.into(), radius }).collect();
+    if extents.is_empty() {
+        return Bvh2::default();
+    }
+    build_bvh2(&extents, BvhBuildParams::fastest_build(), &mut Duration::default())
 }
 
 /// The surface photons of a pass.
@@ -73,14 +86,8 @@ impl SurfaceMap {
             let narrowed = photons.iter().zip(&mut radii).filter(|(photon, _)| photon.caustic);
             narrowed.zip(found).for_each(|((_, radius), found)| *radius = found);
         }
-        let extent =
-            |(photon, &radius): (&SurfacePhoton, &f32)| Extent { center: photon.position.into(), radius };
-        let extents: Vec<Extent> = photons.iter().zip(&radii).map(extent).collect();
-        let hierarchy = if extents.is_empty() {
-            Bvh2::default()
-        } else {
-            build_bvh2(&extents, BvhBuildParams::fastest_build(), &mut Duration::default())
-        };
+        let places = photons.iter().map(|photon| photon.position);
+        let hierarchy = hierarchy(places.zip(radii.iter().copied()));
         Self { photons, radii, hierarchy, disks }
     }
 
@@ -198,7 +205,7 @@ mod tests {
         let photons: Vec<SurfacePhoton> = (0..PHOTONS).map(photon).collect();
         let power: f32 = photons.iter().map(|photon| photon.power.x).sum();
         let widest = 0.1;
-        let disks = Disks { diffuse: widest, caustic: widest, crowd: Some(crowd::CROWD) };
+        let disks = Disks { diffuse: widest, caustic: widest, crowd: Some(CROWD) };
         let even = SurfaceMap::build(photons.clone(), Disks { crowd: None, ..disks });
         let map = SurfaceMap::build(photons, disks);
         let on_line = |map: &SurfaceMap| -> f32 {

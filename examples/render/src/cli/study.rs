@@ -80,7 +80,7 @@ pub(crate) struct SpectrumArgs {
 const REPORT_HELP: &str = "\
 Renders each scene with each method and several seeds, passes after passes, and compares with a reference after
 1, 2, 4, 8, ... of them. Without --references it first renders one of each scene itself: two long runs of plain
-beams with narrow kernels, so that the noise of the reference can be taken off the errors, and no method judges itself.
+beams with narrow kernels, so that its noise can be taken off the errors, and no spectrum or filter judges itself.
 
 In the folder:
   report.html     the page, one file that needs nothing else: error over time and over passes with slopes, by region;

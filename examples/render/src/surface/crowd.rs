@@ -1,28 +1,16 @@
 //! How far the photons nearest to a photon are.
 
-use crate::surface::{FLAT, SurfacePhoton};
+use super::{FLAT, SurfacePhoton, hierarchy};
 use glam::Vec3A;
-use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2;
-use obvhs::{Boundable, BvhBuildParams};
 use rayon::prelude::*;
 use smallvec::SmallVec;
-use std::time::Duration;
 
 /// Most photons that a ball may be asked to hold.
 pub(crate) const CROWD: usize = 16;
 
 /// Least radius of a ball in the widest.
 pub(crate) const NARROWEST: f32 = 0.1;
-
-struct Place(Vec3A);
-
-impl Boundable for Place {
-    fn aabb(&self) -> Aabb {
-        Aabb::from_point(self.0)
-    }
-}
 
 /// Of each photon, in order: the radius \[m\] of the ball around it that holds `crowd` of those on its side of the surface, itself included;
 /// from [`NARROWEST`] of `widest` to `widest`.
@@ -31,12 +19,10 @@ impl Boundable for Place {
 ///
 /// Cost: about as that of a ray a photon, however dense they are.
 pub(crate) fn radii(photons: &[&SurfacePhoton], crowd: usize, widest: f32) -> Vec<f32> {
-    let crowd = crowd.clamp(1, CROWD);
-    let places: Vec<Place> = photons.iter().map(|photon| Place(photon.position.into())).collect();
-    if places.is_empty() {
+    if photons.is_empty() {
         return Vec::new();
     }
-    let hierarchy = build_bvh2(&places, BvhBuildParams::fastest_build(), &mut Duration::default());
+    let hierarchy = hierarchy(photons.iter().map(|photon| (photon.position, 0.0)));
     let radius = |photon: &&SurfacePhoton| {
         let nearest = nearest(photons, &hierarchy, photon, crowd, widest * widest);
         let end = nearest.get(crowd - 1).map_or(widest, |distance2| distance2.sqrt());
