@@ -107,6 +107,8 @@ fn the_fleet_has_every_feature_and_is_always_the_same() {
     has("a point lamp", &light(|light| matches!(light, Light::Point { .. })));
     has("a spot", &light(|light| matches!(light, Light::Spot { .. })));
     has("a disk", &light(|light| matches!(light, Light::Disk { .. })));
+    has("a sphere", &light(|light| matches!(light, Light::Sphere { .. })));
+    has("a rectangle", &light(|light| matches!(light, Light::Rectangle { .. })));
     has("three lamps", &|scene| scene.lights.len() == 3);
     let object = |test: fn(&covbeam_render::scene::Object) -> bool| {
         move |scene: &Scene| scene.objects.iter().any(test)

@@ -171,13 +171,41 @@ fn a_lamps_own_region_has_all_its_light() {
         1.0 / (PI * radius * radius)
     );
     let spot = "kind = \"spot\"\nposition = [0, 0, 0]\nlook_at = [1.0, -1.0, 0.4]\nintensity = 1.0\ninner_angle = 15.0\nouter_angle = 25.0\n";
+    // A square of 0.1 m, across the view, and the middles of 4 x 4 smaller ones.
+    let square = format!(
+        "kind = \"rectangle\"\ncorner = [-0.05, 0, -0.05]\nedge_u = [0.1, 0, 0]\nedge_v = [0, 0, 0.1]\nradiance = {}\n",
+        1.0 / 0.01
+    );
+    let squares = (0..16).map(|k| {
+        let at = |index: u32| 0.1 * ((f64::from(index) + 0.5) / 4.0 - 0.5);
+        (Emission::Lambert { normal: DVec3::NEG_Y }, DVec3::new(at(k % 4), 0.0, at(k / 4)))
+    });
+    // Radiance 1/(4 π R²), over pieces of its surface.
+    let ball = format!(
+        "kind = \"sphere\"\ncenter = [0, 0, 0]\nradius = {radius}\nradiance = {}\n",
+        1.0 / (4.0 * PI * radius * radius)
+    );
+    let pieces = (0..32).map(|k| {
+        let height = 1.0 - 2.0 * (f64::from(k) + 0.5) / 32.0;
+        let (s, c) = (f64::from(k) * PI * (3.0 - 5f64.sqrt())).sin_cos();
+        let aside = (1.0 - height * height).sqrt();
+        let normal = DVec3::new(aside * c, height, aside * s);
+        (Emission::Lambert { normal }, radius * normal)
+    });
+    let of_disk = sunflower(DVec3::ZERO, radius, look_at, 64);
     let lamps = [
-        ("point", POINT, Emission::Even, vec![DVec3::ZERO]),
-        ("spot", spot, cone, vec![DVec3::ZERO]),
-        ("disk", &disk, Emission::Lambert { normal: look_at }, sunflower(DVec3::ZERO, radius, look_at, 64)),
+        ("point", POINT, vec![(Emission::Even, DVec3::ZERO)]),
+        ("spot", spot, vec![(cone, DVec3::ZERO)]),
+        (
+            "disk",
+            disk.as_str(),
+            of_disk.iter().map(|&at| (Emission::Lambert { normal: look_at }, at)).collect(),
+        ),
+        ("rectangle", square.as_str(), squares.collect()),
+        ("sphere", ball.as_str(), pieces.collect()),
     ];
-    for (name, light, emission, places) in lamps {
-        let worlds: Vec<World> = places.iter().map(|&place| world(emission, place)).collect();
+    for (name, light, places) in lamps {
+        let worlds: Vec<World> = places.iter().map(|&(emission, place)| world(emission, place)).collect();
         let radiance = |eye: DVec3, direction: DVec3| {
             worlds.iter().map(|world| world.radiance(eye, direction, 60).x).sum::<f64>() / worlds.len() as f64
         };

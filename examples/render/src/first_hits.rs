@@ -10,6 +10,9 @@ use std::f32::consts::FRAC_PI_4;
 /// Points of a disk light, each with a map of its own.
 const DISK_POINTS: usize = 16;
 
+/// And of a rectangle, along each edge.
+const RECTANGLE_SIDE: usize = 4;
+
 /// Weight of not knowing, in rays: half of it says lit, half dark.
 const DOUBT: f32 = 0.25;
 
@@ -29,12 +32,17 @@ impl FirstHits {
     /// Traces about `rays` rays from a light, at random in texels of equal solid angle.
     pub(crate) fn new(scene: &Scene, light: &Light, rays: usize, key: [u32; 2]) -> Self {
         let (axis, height, points) = match *light {
-            Light::Point { .. } => (Vec3::Y, 2.0, 1),
+            Light::Point { .. } | Light::Sphere { .. } => (Vec3::Y, 2.0, 1),
             Light::Spot { direction, outer_angle, .. } => (direction, 1.0 - outer_angle.cos(), 1),
             Light::Disk { normal, .. } => (normal, 1.0, DISK_POINTS),
+            Light::Rectangle { edge_u, edge_v, .. } => {
+                (edge_u.cross(edge_v).normalize(), 1.0, RECTANGLE_SIDE * RECTANGLE_SIDE)
+            }
+            // From everywhere.
+            Light::Sun(_) => (Vec3::Y, 2.0, 0),
         };
         let (across, aside) = axis.any_orthonormal_pair();
-        let side = ((rays as f32 / (points as f32 * FRAC_PI_4)).sqrt() as u32).max(1);
+        let side = ((rays as f32 / (points.max(1) as f32 * FRAC_PI_4)).sqrt() as u32).max(1);
         let mut all = Self { axes: [across, aside, axis], height, side, maps: Vec::new() };
         for point in 0..points {
             let origin = match *light {
@@ -43,6 +51,12 @@ impl FirstHits {
                     let rho = radius * ((point as f32 + 0.5) / points as f32).sqrt();
                     let (sine, cosine) = (2.399_963_2 * point as f32).sin_cos();
                     center + rho * (cosine * across + sine * aside) + 1e-4 * radius * axis
+                }
+                Light::Rectangle { edge_u, edge_v, .. } => {
+                    let share = |index: usize| (index as f32 + 0.5) / RECTANGLE_SIDE as f32 - 0.5;
+                    light.position()
+                        + share(point % RECTANGLE_SIDE) * edge_u
+                        + share(point / RECTANGLE_SIDE) * edge_v
                 }
                 _ => light.position(),
             };
@@ -83,8 +97,11 @@ impl FirstHits {
         })
     }
 
-    /// Expected share of the light that gets to a place, in (0, 1).
+    /// Expected share of the light that gets to a place, in (0, 1). Of a sun it is not known.
     pub(crate) fn visibility(&self, place: Vec3) -> f32 {
+        if self.maps.is_empty() {
+            return 0.5;
+        }
         self.maps.iter().map(|map| self.visibility_from(map, place)).sum::<f32>() / self.maps.len() as f32
     }
 

@@ -4,7 +4,6 @@ pub mod camera;
 mod clearance;
 pub mod compare;
 mod defaults;
-mod disk;
 mod exr_format;
 pub mod eye;
 mod fields;

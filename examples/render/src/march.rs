@@ -378,8 +378,7 @@ impl Marcher<'_> {
                 let mut cells = std::mem::take(&mut scratch.cells);
                 let march = March::new(&stretch.knots, &mut cells[..stretch.knots.len()])
                     .expect("knots as they were laid");
-                let is_disk = matches!(stretch.light, Light::Disk { .. });
-                let sparse = if is_disk { 0 } else { march.first_round(samples) };
+                let sparse = if stretch.light.has_size() { 0 } else { march.first_round(samples) };
                 let Scratch { jitter, first, .. } = scratch;
                 first.clear();
                 first.resize(sparse, MarchSample::default());

@@ -1,6 +1,7 @@
 //! What a scene is: objects, lights, media, camera and the defaults of a render.
 
 use crate::camera::Camera;
+pub use crate::light::Sun;
 use crate::volume::Volume;
 use covbeam::{ExponentialDensity, Medium};
 use covbeam_geometry::mesh::Mesh;
@@ -178,6 +179,28 @@ pub enum Light {
         /// W/(m² sr) per channel.
         radiance: Vec3,
     },
+    /// One-sided diffuse parallelogram `corner + a edge_u + b edge_v`, a, b in [0, 1], emitting towards edge_u x edge_v.
+    Rectangle {
+        /// One corner.
+        corner: Vec3,
+        /// First edge.
+        edge_u: Vec3,
+        /// Second edge.
+        edge_v: Vec3,
+        /// W/(m² sr) per channel.
+        radiance: Vec3,
+    },
+    /// Diffuse sphere, emitting outwards. Light of other lamps passes through it.
+    Sphere {
+        /// Centre.
+        center: Vec3,
+        /// > 0.
+        radius: f32,
+        /// W/(m² sr) per channel.
+        radiance: Vec3,
+    },
+    /// A disk infinitely far away.
+    Sun(Sun),
 }
 
 /// Defaults of a render; the command line overrides them.
@@ -185,8 +208,10 @@ pub enum Light {
 pub struct Settings {
     /// Passes.
     pub passes: u32,
-    /// Light paths a pass.
+    /// Light paths a pass, of those that go where their power goes.
     pub photons: u32,
+    /// Light paths a pass, of those that go where the picture needs them: what the default method has.
+    pub guided_photons: u32,
     /// Seed.
     pub seed: u32,
     /// Kernels of the passes, of beams and (their smallest radius) of surface photons [scene unit].

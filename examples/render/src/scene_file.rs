@@ -16,7 +16,9 @@ use crate::defaults;
 pub use crate::fields::SceneError;
 use crate::fields::{Field, Source, Table};
 use crate::medium_file::{check_exponential, read_media, read_medium_name};
-use crate::scene::{Light, Material, MediumDensity, Object, Scene, SceneMedium, Settings, Shape};
+use crate::scene::{
+    Light, Material, MediumDensity, MediumId, Object, Scene, SceneMedium, Settings, Shape, Sun,
+};
 use crate::survey::Survey;
 
 /// Most pixels along one side of the picture.
@@ -59,7 +61,9 @@ impl Scene {
             .iter()
             .map(|t| read_object(t, &media, &names, base_dir))
             .collect::<Result<_, _>>()?;
-        let lights: Vec<Light> = root.tables("light")?.iter().map(read_light).collect::<Result<_, _>>()?;
+        let shone_on = ShoneOn { objects: &objects, media: &media, outside };
+        let lights: Vec<Light> =
+            root.tables("light")?.iter().map(|t| read_light(t, &shone_on)).collect::<Result<_, _>>()?;
         if lights.is_empty() {
             return Err(root.lacks("light", "at least one [[light]]"));
         }
@@ -137,7 +141,10 @@ fn read_object(
             center: table.required("center")?.vector()?,
             radius: table.required("radius")?.size()?,
         },
-        "rectangle" => read_rectangle(table)?,
+        "rectangle" => {
+            let (corner, edge_u, edge_v) = read_parallelogram(table)?;
+            Shape::Rectangle { corner, edge_u, edge_v }
+        }
         "box" => {
             let (min, max) = read_corners(table)?;
             Shape::Box { min, max }
@@ -173,7 +180,8 @@ fn read_object(
     Ok(Object { name, shape, material, inside })
 }
 
-fn read_rectangle(table: &Table<'_>) -> Result<Shape, SceneError> {
+/// `corner`, `edge_u` and `edge_v` of an object or of a light.
+fn read_parallelogram(table: &Table<'_>) -> Result<(Vec3, Vec3, Vec3), SceneError> {
     let (corner, edge_u, v_field) =
         (table.required("corner")?.vector()?, table.required("edge_u")?, table.required("edge_v")?);
     let edge = |field: &Field<'_>| {
@@ -187,7 +195,7 @@ fn read_rectangle(table: &Table<'_>) -> Result<Shape, SceneError> {
     if u.cross(v).length() < 1e-6 {
         return Err(v_field.refuse("an edge that is not parallel to edge_u"));
     }
-    Ok(Shape::Rectangle { corner, edge_u, edge_v })
+    Ok((corner, edge_u, edge_v))
 }
 
 /// `min` and `max` of a box, of the grid or of a volume.
@@ -250,14 +258,24 @@ fn read_material(field: &Field<'_>) -> Result<Material, SceneError> {
     }
 }
 
-fn read_light(table: &Table<'_>) -> Result<Light, SceneError> {
+/// What a sun shines on.
+struct ShoneOn<'a> {
+    objects: &'a [Object],
+    media: &'a [SceneMedium],
+    outside: Option<MediumId>,
+}
+
+fn read_light(table: &Table<'_>, shone_on: &ShoneOn) -> Result<Light, SceneError> {
     let kind_field = table.required("kind")?;
-    let expected = "\"point\", \"spot\" or \"disk\"";
+    let expected = "\"point\", \"spot\", \"disk\", \"rectangle\", \"sphere\" or \"sun\"";
     let kind = kind_field.text(expected)?;
     table.only(match kind {
         "point" => &["kind", "position", "intensity"],
         "spot" => &["kind", "position", "look_at", "intensity", "inner_angle", "outer_angle"],
         "disk" => &["kind", "center", "normal", "radius", "radiance"],
+        "rectangle" => &["kind", "corner", "edge_u", "edge_v", "radiance"],
+        "sphere" => &["kind", "center", "radius", "radiance"],
+        "sun" => &["kind", "direction", "angle", "irradiance"],
         _ => return Err(kind_field.refuse(expected)),
     })?;
     let power = |key| {
@@ -271,6 +289,16 @@ fn read_light(table: &Table<'_>) -> Result<Light, SceneError> {
             intensity: power("intensity")?,
         }),
         "spot" => read_spot(table, power("intensity")?),
+        "rectangle" => {
+            let (corner, edge_u, edge_v) = read_parallelogram(table)?;
+            Ok(Light::Rectangle { corner, edge_u, edge_v, radiance: power("radiance")? })
+        }
+        "sphere" => Ok(Light::Sphere {
+            center: table.required("center")?.vector()?,
+            radius: table.required("radius")?.size()?,
+            radiance: power("radiance")?,
+        }),
+        "sun" => read_sun(table, power("irradiance")?, shone_on),
         _ => Ok(Light::Disk {
             center: table.required("center")?.vector()?,
             normal: table.required("normal")?.direction()?,
@@ -278,6 +306,42 @@ fn read_light(table: &Table<'_>) -> Result<Light, SceneError> {
             radiance: power("radiance")?,
         }),
     }
+}
+
+/// Widest angle that a sun is seen under \[degrees\]: wider ones are no light of one direction.
+const WIDEST_SUN: f32 = 90.0;
+
+fn read_sun(table: &Table<'_>, irradiance: Vec3, shone_on: &ShoneOn) -> Result<Light, SceneError> {
+    let &ShoneOn { objects, media, outside } = shone_on;
+    let direction_field = table.required("direction")?;
+    let direction = direction_field.direction()?;
+    let expected = "an angle in 0..=90 degrees";
+    let angle = match table.optional("angle") {
+        Some(field) => field.number(expected, |angle| (0.0..=WIDEST_SUN).contains(&angle))?,
+        None => 0.0,
+    };
+    match outside.map(|id| &media[id as usize]) {
+        Some(SceneMedium { medium, density: MediumDensity::Uniform })
+            if medium.extinction() != Vec3::ZERO =>
+        {
+            return Err(table.required("kind")?.refuse(
+                "no sun where outside_medium has no end, as its light would not get through: put the medium inside a box of \
+                 { dielectric = { index = 1 } }, or let its density fall with height",
+            ));
+        }
+        Some(SceneMedium { density: MediumDensity::Exponential(density), .. })
+            if direction.dot(density.up) >= 0.0 =>
+        {
+            return Err(direction_field.refuse(
+                "a direction that comes from where outside_medium is thin: down, if its density falls with height",
+            ));
+        }
+        _ => {}
+    }
+    let sun = Sun::new((direction, (0.5 * angle).to_radians(), irradiance), objects, media, outside);
+    sun.map(Light::Sun).ok_or_else(|| {
+        direction_field.refuse("an object, or a medium with an end, that the sun could shine on")
+    })
 }
 
 fn read_spot(table: &Table<'_>, intensity: Vec3) -> Result<Light, SceneError> {
@@ -405,7 +469,8 @@ fn complete(scene: &mut Scene, (grid, given): (GivenGrid, GivenSettings)) -> Res
     let radius = given.radius.unwrap_or_else(|| defaults::radius(&survey()));
     let max_radius = given.max_radius.unwrap_or_else(|| defaults::max_radius(&scene.grid));
     let photons = given.photons.unwrap_or_else(|| defaults::photons(scene, &survey(), radius));
+    let guided_photons = given.photons.unwrap_or_else(|| defaults::guided_photons(scene, photons));
     let schedule = Schedule { radius, max_radius, ..given.settings.schedule };
-    scene.settings = Settings { photons, schedule, ..given.settings };
+    scene.settings = Settings { photons, guided_photons, schedule, ..given.settings };
     Ok(())
 }

@@ -126,11 +126,12 @@ impl Straight<'_> {
         let ray = &piece.segment.ray;
         let lit = light.lit_stretch(ray.origin, ray.direction, piece.from, piece.to);
         let Some((from, to)) = lit else { return Vec3::ZERO };
-        let to_lamp = light.position() - ray.origin;
+        let (middle, softening) = light.middle();
+        let to_lamp = middle - ray.origin;
         let foot = to_lamp.dot(ray.direction);
         // A ray that runs into the lamp sees it from next to it.
         let least = (1e-6 * to_lamp.length()).max(f32::MIN_POSITIVE);
-        let height = (to_lamp - foot * ray.direction).length().hypot(light.softening()).max(least);
+        let height = (to_lamp - foot * ray.direction).length().hypot(softening).max(least);
         let angle = |distance: f32| ((distance - foot) / height).atan();
         let start = angle(from);
         let step = (angle(to) - start) / places as f32;

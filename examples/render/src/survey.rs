@@ -7,7 +7,7 @@ use crate::optics::Interior;
 use crate::photon::{PhotonRecord, PhotonTracer, Record};
 use crate::radius::BeamVoxels;
 use crate::random::{Emission, Random};
-use crate::scene::Scene;
+use crate::scene::{Light, Scene};
 use crate::surface::SurfaceMap;
 use covbeam::{GridLayout, Medium};
 use covbeam_geometry::MAX_COORDINATE;
@@ -222,7 +222,7 @@ fn unite((a, b): (Vec3, Vec3), (c, d): (Vec3, Vec3)) -> (Vec3, Vec3) {
 /// Of all objects and lamps.
 fn bounds_of_scene(scene: &Scene) -> (Vec3, Vec3) {
     let objects = scene.objects.iter().map(|object| object.shape.bounds());
-    let lamps = scene.lights.iter().map(|light| (light.position(), light.position()));
+    let lamps = scene.lights.iter().map(Light::bounds);
     objects.chain(lamps).reduce(unite).expect("a scene has a light")
 }
 

@@ -70,6 +70,17 @@ center = [0, 3, 0]
 normal = [0, -2, 0]
 radius = 0.1
 radiance = 4
+[[light]]
+kind = "rectangle"
+corner = [1, 2, 3]
+edge_u = [0.5, 0, 0]
+edge_v = [0, 0, 0.25]
+radiance = [1, 2, 3]
+[[light]]
+kind = "sphere"
+center = [-1, 2, 0]
+radius = 0.25
+radiance = 8
 [grid]
 min = [-4, -1.5, -6]
 max = [4, 4.5, 4]
@@ -163,6 +174,11 @@ fn every_field_arrives() {
     let Light::Spot { direction, inner_angle, outer_angle, .. } = scene.lights[1] else { panic!("a spot") };
     assert_eq!((direction, inner_angle, outer_angle), (Vec3::NEG_Y, 10f32.to_radians(), 20f32.to_radians()));
     assert!(matches!(scene.lights[2], Light::Disk { normal: Vec3::NEG_Y, radius: 0.1, .. }));
+    let (corner, edge_u, edge_v) = (Vec3::new(1.0, 2.0, 3.0), 0.5 * Vec3::X, 0.25 * Vec3::Z);
+    let radiance = Vec3::new(1.0, 2.0, 3.0);
+    assert_eq!(scene.lights[3], Light::Rectangle { corner, edge_u, edge_v, radiance });
+    let center = Vec3::new(-1.0, 2.0, 0.0);
+    assert_eq!(scene.lights[4], Light::Sphere { center, radius: 0.25, radiance: Vec3::splat(8.0) });
     assert_eq!(scene.grid.cells, [8, 16, 32]);
     let settings = scene.settings;
     assert_eq!((settings.passes, settings.photons, settings.seed), (3, 1000, 7));
@@ -261,7 +277,11 @@ fn each_field_overrides_its_default_and_leaves_the_others() {
     // What follows from the light, and not from the box.
     assert_eq!((others.schedule.radius, others.photons), (settings.schedule.radius, settings.photons));
     assert_eq!(read("[grid]\ncells = [2, 3, 4]\n").0, GridLayout { cells: [2, 3, 4], ..grid });
-    assert_eq!(read("[render]\nphotons = 77\n"), (grid, Settings { photons: 77, ..settings }));
+    let paths = Settings { photons: 77, guided_photons: 77, ..settings };
+    assert_eq!(read("[render]\nphotons = 77\n"), (grid, paths));
+    // What is asked for is asked for: no fewer guided ones.
+    let paths = Settings { photons: 9000, guided_photons: 9000, ..settings };
+    assert_eq!(read("[render]\nphotons = 9000\n"), (grid, paths));
     let with = |schedule| (grid, Settings { schedule, ..settings });
     assert_eq!(read("[render]\nerror = 0.5\n"), with(Schedule { error: 0.5, ..settings.schedule }));
     assert_eq!(read("[render]\nmax_radius = 3\n"), with(Schedule { max_radius: 3.0, ..settings.schedule }));
@@ -386,6 +406,9 @@ const WRONG: &[(&str, &str, isize, &str, &str)] = &[
     ("intensity = 25", "intensity = 0", 0, "light[0].intensity", "not dark"),
     ("intensity = [1, 0, 0]", "intensity = [0, 0, 0]", 0, "light[1].intensity", "not dark"),
     ("radiance = 4", "radiance = -4", 0, "light[2].radiance", "0..=1e9"),
+    ("edge_u = [0.5, 0, 0]", "edge_u = [0, 0, -3]", 1, "light[3].edge_v", "parallel"),
+    ("radius = 0.25", "radius = 0", 0, "light[4].radius", "length"),
+    ("radius = 0.25", "angle = 0.25", 0, "light[4].angle", "radius"),
     ("outside_medium = \"fog\"", "outside_medium = \"mist\"", 0, "outside_medium", "fog, milk"),
     ("inside = \"milk\"", "inside = \"beer\"", 0, "object[0].inside", "fog, milk"),
     ("inside = \"milk\"", "inside = \"air\"", 0, "object[0].inside", "without `density`"),
@@ -418,6 +441,54 @@ fn whatever_is_wrong_is_refused_with_file_line_field_and_expectation() {
             Ok(_) => panic!("{replacement:?} was accepted"),
         }
     }
+}
+
+/// A sun above a box of fog; `outside` at its beginning.
+fn sunny(outside: &str, light: &str) -> Result<Scene, SceneError> {
+    let text = format!(
+        "{outside}\n[camera]\nposition = [0, 0, -9]\nlook_at = [0, 0, 0]\nvertical_fov = 40\nwidth = 8\nheight = 8\n\
+         [[medium]]\nname = \"fog\"\nscattering = 0.1\nabsorption = 0\n\
+         [[medium]]\nname = \"haze\"\nscattering = 0.1\nabsorption = 0\ndensity = {{ exponential = {{ scale_height = 2 }} }}\n\
+         [[medium]]\nname = \"nothing\"\nscattering = 0\nabsorption = 0\n\
+         [[light]]\nkind = \"sun\"\n{light}\n\
+         [[object]]\nshape = \"box\"\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\nmaterial = {{ dielectric = {{ index = 1 }} }}\ninside = \"fog\"\n"
+    );
+    Scene::parse(&text, "sunny.toml", Path::new(""))
+}
+
+#[test]
+fn a_sun_arrives_and_is_refused_where_its_light_would_not() {
+    let light = "direction = [0, -2, 0]\nangle = 0.5\nirradiance = [3, 2, 1]";
+    for outside in ["", "outside_medium = \"haze\"", "outside_medium = \"nothing\""] {
+        let Light::Sun(sun) = sunny(outside, light).expect("valid").lights[0] else { panic!("a sun") };
+        assert_eq!((sun.direction, sun.irradiance), (Vec3::NEG_Y, Vec3::new(3.0, 2.0, 1.0)));
+        assert_eq!(sun.angle, 0.25f32.to_radians());
+    }
+    let parallel = sunny("", "direction = [0, -1, 0]\nirradiance = 1").expect("valid").lights[0];
+    assert!(matches!(parallel, Light::Sun(sun) if sun.angle == 0.0));
+    let wrong = [
+        ("outside_medium = \"fog\"", light, "kind", "no sun where outside_medium has no end"),
+        ("outside_medium = \"haze\"", "direction = [1, 0.1, 0]\nirradiance = 1", "direction", "down"),
+        ("", "direction = [0, 0, 0]\nirradiance = 1", "direction", "not zero"),
+        ("", "direction = [0, -1, 0]\nangle = 91\nirradiance = 1", "angle", "0..=90"),
+        ("", "direction = [0, -1, 0]\nirradiance = 0", "irradiance", "not dark"),
+        ("", "direction = [0, -1, 0]\nradiance = 1", "radiance", "irradiance"),
+    ];
+    for (outside, light, name, part) in wrong {
+        match sunny(outside, light) {
+            Err(SceneError::Field { field, expected, .. }) => {
+                assert!(
+                    field == format!("light[0].{name}") && expected.contains(part),
+                    "{field}: {expected}"
+                );
+            }
+            other => panic!("{outside} {light}: {other:?}"),
+        }
+    }
+    let empty = "[camera]\nposition=[0,0,-9]\nlook_at=[0,0,0]\nvertical_fov=40\nwidth=8\nheight=8\n\
+                 [[light]]\nkind=\"sun\"\ndirection=[0,-1,0]\nirradiance=1\n";
+    let error = Scene::parse(empty, "empty.toml", Path::new("")).expect_err("nothing to shine on");
+    assert!(error.to_string().contains("an object, or a medium with an end"), "{error}");
 }
 
 #[test]

@@ -335,12 +335,35 @@ fn write_lamp(
         }
         _ => {
             let radius = stream.decades(-1.7, -0.7);
-            text.field("kind", "\"disk\"");
-            text.point("center", position);
-            text.field("normal", vector((target - position).normalize()));
-            text.length("radius", radius);
+            let normal = (target - position).normalize();
             // Radiance does not change with the scale.
-            text.field("radiance", color(flux / (PI * PI * radius * radius)));
+            match stream.uniform() {
+                ..0.4 => {
+                    text.field("kind", "\"disk\"");
+                    text.point("center", position);
+                    text.field("normal", vector(normal));
+                    text.length("radius", radius);
+                    text.field("radiance", color(flux / (PI * PI * radius * radius)));
+                }
+                ..0.7 => {
+                    text.field("kind", "\"sphere\"");
+                    text.point("center", position);
+                    text.length("radius", radius);
+                    text.field("radiance", color(flux / (4.0 * PI * PI * radius * radius)));
+                }
+                _ => {
+                    // Aslant, and up to four times as long as wide.
+                    let (e, f) = normal.any_orthonormal_pair();
+                    let long = stream.between(1.0, 4.0);
+                    let (edge_u, edge_v) = (long * radius * e, radius * (f + stream.between(-0.5, 0.5) * e));
+                    text.field("kind", "\"rectangle\"");
+                    text.point("corner", position - 0.5 * (edge_u + edge_v));
+                    text.field("edge_u", text.scaled(edge_u));
+                    text.field("edge_v", text.scaled(edge_v));
+                    let area = edge_u.cross(edge_v).length();
+                    text.field("radiance", color(flux / (PI * area)));
+                }
+            }
         }
     }
 }

@@ -25,8 +25,12 @@ pub enum Estimator {
 impl Estimator {
     /// Light paths a pass.
     pub fn photons(self, scene: &Scene) -> u32 {
-        // A path costs a beam's gather less.
-        if self == Self::Light { 20 * scene.settings.photons } else { scene.settings.photons }
+        match self {
+            Self::Default | Self::EveryPixel => scene.settings.guided_photons,
+            Self::Plain | Self::Reference => scene.settings.photons,
+            // A path costs a beam's gather less.
+            Self::Light => 20 * scene.settings.photons,
+        }
     }
 
     /// A renderer of this kind; for [`Estimator::Reference`] the scene must be the narrowed one.

@@ -184,7 +184,10 @@ pub(super) fn features(
         for (variant, best) in VARIANTS.iter().zip(&mut best) {
             let mut scene = scene.clone();
             (variant.change)(&mut scene);
-            let mut renderer = Renderer::new(&scene, variant.method, scene.settings.photons, 1);
+            let guided = variant.parts.is_some_and(|parts| parts.guided);
+            let settings = &scene.settings;
+            let photons = if guided { settings.guided_photons } else { settings.photons };
+            let mut renderer = Renderer::new(&scene, variant.method, photons, 1);
             if let Some(parts) = variant.parts {
                 renderer.light_by_parts(parts);
             }

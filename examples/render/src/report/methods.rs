@@ -48,7 +48,7 @@ pub const METHODS: &[Method] = &[
                 covariance says that the picture is smooth, and filters between them",
         color: [0, 114, 178],
         make: |scene, seed| {
-            let mut renderer = Renderer::new(scene, Gather::Adaptive, scene.settings.photons, seed);
+            let mut renderer = Renderer::new(scene, Gather::Adaptive, scene.settings.guided_photons, seed);
             renderer.light_by_kind();
             renderer.plan_eye_rays();
             renderer

@@ -91,6 +91,8 @@ pub struct SceneResult {
     pub height: u32,
     /// Light paths a pass.
     pub photons: u32,
+    /// Of those that go where the picture needs them.
+    pub guided_photons: u32,
     /// Where the reference came from.
     pub reference: String,
     /// Regions, in the order of each point's errors.
@@ -298,6 +300,7 @@ fn measure_scene(
         width: scene.camera.width,
         height: scene.camera.height,
         photons: scene.settings.photons,
+        guided_photons: scene.settings.guided_photons,
         reference: reference.origin,
         regions,
         runs,

@@ -17,10 +17,11 @@ pub(super) fn inline(svg: &str, alt: &str) -> String {
 pub(super) fn section(scene: &SceneResult, id: &str) -> Result<String, PlotError> {
     let name = escape(&scene.name);
     let mut html = format!(
-        "<section id=\"{id}\"><h2>{name}</h2>\n<p>{} × {} pixels, {} light paths a pass. Reference: {}.</p>\n",
+        "<section id=\"{id}\"><h2>{name}</h2>\n<p>{} × {} pixels, {} light paths a pass, {} of guided ones. Reference: {}.</p>\n",
         scene.width,
         scene.height,
         scene.photons,
+        scene.guided_photons,
         escape(&scene.reference)
     );
     for (over, title) in [(Over::CpuTime, "Error over CPU time"), (Over::Passes, "Error over passes")] {

@@ -4,7 +4,7 @@ use super::walk::{voxel_size, walk};
 use crate::media;
 use crate::photon::{PathBeam, PhotonRecord, PhotonTracer, Record};
 use crate::random::Emission;
-use crate::scene::{Light, Material, Scene};
+use crate::scene::{Material, Scene};
 use covbeam::{Beam, Column, GridLayout, Knot, Medium};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -180,7 +180,9 @@ fn origin_of(scene: &Scene, beam: &Beam, before: Origin) -> Origin {
     if before == Origin::Scattered {
         return Origin::Scattered;
     }
-    if before == Origin::Direct && scene.lights.iter().any(|light| starts_at(light, beam.origin)) {
+    if before == Origin::Direct
+        && scene.lights.iter().any(|light| light.may_have_sent(beam.origin, beam.direction))
+    {
         return Origin::Direct;
     }
     // The surface is just behind the start, which was moved off it.
@@ -189,12 +191,5 @@ fn origin_of(scene: &Scene, beam: &Beam, before: Origin) -> Origin {
         _ if beam.start_normal == Vec3::ZERO => Origin::Scattered,
         Some(Material::Mirror { .. } | Material::Dielectric { .. }) => Origin::Specular,
         _ => Origin::Scattered,
-    }
-}
-
-fn starts_at(light: &Light, origin: Vec3) -> bool {
-    match *light {
-        Light::Point { position, .. } | Light::Spot { position, .. } => origin == position,
-        Light::Disk { center, radius, .. } => origin.distance(center) <= 1.001 * radius,
     }
 }

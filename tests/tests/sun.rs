@@ -1,0 +1,141 @@
+//! Sunlight in fog, by closed forms: a box of fog, and fog that thins with height.
+
+use covbeam_render::film::Film;
+use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::scene::Scene;
+use covbeam_tests::statistics::Sample;
+use std::f64::consts::PI;
+use std::path::Path;
+
+/// Pixels a side.
+const SIZE: u32 = 12;
+/// \[1/m\]: light scattered twice is 2e-4 of it at most.
+const SCATTERING: f64 = 1e-4;
+const ABSORPTION: f64 = 0.5;
+/// \[W/m²\]
+const IRRADIANCE: f64 = 2.0;
+/// Scale height of the fog that thins with height \[m\].
+const HEIGHT: f64 = 0.7;
+/// From the camera to the box, or to the wall \[m\].
+const DISTANCE: f64 = 40.0;
+
+/// `sun`: its direction and angle; `angle` of the camera \[degrees\].
+fn scene(outside: &str, density: &str, objects: &str, sun: &str) -> Scene {
+    let text = format!(
+        "{outside}\n\
+         [camera]\nposition = [0.0, 0.0, -{DISTANCE}]\nlook_at = [0.0, 0.0, 0.0]\nvertical_fov = {}\nwidth = {SIZE}\nheight = {SIZE}\n\
+         [[medium]]\nname = \"fog\"\nscattering = {SCATTERING}\nabsorption = {ABSORPTION}\n{density}\n{objects}\n\
+         [[light]]\nkind = \"sun\"\n{sun}\nirradiance = {IRRADIANCE}\n\
+         [grid]\ncells = [12, 12, 12]\n[render]\nradius = 0.05\nmax_radius = 0.1\n",
+        2.0 * (0.8 / DISTANCE).atan().to_degrees()
+    );
+    Scene::parse(&text, "sun", Path::new(".")).expect("a valid scene")
+}
+
+/// Rows of the picture, the mean of `passes` first passes of each of four seeds.
+fn rows(scene: &Scene, method: Method, passes: u32) -> Vec<Sample> {
+    let runs: Vec<Vec<f64>> = (0..4)
+        .map(|run| {
+            let mut film = Film::new(SIZE, SIZE);
+            for seed in 0..passes {
+                let mut renderer = Renderer::new(scene, method, 20_000, passes * run + seed);
+                let (image, _) = renderer.pass(1, &|| false).expect("not cancelled");
+                film.add(&image).expect("finite");
+            }
+            let radiance = film.picture().radiance;
+            let row = |row: &[glam::Vec3]| row.iter().map(|color| f64::from(color.x)).sum::<f64>();
+            radiance.chunks(SIZE as usize).map(|pixels| row(pixels) / f64::from(SIZE)).collect()
+        })
+        .collect();
+    (0..SIZE as usize).map(|y| Sample::of(&runs.iter().map(|run| run[y]).collect::<Vec<_>>())).collect()
+}
+
+/// Compares rows of all methods with what they should be at a row's middle height \[m\].
+fn check(name: &str, scene: &Scene, radiance: impl Fn(f64) -> f64) {
+    // Passes, and how well they must know a row.
+    let methods = [
+        (Method::Ppb, 12, 0.02),
+        (Method::Adaptive, 4, 0.01),
+        (Method::March, 2, 0.01),
+        (Method::LightTrace, 24, 0.03),
+    ];
+    for (method, passes, noise) in methods {
+        // Shadow rays of the one end at the sides of boxes; what is next to a camera in fog splats on it, too noisily to tell.
+        let blind = if scene.outside.is_none() { Method::March } else { Method::LightTrace };
+        if method == blind {
+            continue;
+        }
+        let found = rows(scene, method, passes);
+        for (y, sample) in found.iter().enumerate() {
+            let height = 0.8 * (1.0 - (2.0 * y as f64 + 1.0) / f64::from(SIZE));
+            let expected = radiance(height);
+            let (ratio, error) = (sample.mean / expected, sample.error / expected);
+            println!("{name}, {method:?}, row {y}: {ratio:.4} ± {error:.4}");
+            assert!(error < noise, "{name}, {method:?}, row {y}: too noisy to tell, {error}");
+            // Rays are aslant by 1/50, a row is 0.13 m high, and kernels and filters may bias by 1 %.
+            assert!(
+                (ratio - 1.0).abs() < 0.012 + 4.0 * error,
+                "{name}, {method:?}, row {y}: {ratio} ± {error}"
+            );
+        }
+    }
+}
+
+/// A box from -1 to 1, 2 m deep, with the sun above it. At a height y light has come through 1 - y of fog.
+#[test]
+fn a_box_of_fog_in_the_sun_is_the_closed_form() {
+    let object = "[[object]]\nshape = \"box\"\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\n\
+                  material = { dielectric = { index = 1 } }\ninside = \"fog\"";
+    let extinction = SCATTERING + ABSORPTION;
+    let scene = scene("", "", object, "direction = [0, -1, 0]");
+    check("box", &scene, |y| {
+        let seen = -(-2.0 * extinction).exp_m1() / extinction;
+        SCATTERING / (4.0 * PI) * IRRADIANCE * (-extinction * (1.0 - y)).exp() * seen
+    });
+}
+
+/// The sun is 20° wide, and shines aslant on a box of thin fog: fluence is 2/(1 + cos 10°) of the irradiance, whatever is on its way.
+#[test]
+fn a_wide_sun_has_the_fluence_of_its_cone() {
+    let object = "[[object]]\nshape = \"box\"\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\n\
+                  material = { dielectric = { index = 1 } }\ninside = \"fog\"\n\
+                  [[object]]\nshape = \"rectangle\"\ncorner = [-300, -2, -300]\nedge_u = [0, 0, 600]\nedge_v = [600, 0, 0]\nmaterial = \"black\"";
+    let mut scene = scene("", "", object, "direction = [0.4, -1, 0.3]\nangle = 20");
+    scene.media[0].medium.absorption = glam::Vec3::ZERO;
+    let fluence = 2.0 * IRRADIANCE / (1.0 + 10f64.to_radians().cos());
+    check("wide", &scene, |_| SCATTERING / (4.0 * PI) * fluence * 2.0);
+}
+
+/// Fog e^(-y/H) between the camera and a wall 2 m away.
+#[test]
+fn fog_that_thins_with_height_is_the_closed_form() {
+    let density = format!("density = {{ exponential = {{ origin = [0, 0, 0], scale_height = {HEIGHT} }} }}");
+    // The sun shines on what the scene has: a box around the wall and what the camera sees before it.
+    let objects =
+        "[[object]]\nshape = \"box\"\nmin = [-1.5, -1.5, 1]\nmax = [1.5, 1.5, 1.1]\nmaterial = \"black\"";
+    let mut scene = scene("outside_medium = \"fog\"", &density, objects, "direction = [0, -1, 0]");
+    scene.camera.position = glam::Vec3::new(0.0, 0.0, -1.0);
+    scene.camera.tan_half_height = 0.4;
+    let extinction = SCATTERING + ABSORPTION;
+    let camera = scene.camera;
+    let steps = 400;
+    check("thinning", &scene, |middle| {
+        // Along the row's eye rays, at the heights that they have at the depth 1 + s.
+        let slope = middle / 0.8 * f64::from(camera.tan_half_height);
+        let mut sum = 0.0;
+        for x in 0..SIZE {
+            let across =
+                (2.0 * (f64::from(x) + 0.5) / f64::from(SIZE) - 1.0) * f64::from(camera.tan_half_height);
+            let length = (1.0 + slope * slope + across * across).sqrt();
+            let (mut column, step) = (0.0, 2.0 / f64::from(steps));
+            for k in 0..steps {
+                let y = slope * (f64::from(k) + 0.5) * step;
+                let density = (-y / HEIGHT).exp();
+                column += 0.5 * density * step * length;
+                sum += density * (-extinction * (density * HEIGHT + column)).exp() * step * length;
+                column += 0.5 * density * step * length;
+            }
+        }
+        SCATTERING / (4.0 * PI) * IRRADIANCE * sum / f64::from(SIZE)
+    });
+}
