@@ -6,6 +6,7 @@ use crate::first_hits::FirstHits;
 use crate::kind::{ByKind, Kind};
 use crate::media;
 use crate::optics::Interior;
+use crate::passage::passage;
 use crate::plan::Plan;
 use crate::random::{Random, spread};
 use crate::samples::{PassImage, Room, Seen, SparseSample};
@@ -289,8 +290,12 @@ impl Marcher<'_> {
         let incoming = (place - from).normalize_or_zero();
         let phase = fog.phase.evaluate(-incoming.dot(ray.direction));
         let amount = fog.scattering * (fog.density.at(place) * phase);
-        let passage = fog.transmittance(column.at(distance)) * media::transmittance(fog, place, from);
-        (density * amount * passage, from)
+        // What other media on its way leave of light is found together with what stands there.
+        let left = match self.scene.may_have_matched_boundaries() {
+            true => Vec3::ONE,
+            false => media::transmittance(fog, place, from),
+        };
+        (density * amount * fog.transmittance(column.at(distance)) * left, from)
     }
 
     /// Mean over some pixels of what decides about the number of shadow rays, and the expected luminance under which errors do not
@@ -388,7 +393,8 @@ impl Marcher<'_> {
                 {
                     let (found, from) =
                         self.scattered(stretch, &column, sample.distance, spread(shift, index));
-                    sample.visibility = self.visible(stretch, sample.distance, found, from, &mut rays);
+                    let arrives = self.arrives(stretch, sample.distance, found, from, &mut rays);
+                    sample.visibility = arrives.max_element().min(1.0);
                 }
                 scratch.samples.resize(samples - sparse, MarchSample::default());
                 march.refine(
@@ -437,20 +443,25 @@ impl Marcher<'_> {
         for (index, sample) in scratch.samples.iter().enumerate().filter(|(_, sample)| sample.weight > 0.0) {
             let (found, from) = self.scattered(stretch, &column, sample.distance, spread(shift, index));
             radiance +=
-                sample.weight * self.visible(stretch, sample.distance, found, from, &mut rays) * found;
+                sample.weight * self.arrives(stretch, sample.distance, found, from, &mut rays) * found;
         }
         scratch.column = knots;
         (radiance, rays)
     }
 
-    /// 1 if light reaches a place of a stretch, else 0; without a shadow ray where there is none to arrive.
-    fn visible(&self, stretch: &Stretch, distance: f32, light: Vec3, from: Vec3, rays: &mut u32) -> f32 {
+    /// Share of the light of [`Marcher::scattered`] that arrives at a place of a stretch; without a shadow ray where there is none.
+    fn arrives(&self, stretch: &Stretch, distance: f32, light: Vec3, from: Vec3, rays: &mut u32) -> Vec3 {
         if light == Vec3::ZERO {
-            return 0.0;
+            return Vec3::ZERO;
         }
         *rays += 1;
-        let ray = &stretch.segment.ray;
-        if self.scene.occluded(ray.origin + distance * ray.direction, from) { 0.0 } else { 1.0 }
+        let Stretch { segment, .. } = stretch;
+        let place = segment.ray.origin + distance * segment.ray.direction;
+        match self.scene.may_have_matched_boundaries() {
+            true => passage(self.scene, self.fogs, segment.interior, place, from),
+            false if self.scene.occluded(place, from) => Vec3::ZERO,
+            false => Vec3::ONE,
+        }
     }
 
     /// The greatest density along a stretch.
