@@ -156,7 +156,18 @@ fn intersect_simple(shape: &Shape, origin: DVec3, direction: DVec3, max_distance
     (distance > 0.0 && distance < max_distance).then_some(distance)
 }
 
-fn intersect_sphere(center: DVec3, radius: f64, origin: DVec3, direction: DVec3) -> Option<(f64, f64)> {
+/// The box around two boxes.
+pub(crate) fn unite((a, b): (Vec3, Vec3), (c, d): (Vec3, Vec3)) -> (Vec3, Vec3) {
+    (a.min(c), b.max(d))
+}
+
+/// Distances at which a line enters and leaves a sphere.
+pub(crate) fn intersect_sphere(
+    center: DVec3,
+    radius: f64,
+    origin: DVec3,
+    direction: DVec3,
+) -> Option<(f64, f64)> {
     let offset = origin - center;
     // f32 directions are unit only to 1e-7.
     let a = direction.length_squared();
@@ -197,7 +208,8 @@ fn intersect_rectangle(
     ((0.0..=1.0).contains(&u) && (0.0..=1.0).contains(&v)).then_some(distance)
 }
 
-fn intersect_box(min: DVec3, max: DVec3, origin: DVec3, direction: DVec3) -> Option<(f64, f64)> {
+/// Distances at which a line enters and leaves a box.
+pub(crate) fn intersect_box(min: DVec3, max: DVec3, origin: DVec3, direction: DVec3) -> Option<(f64, f64)> {
     let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
     for axis in 0..3 {
         let (o, d) = (origin[axis], direction[axis]);

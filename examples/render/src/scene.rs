@@ -219,3 +219,10 @@ pub struct Settings {
     /// Share of the photons that carry a light field, in (0, 1].
     pub light_field_share: f32,
 }
+
+impl Settings {
+    /// Light paths a pass.
+    pub fn light_paths(&self, guided: bool) -> u32 {
+        if guided { self.guided_photons } else { self.photons }
+    }
+}

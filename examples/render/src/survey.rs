@@ -2,6 +2,7 @@
 
 use crate::defaults::divide;
 use crate::eye::{EyeSegment, EyeTracer};
+use crate::geometry::unite;
 use crate::media;
 use crate::optics::Interior;
 use crate::photon::{PhotonRecord, PhotonTracer, Record};
@@ -213,10 +214,6 @@ fn middle(values: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
         sum >= 0.5 * total
     });
     found.map(|(value, _)| *value)
-}
-
-fn unite((a, b): (Vec3, Vec3), (c, d): (Vec3, Vec3)) -> (Vec3, Vec3) {
-    (a.min(c), b.max(d))
 }
 
 /// Of all objects and lamps.

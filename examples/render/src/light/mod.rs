@@ -10,9 +10,9 @@ pub use sun::Sun;
 use crate::random::{PathSampler, Random};
 use crate::scene::Light;
 use covbeam::{EVEN_LAMP, LightField};
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use std::f32::consts::{FRAC_1_SQRT_2, PI, TAU};
-use stretch::{convex_part, in_cone};
+use stretch::{before, in_cone, outside_sphere};
 use triangle::SeenTriangle;
 
 /// Angular variance of a diffuse emitter: the relative curvature of cos θ/d² across the ray is 3/d², in the plane of the
@@ -236,7 +236,7 @@ impl Light {
                 before(o - corner.as_dvec3(), d, edge_u.as_dvec3().cross(edge_v.as_dvec3()), [from, to])
             }
             Light::Sphere { center, radius, .. } => {
-                outside_sphere(o - center.as_dvec3(), d, radius, [from, to])
+                outside_sphere(o - center.as_dvec3(), d, f64::from(radius), [from, to])
             }
             Light::Sun(sun) => sun.lit_stretch(o, d, [from, to]),
         }
@@ -291,30 +291,6 @@ fn front(edge_u: Vec3, edge_v: Vec3) -> Vec3 {
 /// Radius of a disk as large as a rectangle.
 fn equal_radius(edge_u: Vec3, edge_v: Vec3) -> f32 {
     FRAC_1_SQRT_PI * edge_u.as_dvec3().cross(edge_v.as_dvec3()).length().sqrt() as f32
-}
-
-/// The part of a ray before a plane.
-///
-/// - `m`: from a point of the plane to the ray's origin; `d`: the ray's direction; `normal`: to the side in question.
-fn before(m: DVec3, d: DVec3, normal: DVec3, [from, to]: [f32; 2]) -> Option<(f32, f32)> {
-    let crossing = -m.dot(normal) / d.dot(normal);
-    convex_part([crossing; 2], from, to, |t| (m + t * d).dot(normal) > 0.0)
-}
-
-/// From the first to the last place outside a sphere: between them the ray may cross it.
-fn outside_sphere(m: DVec3, d: DVec3, radius: f32, [from, to]: [f32; 2]) -> Option<(f32, f32)> {
-    let a = d.length_squared();
-    let nearest = -m.dot(d) / a;
-    let half2 = f64::from(radius).powi(2) - (m + nearest * d).length_squared();
-    if half2 <= 0.0 {
-        return (from < to).then_some((from, to));
-    }
-    let half = (half2 / a).sqrt();
-    let (enter, leave) = (nearest - half, nearest + half);
-    let inside = |t: f32| (enter..leave).contains(&f64::from(t));
-    let from = if inside(from) { leave as f32 } else { from };
-    let to = if inside(to) { enter as f32 } else { to };
-    (from < to).then_some((from, to))
 }
 
 /// Draws a point of a rectangle's front as [`disk::sample`] does, to the same bound on what it stands for.

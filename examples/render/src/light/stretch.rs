@@ -1,14 +1,10 @@
 //! The part of a ray that a light shines on if nothing is in its way.
 
+use crate::geometry::intersect_sphere;
 use glam::DVec3;
 
 /// The part of `from..to` inside a convex body, which the line enters and leaves at the `cuts`, if at all.
-pub(super) fn convex_part(
-    mut cuts: [f64; 2],
-    from: f32,
-    to: f32,
-    inside: impl Fn(f64) -> bool,
-) -> Option<(f32, f32)> {
+fn convex_part(mut cuts: [f64; 2], from: f32, to: f32, inside: impl Fn(f64) -> bool) -> Option<(f32, f32)> {
     let (from, to) = (f64::from(from), f64::from(to));
     cuts.sort_by(f64::total_cmp);
     let [first, second] = cuts.map(|cut| if cut.is_nan() { from } else { cut.clamp(from, to) });
@@ -63,4 +59,25 @@ pub(super) fn in_cylinder(
     let nearest = if a > 0.0 { m - b / a * d } else { m };
     let half = ((radius * radius - nearest.length_squared()).max(0.0) / a).sqrt();
     convex_part([-b / a - half, -b / a + half], from, to, |t| (m + t * d).length_squared() < radius * radius)
+}
+
+/// The part before a plane.
+///
+/// - `m`: from a point of the plane to the ray's origin; `d`: the ray's direction; `normal`: to the side in question.
+pub(super) fn before(m: DVec3, d: DVec3, normal: DVec3, [from, to]: [f32; 2]) -> Option<(f32, f32)> {
+    let crossing = -m.dot(normal) / d.dot(normal);
+    convex_part([crossing; 2], from, to, |t| (m + t * d).dot(normal) > 0.0)
+}
+
+/// From the first to the last place outside a sphere: between them the ray may cross it.
+///
+/// - `m`: from the centre to the ray's origin; `d`: the ray's direction.
+pub(super) fn outside_sphere(m: DVec3, d: DVec3, radius: f64, [from, to]: [f32; 2]) -> Option<(f32, f32)> {
+    let (mut ends, crossed) = ((from, to), intersect_sphere(DVec3::ZERO, radius, m, d));
+    if let Some((enter, leave)) = crossed {
+        let is_inside = |t: f32| (enter..leave).contains(&f64::from(t));
+        ends.0 = if is_inside(from) { leave as f32 } else { from };
+        ends.1 = if is_inside(to) { enter as f32 } else { to };
+    }
+    (ends.0 < ends.1).then_some(ends)
 }

@@ -2,6 +2,7 @@
 
 use super::EmittedPhoton;
 use super::stretch::{in_cone, in_cylinder};
+use crate::geometry::{intersect_box, unite};
 use crate::random::PathSampler;
 use crate::scene::{MediumDensity, Object, SceneMedium};
 use covbeam::LightField;
@@ -50,7 +51,6 @@ struct Aim {
 impl Aim {
     /// None: nothing that a sun could shine on.
     fn at(objects: &[Object], media: &[SceneMedium], outside: Option<u32>) -> Option<Self> {
-        let unite = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
         let all = objects.iter().map(|object| object.shape.bounds()).reduce(unite);
         let filled = objects.iter().filter(|object| object.inside.is_some());
         let filled = filled.map(|object| object.shape.bounds()).reduce(unite);
@@ -135,7 +135,7 @@ impl Sun {
 
     /// The photon of a place in the unit square, which says where on the disks across the light; its direction is drawn by `sampler`.
     pub(super) fn emit_at(&self, [a, b]: [f32; 2], sampler: &mut PathSampler) -> EmittedPhoton {
-        let Aim { center, inner, outer, .. } = self.aim;
+        let Aim { center, inner, outer, min, max } = self.aim;
         let aimed = self.aimed();
         let (radius, density) = if a < aimed {
             (inner * (a / aimed).sqrt(), aimed / (PI * inner * inner))
@@ -148,32 +148,16 @@ impl Sun {
         let (e, f) = direction.any_orthonormal_pair();
         let (sin_phi, cos_phi) = (f64::from(TAU) * f64::from(b)).sin_cos();
         let across = center.as_dvec3() + f64::from(radius) * (cos_phi * e + sin_phi * f);
-        let origin = across + self.entry(across, direction).min(f64::from(outer)) * direction;
+        // Where it enters the scene's box; on the disk around all where it misses the box.
+        let box_hit = intersect_box(min.as_dvec3(), max.as_dvec3(), across, direction);
+        let entry = box_hit.map_or(-f64::from(outer), |(near, _)| near);
+        let origin = across + entry * direction;
         EmittedPhoton {
             origin: origin.as_vec3(),
             direction: direction.as_vec3().normalize(),
             power: self.flux_across() / density,
             normal: Vec3::ZERO,
         }
-    }
-
-    /// Distance, mostly negative, from a point to where the line through it enters the scene's box; that of the disk around all where it
-    /// misses the box.
-    fn entry(&self, point: DVec3, direction: DVec3) -> f64 {
-        let (min, max) = (self.aim.min.as_dvec3(), self.aim.max.as_dvec3());
-        let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
-        for axis in 0..3 {
-            let (o, d) = (point[axis], direction[axis]);
-            if d == 0.0 {
-                if o < min[axis] || o > max[axis] {
-                    far = f64::NEG_INFINITY;
-                }
-                continue;
-            }
-            let (a, b) = ((min[axis] - o) / d, (max[axis] - o) / d);
-            (near, far) = (near.max(a.min(b)), far.min(a.max(b)));
-        }
-        if near <= far { near } else { -f64::from(self.aim.outer) }
     }
 
     /// As [`super::Light::flux_density`]: light comes from ahead of the scene.

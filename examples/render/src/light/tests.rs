@@ -1,6 +1,7 @@
 use super::*;
 use crate::random::Emission;
 use crate::scene::Scene;
+use glam::DVec3;
 use std::path::Path;
 
 const AXIS: Vec3 = Vec3::new(0.2, -1.0, 0.4);

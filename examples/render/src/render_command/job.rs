@@ -209,11 +209,7 @@ pub(crate) fn check_ending(path: &Path, ending: &str, why: &str) -> Result<(), U
 pub(crate) fn subject(args: &PictureArgs) -> Result<(Scene, Origin), Box<dyn Error>> {
     let (scene, name, fingerprint) = scene(args.scene.as_deref())?;
     let march = matches!(args.method, MethodName::March);
-    let settings = &scene.settings;
-    let photons = match args.method {
-        MethodName::Adaptive => settings.guided_photons,
-        _ => settings.photons,
-    };
+    let guided = matches!(args.method, MethodName::Adaptive);
     let origin = Origin {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         scene: name,
@@ -221,8 +217,8 @@ pub(crate) fn subject(args: &PictureArgs) -> Result<(Scene, Origin), Box<dyn Err
         width: scene.camera.width,
         height: scene.camera.height,
         method: args.method.name().to_owned(),
-        photons: args.photons.unwrap_or(photons),
-        seed: args.seed.unwrap_or(settings.seed),
+        photons: args.photons.unwrap_or(scene.settings.light_paths(guided)),
+        seed: args.seed.unwrap_or(scene.settings.seed),
         every_pixel: args.every_pixel,
         samples: march.then(|| args.samples.unwrap_or(Marching::default().samples)),
         light_passes: args.light_passes,

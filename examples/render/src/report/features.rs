@@ -185,9 +185,8 @@ pub(super) fn features(
             let mut scene = scene.clone();
             (variant.change)(&mut scene);
             let guided = variant.parts.is_some_and(|parts| parts.guided);
-            let settings = &scene.settings;
-            let photons = if guided { settings.guided_photons } else { settings.photons };
-            let mut renderer = Renderer::new(&scene, variant.method, photons, 1);
+            let paths = scene.settings.light_paths(guided);
+            let mut renderer = Renderer::new(&scene, variant.method, paths, 1);
             if let Some(parts) = variant.parts {
                 renderer.light_by_parts(parts);
             }

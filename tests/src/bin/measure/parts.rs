@@ -50,8 +50,7 @@ const VARIANTS: [Variant; 7] = [
 impl Variant {
     fn renderer<'a>(&self, scene: &'a Scene, seed: u32) -> Renderer<'a> {
         let guided = self.parts.is_some_and(|parts| parts.guided);
-        let photons = if guided { scene.settings.guided_photons } else { scene.settings.photons };
-        let mut renderer = Renderer::new(scene, self.method, photons, seed);
+        let mut renderer = Renderer::new(scene, self.method, scene.settings.light_paths(guided), seed);
         if let Some(parts) = self.parts {
             renderer.light_by_parts(parts);
         }
