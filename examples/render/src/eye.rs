@@ -2,6 +2,7 @@
 
 use crate::clearance::clearance;
 use crate::kind::{ByKind, Kind};
+use crate::material::{Encounter, Lobe, Way};
 use crate::media;
 use crate::optics::{Boundary, Interior, facing_normal, reflect};
 use crate::passage::passage;
@@ -68,6 +69,8 @@ struct Branch {
     interior: Interior,
     depth: u32,
     signature: u64,
+    /// Whether it has come through rough glass since a surface where shadow rays looked for lamps: only it can find them there.
+    sees_lamps: bool,
 }
 
 impl EyeTracer<'_> {
@@ -123,6 +126,7 @@ impl EyeTracer<'_> {
             interior: self.interior,
             depth: 0,
             signature: FIRST,
+            sees_lamps: false,
         });
         while let Some(mut branch) = branches.pop() {
             let weight = branch.throughput.max_element();
@@ -154,6 +158,11 @@ impl EyeTracer<'_> {
                 let column = media::column(fog, branch.origin, branch.direction, length, &mut knots);
                 branch.throughput *= fog.transmittance(column.at(length));
             }
+            if branch.sees_lamps {
+                let seen = |light: &Light| light.seen_along(branch.origin, branch.direction, length);
+                let lamps: Vec3 = scene.lights.iter().map(seen).sum();
+                radiance[Kind::Focused as usize] += branch.throughput * lamps;
+            }
             let Some(hit) = hit else { continue };
             if branch.throughput == Vec3::ZERO {
                 continue;
@@ -164,6 +173,21 @@ impl EyeTracer<'_> {
                     let reflected = self.reflected(&hit, &branch, albedo, random);
                     for (sum, reflected) in radiance.iter_mut().zip(reflected) {
                         *sum += branch.throughput * reflected;
+                    }
+                }
+                Material::Lobes(ref lobes) => {
+                    let xi = [random.uniform(), random.uniform()];
+                    let met = Encounter::new(scene, &hit, branch.direction, &branch.interior, lobes, xi);
+                    let seen = self.seen(&hit, &branch, &met, random);
+                    for (sum, seen) in radiance.iter_mut().zip(seen) {
+                        *sum += branch.throughput * seen;
+                    }
+                    if branch.depth < SPLITS {
+                        let ways = met.sharp_ways();
+                        branches.extend(ways.map(|way| branch.follow(scene, &hit, &met, &way)));
+                    } else {
+                        let way = met.draw_sharp(branch.throughput, random.uniform());
+                        branches.extend(way.map(|way| branch.follow(scene, &hit, &met, &way)));
                     }
                 }
                 Material::Mirror { reflectance } => {
@@ -205,15 +229,47 @@ impl EyeTracer<'_> {
     /// Radiance leaving a diffuse surface: direct light and the photons that came any other way.
     fn reflected(&self, hit: &Hit, branch: &Branch, albedo: Vec3, random: &mut Random) -> ByKind {
         let normal = facing_normal(hit, branch.direction);
+        self.irradiance(hit, normal, branch.interior, random)
+            .map(|irradiance| albedo * irradiance * FRAC_1_PI)
+    }
+
+    /// Radiance leaving a surface of lobes where the eye path does not follow: from the diffuse ones, and from rough ones that lamps shine on.
+    fn seen(&self, hit: &Hit, branch: &Branch, met: &Encounter, random: &mut Random) -> ByKind {
+        let mut sum = ByKind::default();
+        let [back, through] = met.diffuse();
+        for (share, normal, interior) in
+            [(back, met.normal, branch.interior), (through, -met.normal, met.beyond())]
+        {
+            if share != Vec3::ZERO {
+                let irradiance = self.irradiance(hit, normal, interior, random);
+                sum.iter_mut()
+                    .zip(irradiance)
+                    .for_each(|(sum, irradiance)| *sum += share * irradiance * FRAC_1_PI);
+            }
+        }
+        if met.is_rough() {
+            let start = hit.leave(met.normal);
+            let arriving = straight_irradiance(self.scene, self.fogs, branch.interior, start, |light| {
+                let (density, from) = light.flux_density(start, [random.uniform(), random.uniform()]);
+                let towards = (from - start).normalize_or_zero();
+                (density * met.glossy_towards(towards) * towards.dot(met.normal).max(0.0), from)
+            });
+            sum[Kind::Straight as usize] += arriving;
+        }
+        sum
+    }
+
+    /// Irradiance on one side of a surface.
+    fn irradiance(&self, hit: &Hit, normal: Vec3, interior: Interior, random: &mut Random) -> ByKind {
         let start = hit.leave(normal);
         let reach = self.surfaces.reach();
         let clear = reach.map_or(f32::INFINITY, |reach| clearance(self.scene, start, normal, reach, random));
         let mut irradiance = self.surfaces.irradiance(hit.position, normal, &hit.curvature, clear);
         irradiance[Kind::Straight as usize] =
-            straight_irradiance(self.scene, self.fogs, branch.interior, start, |light| {
+            straight_irradiance(self.scene, self.fogs, interior, start, |light| {
                 light.irradiance(hit.position, normal, random)
             });
-        irradiance.map(|irradiance| albedo * irradiance * FRAC_1_PI)
+        irradiance
     }
 }
 
@@ -238,6 +294,20 @@ pub(crate) fn straight_irradiance(
 }
 
 impl Branch {
+    /// A way on from a surface of lobes.
+    fn follow(&self, scene: &Scene, hit: &Hit, met: &Encounter, way: &Way) -> Self {
+        // Radiance over the squared index is what refraction keeps.
+        let eta = self.interior.index(scene) / way.interior.index(scene);
+        let kind = (way.lobe as u64 + 1) << 40;
+        let sees_lamps = match way.lobe {
+            Lobe::Transparent => self.sees_lamps,
+            lobe if met.is_rough() => lobe == Lobe::GlassTransmission,
+            _ => self.sees_lamps,
+        };
+        let next = self.next(hit, way.direction, way.factor * (eta * eta), way.interior, kind);
+        Self { sees_lamps, ..next }
+    }
+
     fn next(&self, hit: &Hit, direction: Vec3, weight: Vec3, interior: Interior, kind: u64) -> Self {
         Self {
             origin: hit.leave(direction),
@@ -246,6 +316,7 @@ impl Branch {
             interior,
             depth: self.depth + 1,
             signature: mix(self.signature ^ (u64::from(hit.object) << 2) ^ kind),
+            sees_lamps: self.sees_lamps,
         }
     }
 }

@@ -54,14 +54,16 @@ impl Scene {
         })
     }
 
-    /// Whether a dielectric may have the same index on both sides: it has that of what is around all, or of another one.
-    pub(crate) fn may_have_matched_boundaries(&self) -> bool {
-        let index = |object: &Object| match object.material {
+    /// Whether something may let light go straight on: it is transparent in part, or a dielectric that has the index of what is around all, or
+    /// of another one.
+    pub(crate) fn may_be_seen_through(&self) -> bool {
+        let mut indices = self.objects.iter().filter_map(|object| match object.material {
             Material::Dielectric { index } => Some(index),
             _ => None,
-        };
-        let mut indices = self.objects.iter().filter_map(index);
-        indices.next().is_some_and(|first| first == 1.0 || indices.next().is_some())
+        });
+        let mut is_matched = || indices.next().is_some_and(|first| first == 1.0 || indices.next().is_some());
+        let is_transparent = |object: &Object| object.material.transparent() != Vec3::ZERO;
+        self.objects.iter().any(is_transparent) || is_matched()
     }
 
     /// Edges beside the ray from `origin` along `direction` (unit) that ends at `hit`.
@@ -74,9 +76,7 @@ impl Scene {
 
     /// The closed dielectric objects that contain `point`, outermost (largest) first.
     pub fn containing(&self, point: Vec3) -> Vec<u32> {
-        let holds = |object: &Object| {
-            matches!(object.material, Material::Dielectric { .. }) && object.shape.contains(point)
-        };
+        let holds = |object: &Object| object.material.index().is_some() && object.shape.contains(point);
         let mut found: Vec<u32> = self
             .objects
             .iter()
@@ -189,7 +189,8 @@ pub(crate) fn intersect_sphere(
     Some((one.min(other), one.max(other)))
 }
 
-fn intersect_rectangle(
+/// Distance, of any sign, at which a line meets a parallelogram.
+pub(crate) fn intersect_rectangle(
     corner: DVec3,
     (edge_u, edge_v): (DVec3, DVec3),
     origin: DVec3,

@@ -95,9 +95,19 @@ fn of_arrival(scene: &Scene, importance: &Importance, hit: &Hit) -> f32 {
     let here = importance.at(hit.position);
     match scene.objects[hit.object as usize].material {
         Material::Black => 0.0,
-        Material::Lambert { albedo } => mean(albedo) * here.scattered + here.surface,
+        Material::Lambert { albedo } => of_diffuse(albedo, &here, false),
+        Material::Lobes(lobes) => {
+            let sharp = mean((lobes.most() - lobes.diffuse - lobes.translucent).max(Vec3::ZERO));
+            of_diffuse(lobes.diffuse + lobes.translucent, &here, false) + sharp * here.scattered
+        }
         Material::Mirror { .. } | Material::Dielectric { .. } => here.scattered,
     }
+}
+
+/// What a watt is worth that arrives on a surface and leaves it diffusely. Straight light on surfaces is looked up by shadow rays.
+fn of_diffuse(albedo: Vec3, here: &ImportanceCell, is_straight: bool) -> f32 {
+    let is_seen = !is_straight && albedo != Vec3::ZERO;
+    mean(albedo) * here.scattered + if is_seen { here.surface } else { 0.0 }
 }
 
 /// Of the channels.

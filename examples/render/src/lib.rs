@@ -16,6 +16,8 @@ pub mod kind;
 pub mod light;
 pub mod maps;
 pub mod march;
+mod material;
+mod material_file;
 pub mod media;
 mod medium_file;
 pub mod memory;

@@ -291,7 +291,7 @@ impl Marcher<'_> {
         let phase = fog.phase.evaluate(-incoming.dot(ray.direction));
         let amount = fog.scattering * (fog.density.at(place) * phase);
         // What other media on its way leave of light is found together with what stands there.
-        let left = match self.scene.may_have_matched_boundaries() {
+        let left = match self.scene.may_be_seen_through() {
             true => Vec3::ONE,
             false => media::transmittance(fog, place, from),
         };
@@ -457,7 +457,7 @@ impl Marcher<'_> {
         *rays += 1;
         let Stretch { segment, .. } = stretch;
         let place = segment.ray.origin + distance * segment.ray.direction;
-        match self.scene.may_have_matched_boundaries() {
+        match self.scene.may_be_seen_through() {
             true => passage(self.scene, self.fogs, segment.interior, place, from),
             false if self.scene.occluded(place, from) => Vec3::ZERO,
             false => Vec3::ONE,

@@ -1,6 +1,6 @@
 //! What a smooth surface does to a ray: reflection, refraction, Fresnel, and which media a ray is in.
 
-use crate::scene::{Material, MediumId, Scene};
+use crate::scene::{MediumId, Scene};
 use covbeam::Curvature;
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
@@ -52,10 +52,18 @@ impl Interior {
     /// The index of refraction here.
     pub fn index(&self, scene: &Scene) -> f32 {
         let innermost = self.objects[..self.depth].last();
-        match innermost.map(|&object| scene.objects[object as usize].material) {
-            Some(Material::Dielectric { index }) => index,
-            _ => 1.0,
+        innermost.and_then(|&object| scene.objects[object as usize].material.index()).unwrap_or(1.0)
+    }
+
+    /// What a ray along `direction` is inside of once it has gone through the dielectric boundary that it hits.
+    pub(crate) fn beyond(&self, hit: &Hit, direction: Vec3) -> Self {
+        let mut beyond = *self;
+        if hit.geometric_normal.dot(direction) < 0.0 {
+            beyond.enter(hit.object);
+        } else {
+            beyond.leave(hit.object);
         }
+        beyond
     }
 }
 
@@ -81,6 +89,20 @@ pub fn fresnel(cos_i: f32, cos_t: f32, eta: f32) -> f32 {
     let s = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
     let p = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
     0.5 * (s * s + p * p)
+}
+
+/// At a smooth dielectric, the share of unpolarised light that is reflected, and where the rest goes; None = total internal reflection.
+///
+/// - `normal`: unit, against `direction`; `eta`: index on the incoming side / index on the far side.
+pub(crate) fn refract(direction: Vec3, normal: Vec3, eta: f32) -> (f32, Option<Vec3>) {
+    let cos_i = (-direction.dot(normal)).clamp(0.0, 1.0);
+    let cos2_t = 1.0 - eta * eta * (1.0 - cos_i * cos_i);
+    if cos2_t <= 0.0 {
+        return (1.0, None);
+    }
+    let cos_t = cos2_t.sqrt();
+    let refracted = (eta * direction + (eta * cos_i - cos_t) * normal).normalize();
+    (fresnel(cos_i, cos_t, eta), Some(refracted))
 }
 
 /// Mirror direction.
@@ -114,15 +136,8 @@ impl Boundary {
     /// What happens to a ray along `direction` that is inside of `interior` and hits a dielectric.
     pub fn new(scene: &Scene, hit: &Hit, direction: Vec3, interior: &Interior) -> Self {
         let normal = facing_normal(hit, direction);
-        let mut beyond = *interior;
-        if hit.geometric_normal.dot(direction) < 0.0 {
-            beyond.enter(hit.object);
-        } else {
-            beyond.leave(hit.object);
-        }
+        let beyond = interior.beyond(hit, direction);
         let eta = interior.index(scene) / beyond.index(scene);
-        let cos_i = (-direction.dot(normal)).clamp(0.0, 1.0);
-        let cos2_t = 1.0 - eta * eta * (1.0 - cos_i * cos_i);
         let geometric =
             hit.geometric_normal * if hit.geometric_normal.dot(direction) > 0.0 { -1.0 } else { 1.0 };
         // A shading normal may send the ray to the wrong side of the true surface: mirror it back there.
@@ -131,13 +146,9 @@ impl Boundary {
             if wrong < 0.0 { reflect(d, geometric) } else { d }
         };
         let reflected = on_side(reflect(direction, normal), 1.0);
-        if cos2_t <= 0.0 {
-            return Self { normal, reflectance: 1.0, eta, reflected, refracted: None, beyond };
-        }
-        let cos_t = cos2_t.sqrt();
-        let refracted = (eta * direction + (eta * cos_i - cos_t) * normal).normalize();
-        let reflectance = fresnel(cos_i, cos_t, eta);
-        Self { normal, reflectance, eta, reflected, refracted: Some(on_side(refracted, -1.0)), beyond }
+        let (reflectance, refracted) = refract(direction, normal, eta);
+        let refracted = refracted.map(|direction| on_side(direction, -1.0));
+        Self { normal, reflectance, eta, reflected, refracted, beyond }
     }
 }
 

@@ -6,11 +6,11 @@ use crate::scene::{Material, Scene};
 use covbeam::Medium;
 use glam::Vec3;
 
-/// Sides of boxes that a way may cross, there and back through as many as an [`Interior`] holds.
+/// Surfaces that a way may cross, there and back through as many as an [`Interior`] holds.
 const MOST_BOUNDARIES: usize = 2 * Interior::DEEPEST;
 
 /// Per channel, what is left of light between two points; 0 if anything is between them but sides of dielectrics where the index is the same
-/// on both: they bound a medium and do not bend light.
+/// on both, which bound a medium and do not bend light, and what is transparent in part.
 ///
 /// - `interior`: of `from`. Ends on surfaces should be moved off them.
 pub(crate) fn passage(scene: &Scene, fogs: &[Medium], mut interior: Interior, from: Vec3, to: Vec3) -> Vec3 {
@@ -21,7 +21,7 @@ pub(crate) fn passage(scene: &Scene, fogs: &[Medium], mut interior: Interior, fr
     if !scene.occluded(from, to) {
         return through(&interior, from, to);
     }
-    if !scene.may_have_matched_boundaries() {
+    if !scene.may_be_seen_through() {
         return Vec3::ZERO;
     }
     let (mut left, mut start) = (Vec3::ONE, from);
@@ -31,15 +31,22 @@ pub(crate) fn passage(scene: &Scene, fogs: &[Medium], mut interior: Interior, fr
         // What is exactly at the end does not lie between, and at its start nothing is left of a way.
         let hit = if distance > 0.0 { scene.intersect(start, direction, distance) } else { None };
         let Some(hit) = hit else { return left * through(&interior, start, to) };
-        if !matches!(scene.objects[hit.object as usize].material, Material::Dielectric { .. }) {
-            return Vec3::ZERO;
-        }
-        let boundary = Boundary::new(scene, &hit, direction, &interior);
-        if !boundary.is_matched() {
-            return Vec3::ZERO;
-        }
-        left *= through(&interior, start, hit.position);
-        interior = boundary.beyond;
+        let (share, beyond) = match scene.objects[hit.object as usize].material {
+            Material::Dielectric { .. } => {
+                let boundary = Boundary::new(scene, &hit, direction, &interior);
+                if !boundary.is_matched() {
+                    return Vec3::ZERO;
+                }
+                (Vec3::ONE, boundary.beyond)
+            }
+            Material::Lobes(lobes) if lobes.transparent != Vec3::ZERO => {
+                let beyond = if lobes.is_glass() { interior.beyond(&hit, direction) } else { interior };
+                (lobes.transparent, beyond)
+            }
+            _ => return Vec3::ZERO,
+        };
+        left *= share * through(&interior, start, hit.position);
+        interior = beyond;
         start = hit.leave(direction);
     }
     Vec3::ZERO

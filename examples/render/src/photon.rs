@@ -5,6 +5,7 @@ mod guided;
 use crate::guidance::{Guidance, mean};
 use crate::kind::Kind;
 use crate::light::{EmittedPhoton, cosine_direction};
+use crate::material::{Encounter, Lobe};
 use crate::media;
 use crate::operators::Operator;
 use crate::optics::{Boundary, Interior, curvature_towards, facing_normal, reflect};
@@ -372,6 +373,35 @@ impl<'a> PhotonTracer<'a> {
                 photon.direction = reflect(photon.direction, normal);
                 photon.normal = normal;
             }
+            Material::Lobes(ref lobes) => {
+                let xi = sampler.uniform_pair();
+                let met = Encounter::new(self.scene, hit, photon.direction, &photon.interior, lobes, xi);
+                let is_lit = lobes.diffuse.max(lobes.translucent) != Vec3::ZERO;
+                if is_lit && matches!(record, Record::Beams | Record::BeamsAndField) && !photon.direct {
+                    let Photon { power, specular: caustic, .. } = *photon;
+                    let (position, normal) = (hit.position, met.normal);
+                    out.surface.push(SurfacePhoton { position, normal, power, caustic });
+                }
+                if record == Record::Connections {
+                    self.connect_lobes(photon, hit, &met, out);
+                }
+                let before = photon.power;
+                let way = met.draw(before, sampler.uniform(), sampler.uniform_pair());
+                let Some(way) = way else {
+                    add(&mut out.energy.surfaces, before);
+                    return false;
+                };
+                photon.power *= way.factor;
+                add(&mut out.energy.surfaces, before - photon.power);
+                if let Some(field) = &mut photon.field {
+                    met.turn(field, hit, &way, self.acts(Operator::Curvature));
+                }
+                photon.direction = way.direction;
+                photon.interior = way.interior;
+                photon.normal = if way.lobe.crosses() { -met.normal } else { met.normal };
+                photon.specular &= met.keeps_focus(way.lobe);
+                stays_straight = way.lobe == Lobe::Transparent;
+            }
             Material::Dielectric { .. } => {
                 let boundary = Boundary::new(self.scene, hit, photon.direction, &photon.interior);
                 stays_straight = boundary.is_matched();
@@ -400,6 +430,15 @@ impl<'a> PhotonTracer<'a> {
         photon.direct &= stays_straight;
         photon.origin = hit.leave(photon.direction);
         true
+    }
+
+    /// Connects light on a surface of lobes with the pinhole, on either side of it.
+    fn connect_lobes(&self, photon: &Photon, hit: &Hit, met: &Encounter, out: &mut PhotonRecord) {
+        let to_camera = self.scene.camera.position - hit.position;
+        let from = hit.leave(to_camera);
+        self.connect(from, out, |to_camera| {
+            photon.power * met.towards(to_camera) * to_camera.dot(met.normal).abs()
+        });
     }
 
     /// The curvature that a light field meets at a hit.

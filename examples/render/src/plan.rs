@@ -130,7 +130,10 @@ impl FirstSurfaces {
 
 /// Straight light on a surface, seen from where the ray to it starts, up to a factor.
 fn lit(scene: &Scene, fogs: &[Medium], interior: Interior, direction: glam::Vec3, hit: &Hit) -> f32 {
-    let Material::Lambert { albedo } = scene.objects[hit.object as usize].material else { return 0.0 };
+    let albedo = scene.objects[hit.object as usize].material.diffuse();
+    if albedo == glam::Vec3::ZERO {
+        return 0.0;
+    }
     let normal = facing_normal(hit, direction);
     let start = hit.leave(normal);
     let sum = straight_irradiance(scene, fogs, interior, start, |light| {

@@ -2,6 +2,7 @@
 
 use crate::camera::Camera;
 pub use crate::light::Sun;
+pub use crate::material::{Lobes, Material};
 use crate::volume::Volume;
 use covbeam::{ExponentialDensity, Medium};
 use covbeam_geometry::mesh::Mesh;
@@ -109,40 +110,6 @@ pub enum Shape {
     },
     /// Triangles.
     Mesh(Mesh),
-}
-
-/// What light does at a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Material {
-    /// Smooth glass or water; only on closed shapes (sphere, box, closed mesh).
-    Dielectric {
-        /// Index of refraction inside, > 0; outside is the surrounding dielectric or 1.
-        index: f32,
-    },
-    /// Perfect mirror.
-    Mirror {
-        /// Per channel, 0..=1.
-        reflectance: Vec3,
-    },
-    /// Ideal diffuse, two-sided.
-    Lambert {
-        /// Per channel, 0..=1.
-        albedo: Vec3,
-    },
-    /// Absorbs everything.
-    Black,
-}
-
-impl Material {
-    /// Whether it is a mirror or glass: a box of fog with the index of air is neither. Where an index of 1 would bend light, it is inside
-    /// of one that does too.
-    pub fn bends_light(self) -> bool {
-        match self {
-            Self::Mirror { .. } => true,
-            Self::Dielectric { index } => index != 1.0,
-            Self::Black | Self::Lambert { .. } => false,
-        }
-    }
 }
 
 /// A light.

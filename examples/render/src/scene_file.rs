@@ -15,10 +15,9 @@ use crate::camera::Camera;
 use crate::defaults;
 pub use crate::fields::SceneError;
 use crate::fields::{Field, Source, Table};
+use crate::material_file::read_material;
 use crate::medium_file::{check_exponential, read_media, read_medium_name};
-use crate::scene::{
-    Light, Material, MediumDensity, MediumId, Object, Scene, SceneMedium, Settings, Shape, Sun,
-};
+use crate::scene::{Light, MediumDensity, MediumId, Object, Scene, SceneMedium, Settings, Shape, Sun};
 use crate::survey::Survey;
 
 /// Most pixels along one side of the picture.
@@ -153,7 +152,7 @@ fn read_object(
     };
     let material_field = table.required("material")?;
     let material = read_material(&material_field)?;
-    if matches!(material, Material::Dielectric { .. }) && !shape.is_closed() {
+    if material.index().is_some() && !shape.is_closed() {
         let why = match &shape {
             Shape::Mesh(mesh) if mesh.open_edges() > 0 => {
                 format!("this mesh has {} open edges", mesh.open_edges())
@@ -165,7 +164,7 @@ fn read_object(
     }
     let inside_field = table.optional("inside");
     let inside = inside_field.as_ref().map(|field| read_medium_name(field, names)).transpose()?;
-    if let (Some(field), false) = (&inside_field, matches!(material, Material::Dielectric { .. })) {
+    if let (Some(field), false) = (&inside_field, material.index().is_some()) {
         return Err(field.refuse("no medium inside an object that is not a dielectric"));
     }
     if let (Some(field), Some(id)) = (&inside_field, inside)
@@ -231,31 +230,6 @@ fn read_mesh(table: &Table<'_>, base_dir: &Path) -> Result<Mesh, SceneError> {
     let smooth = table.optional("smooth").map_or(Ok(true), |field| field.boolean())?;
     Mesh::load(&path, &placement, smooth)
         .map_err(|source| file.refuse_mesh(path.display().to_string(), source))
-}
-
-fn read_material(field: &Field<'_>) -> Result<Material, SceneError> {
-    let expected = "\"black\", { dielectric = { index = n } }, { mirror = { reflectance = r } } or \
-                    { lambert = { albedo = a } }";
-    let (kind, fields) = field.choice(expected)?;
-    let fraction = |table: Table<'_>, key| {
-        table.only(&[key])?;
-        table.required(key)?.color("a fraction in 0..=1", |value| (0.0..=1.0).contains(&value))
-    };
-    match (kind, fields) {
-        ("black", None) => Ok(Material::Black),
-        ("dielectric", Some(fields)) => {
-            let table = fields.table()?;
-            table.only(&["index"])?;
-            let index = table.required("index")?;
-            let index = index.number("an index of refraction in 0.1..=10", |n| (0.1..=10.0).contains(&n))?;
-            Ok(Material::Dielectric { index })
-        }
-        ("mirror", Some(fields)) => {
-            Ok(Material::Mirror { reflectance: fraction(fields.table()?, "reflectance")? })
-        }
-        ("lambert", Some(fields)) => Ok(Material::Lambert { albedo: fraction(fields.table()?, "albedo")? }),
-        _ => Err(field.refuse(expected)),
-    }
 }
 
 /// What a sun shines on.

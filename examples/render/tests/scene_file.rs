@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use covbeam::{ExponentialDensity, GridLayout, KernelShape, PhaseFunction, PhaseKind, Schedule};
-use covbeam_render::scene::{Light, Material, MediumDensity, Scene, Settings, Shape};
+use covbeam_render::scene::{Light, Lobes, Material, MediumDensity, Scene, Settings, Shape};
 use covbeam_render::scene_file::SceneError;
 use glam::Vec3;
 use proptest::prelude::*;
@@ -382,7 +382,49 @@ const WRONG: &[(&str, &str, isize, &str, &str)] = &[
     ("density = {", "density = { volume = { file = 1 } } # {", 0, "medium[2].density.volume.file", ".vol"),
     ("density = {", "density = { volume = {}, a = 1 } # {", 0, "medium[2].density", "{ exponential = {"),
     ("density = {", "densty = {", 0, "medium[2].densty", "density"),
+    (
+        "{ mirror = { reflectance = 0.9 } }",
+        "{ metal = { roughness = 0.5 } }",
+        0,
+        "object[3].material.metal.reflectance",
+        "this field",
+    ),
+    (
+        "{ mirror = { reflectance = 0.9 } }",
+        "{ metal = { reflectance = 0.9, roughness = 1.5 } }",
+        0,
+        "object[3].material.metal.roughness",
+        "0..=1",
+    ),
+    (
+        "{ mirror = { reflectance = 0.9 } }",
+        "{ plastic = { albedo = nan } }",
+        0,
+        "object[3].material.plastic.albedo",
+        "0..=1",
+    ),
+    (
+        "{ mirror = { reflectance = 0.9 } }",
+        "{ lobes = { gloss = 0.5 } }",
+        0,
+        "object[3].material.lobes.gloss",
+        "translucent",
+    ),
     // Contradictions.
+    (
+        "{ mirror = { reflectance = 0.9 } }",
+        "{ lobes = { diffuse = 0.6, translucent = [0.3, 0.5, 0.3] } }",
+        0,
+        "object[3].material.lobes",
+        "1.100",
+    ),
+    (
+        "{ lambert = { albedo = [0.5, 0.6, 0.7] } }",
+        "{ lobes = { glass_transmission = 0.5 } }",
+        0,
+        "object[1].material",
+        "open",
+    ),
     ("max = [4, 4.5, 4]\nmaterial", "max = [4, -1.51, 4]\nmaterial", 0, "object[2].max", "above"),
     ("max = [4, 4.5, 4]\ncells", "max = [-5, 4.5, 4]\ncells", 0, "grid.max", "above"),
     ("look_at = [0, 0, 0]\nup", "look_at = [0, 0.5, -5.0]\nup", 0, "camera.look_at", "other than"),
@@ -421,6 +463,41 @@ const WRONG: &[(&str, &str, isize, &str, &str)] = &[
         "not a dielectric",
     ),
 ];
+
+#[test]
+fn materials_are_sums_of_lobes() {
+    let material = |text: &str| {
+        let text = VALID.replace("{ mirror = { reflectance = 0.9 } }", text);
+        let scene = Scene::parse(&text, "scene.toml", meshes().path());
+        scene.unwrap_or_else(|error| panic!("{error}")).objects[3].material
+    };
+    let grey = Vec3::splat;
+    let cases = [
+        ("{ metal = { reflectance = 0.9 } }", Lobes { metal: grey(0.9), edge: Vec3::ONE, ..Lobes::NONE }),
+        (
+            "{ metal = { reflectance = [0.9, 0.6, 0.5], edge = 0.8, roughness = 0.5 } }",
+            Lobes { metal: Vec3::new(0.9, 0.6, 0.5), edge: grey(0.8), alpha: 0.25, ..Lobes::NONE },
+        ),
+        (
+            "{ plastic = { albedo = 0.4, index = 1.4, roughness = 0.02 } }",
+            Lobes { diffuse: grey(0.4), coat: Vec3::ONE, index: 1.4, ..Lobes::NONE },
+        ),
+        (
+            "{ lobes = { diffuse = 0.2, translucent = 0.1, metal = 0.3, transparent = 0.4 } }",
+            Lobes {
+                diffuse: grey(0.2),
+                translucent: grey(0.1),
+                metal: grey(0.3),
+                edge: grey(0.3),
+                transparent: grey(0.4),
+                ..Lobes::NONE
+            },
+        ),
+    ];
+    for (text, lobes) in cases {
+        assert_eq!(material(text), Material::Lobes(lobes), "{text}");
+    }
+}
 
 #[test]
 fn whatever_is_wrong_is_refused_with_file_line_field_and_expectation() {

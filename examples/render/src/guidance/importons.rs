@@ -3,6 +3,7 @@
 use super::look::Pixel;
 use super::{left, mean};
 use crate::light::cosine_direction;
+use crate::material::Encounter;
 use crate::media;
 use crate::optics::{Boundary, Interior, facing_normal, reflect};
 use crate::random::Random;
@@ -168,6 +169,22 @@ impl Walker<'_> {
                 let normal = facing_normal(&hit, importon.direction);
                 importon.direction = cosine_direction(normal, [random.uniform(), random.uniform()]);
                 importon.specular = false;
+            }
+            Material::Lobes(ref lobes) => {
+                let mut pair = || [random.uniform(), random.uniform()];
+                let (facet, xi) = (pair(), pair());
+                let met =
+                    Encounter::new(self.scene, &hit, importon.direction, &importon.interior, lobes, facet);
+                let diffuse = mean(lobes.diffuse + lobes.translucent);
+                if importon.specular && diffuse > 0.0 {
+                    let weight = importon.weight * diffuse * FRAC_1_PI;
+                    out.push(Deposit::Surface { position: hit.position, weight });
+                }
+                let Some(way) = met.draw(Vec3::ONE, random.uniform(), xi) else { return };
+                importon.weight *= mean(way.factor);
+                importon.direction = way.direction;
+                importon.interior = way.interior;
+                importon.specular &= !way.lobe.is_diffuse();
             }
             Material::Mirror { reflectance } => {
                 if random.uniform() >= mean(reflectance) {

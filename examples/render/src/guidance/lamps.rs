@@ -1,12 +1,14 @@
 //! How lamps emit: in proportion to what light in a direction is worth.
 
-use super::{left, mean, of_arrival};
+use super::{left, mean, of_diffuse};
+use crate::material::{Encounter, Lobe};
 use crate::media;
 use crate::optics::{Boundary, Interior, facing_normal, reflect};
 use crate::random::{Emission, PathSampler, Random};
 use crate::scene::{Light, Material, Scene};
 use crate::straight::is_left_to_beams;
 use covbeam::{EmissionGuide, Importance, Knot, Medium};
+use glam::Vec3;
 use rayon::prelude::*;
 
 /// Cells across the square in which a lamp's emission is drawn: as many as all lamps together may have, and as one may.
@@ -142,12 +144,20 @@ impl<'a> Lamp<'a> {
             match self.scene.objects[hit.object as usize].material {
                 Material::Black => break,
                 Material::Lambert { albedo } => {
-                    worth += power
-                        * match is_straight {
-                            true => mean(albedo) * self.importance.at(hit.position).scattered,
-                            false => of_arrival(self.scene, self.importance, &hit),
-                        };
+                    worth += power * of_diffuse(albedo, &self.importance.at(hit.position), is_straight);
                     break;
+                }
+                Material::Lobes(ref lobes) => {
+                    let mut pair = || [random.uniform(), random.uniform()];
+                    let (facet, xi) = (pair(), pair());
+                    let met = Encounter::new(self.scene, &hit, direction, &interior, lobes, facet);
+                    let albedo = lobes.diffuse + lobes.translucent;
+                    worth += power * of_diffuse(albedo, &self.importance.at(hit.position), is_straight);
+                    let way = met.draw(Vec3::ONE, random.uniform(), xi);
+                    let Some(way) = way.filter(|way| !way.lobe.is_diffuse()) else { break };
+                    power *= mean(way.factor);
+                    (direction, interior) = (way.direction, way.interior);
+                    is_straight &= way.lobe == Lobe::Transparent;
                 }
                 Material::Mirror { reflectance } => {
                     power *= mean(reflectance);

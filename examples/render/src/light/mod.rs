@@ -7,6 +7,7 @@ mod triangle;
 
 pub use sun::Sun;
 
+use crate::geometry::{intersect_rectangle, intersect_sphere};
 use crate::random::{PathSampler, Random};
 use crate::scene::Light;
 use covbeam::{EVEN_LAMP, LightField};
@@ -240,6 +241,33 @@ impl Light {
             }
             Light::Sun(sun) => sun.lit_stretch(o, d, [from, to]),
         }
+    }
+
+    /// Radiance of the light along a ray that meets nothing else before `reach`; 0 where it does not meet the light. Nothing meets a point, or a
+    /// sun without an angle.
+    pub(crate) fn seen_along(&self, origin: Vec3, direction: Vec3, reach: f32) -> Vec3 {
+        let (o, d, reach) = (origin.as_dvec3(), direction.as_dvec3(), f64::from(reach));
+        let (is_met, radiance) = match *self {
+            Light::Point { .. } | Light::Spot { .. } => return Vec3::ZERO,
+            Light::Disk { center, normal, radius, radiance } => {
+                let slope = d.dot(normal.as_dvec3());
+                let distance = (center.as_dvec3() - o).dot(normal.as_dvec3()) / slope;
+                let aside = (o + distance * d).distance(center.as_dvec3());
+                (slope < 0.0 && (0.0..reach).contains(&distance) && aside < f64::from(radius), radiance)
+            }
+            Light::Rectangle { corner, edge_u, edge_v, radiance } => {
+                let edges = (edge_u.as_dvec3(), edge_v.as_dvec3());
+                let distance = intersect_rectangle(corner.as_dvec3(), edges, o, d);
+                let is_front = d.dot(edges.0.cross(edges.1)) < 0.0;
+                (is_front && distance.is_some_and(|distance| (0.0..reach).contains(&distance)), radiance)
+            }
+            Light::Sphere { center, radius, radiance } => {
+                let met = intersect_sphere(center.as_dvec3(), f64::from(radius), o, d);
+                (met.is_some_and(|(near, _)| (0.0..reach).contains(&near)), radiance)
+            }
+            Light::Sun(sun) => (reach == f64::INFINITY, sun.seen_along(direction)),
+        };
+        if is_met { radiance } else { Vec3::ZERO }
     }
 
     /// Irradiance that arrives straight from this light at a surface point, without the medium's transmittance:

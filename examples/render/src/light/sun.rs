@@ -197,6 +197,15 @@ impl Sun {
         LightField::gaussian(direction, Vec3::ZERO, [0.0; 2], [variance; 2])
     }
 
+    /// Its radiance in a direction of view; 0 beside it, and of a sun without an angle.
+    pub(super) fn seen_along(&self, direction: Vec3) -> Vec3 {
+        let sine2 = self.angle.sin().powi(2);
+        // In the cross product small angles have digits that the cosine loses.
+        let is_seen =
+            direction.dot(self.direction) < 0.0 && direction.cross(self.direction).length_squared() < sine2;
+        if is_seen { self.irradiance / (PI * sine2) } else { Vec3::ZERO }
+    }
+
     /// Whether a photon without a history may have left it in this direction.
     pub(super) fn may_have_sent(&self, direction: Vec3) -> bool {
         direction.angle_between(self.direction) <= self.angle + 1e-3

@@ -166,7 +166,7 @@ const VARIANTS: [Variant; 14] = [
 ];
 
 fn without_glass(scene: &mut Scene) {
-    scene.objects.retain(|object| !matches!(object.material, Material::Dielectric { .. }));
+    scene.objects.retain(|object| object.material.index().is_none());
 }
 
 fn fill(scene: &mut Scene, density: &MediumDensity) {

@@ -4,7 +4,7 @@ use super::walk::{voxel_size, walk};
 use crate::media;
 use crate::photon::{PathBeam, PhotonRecord, PhotonTracer, Record};
 use crate::random::Emission;
-use crate::scene::{Material, Scene};
+use crate::scene::Scene;
 use covbeam::{Beam, Column, GridLayout, Knot, Medium};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -189,7 +189,7 @@ fn origin_of(scene: &Scene, beam: &Beam, before: Origin) -> Origin {
     let behind = scene.intersect(beam.origin, -beam.start_normal, f32::INFINITY);
     match behind.map(|hit| scene.objects[hit.object as usize].material) {
         _ if beam.start_normal == Vec3::ZERO => Origin::Scattered,
-        Some(Material::Mirror { .. } | Material::Dielectric { .. }) => Origin::Specular,
+        Some(material) if material.bends_light() || material.index().is_some() => Origin::Specular,
         _ => Origin::Scattered,
     }
 }

@@ -3,7 +3,7 @@
 use super::walk::{center_of, index_of, voxel_at, voxel_of, voxel_size};
 use crate::optics::Interior;
 use crate::random::Random;
-use crate::scene::{Material, MediumDensity, Scene, SceneMedium, Shape};
+use crate::scene::{MediumDensity, Scene, SceneMedium, Shape};
 use covbeam::GridLayout;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -117,7 +117,7 @@ fn solids(scene: &Scene) -> Vec<Solid<'_>> {
     scene
         .objects
         .iter()
-        .filter(|object| object.shape.is_closed() && !matches!(object.material, Material::Dielectric { .. }))
+        .filter(|object| object.shape.is_closed() && object.material.index().is_none())
         .map(|object| {
             let mut lit = [false; 2];
             for light in &scene.lights {

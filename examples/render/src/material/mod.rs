@@ -1,0 +1,140 @@
+//! What surfaces are made of.
+
+mod encounter;
+mod microfacet;
+
+pub(crate) use encounter::{Encounter, Lobe, Way};
+
+use glam::Vec3;
+
+/// What light does at a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "a scene holds few objects")]
+pub enum Material {
+    /// Smooth glass or water; only on closed shapes (sphere, box, closed mesh).
+    Dielectric {
+        /// Index of refraction inside, > 0; outside is the surrounding dielectric or 1.
+        index: f32,
+    },
+    /// Perfect mirror.
+    Mirror {
+        /// Per channel, 0..=1.
+        reflectance: Vec3,
+    },
+    /// Ideal diffuse, two-sided.
+    Lambert {
+        /// Per channel, 0..=1.
+        albedo: Vec3,
+    },
+    /// Absorbs everything.
+    Black,
+    /// Any mixture of rough or smooth metal and glass, coats, diffuse reflection and transmission.
+    Lobes(Lobes),
+}
+
+/// The ways in which a surface sends light on, as factors per channel of the lobes that it is the sum of, each 0..=1; what they leave is
+/// absorbed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lobes {
+    /// Lambert reflection.
+    pub diffuse: Vec3,
+    /// Lambert transmission: paper, leaves, lampshades.
+    pub translucent: Vec3,
+    /// Reflectance of a metal at normal incidence.
+    pub metal: Vec3,
+    /// And at grazing incidence; Schlick's curve lies between them.
+    pub edge: Vec3,
+    /// Factor on what a boundary of glass reflects by Fresnel's equations.
+    pub glass_reflection: Vec3,
+    /// And on what it refracts. With either of the two the object is a dielectric, closed, and may hold a medium.
+    pub glass_transmission: Vec3,
+    /// Factor on what a clear coat over the diffuse part reflects; the diffuse part gets what is left of it.
+    pub coat: Vec3,
+    /// Share that goes straight on, as if nothing were there.
+    pub transparent: Vec3,
+    /// Index of refraction of glass and coat, > 0.
+    pub index: f32,
+    /// GGX's α of metal, glass and coat, 0..=1; 0: smooth.
+    pub alpha: f32,
+}
+
+impl Lobes {
+    /// Of a surface that absorbs everything.
+    pub const NONE: Self = Self {
+        diffuse: Vec3::ZERO,
+        translucent: Vec3::ZERO,
+        metal: Vec3::ZERO,
+        edge: Vec3::ZERO,
+        glass_reflection: Vec3::ZERO,
+        glass_transmission: Vec3::ZERO,
+        coat: Vec3::ZERO,
+        transparent: Vec3::ZERO,
+        index: 1.5,
+        alpha: 0.0,
+    };
+
+    /// Most light, per channel, that all of them together may send on.
+    pub(crate) fn most(&self) -> Vec3 {
+        self.diffuse.max(self.coat)
+            + self.translucent
+            + self.metal.max(self.edge)
+            + self.glass_reflection.max(self.glass_transmission)
+            + self.transparent
+    }
+
+    /// Whether it bounds a dielectric.
+    pub(crate) fn is_glass(&self) -> bool {
+        self.glass_reflection.max(self.glass_transmission) != Vec3::ZERO
+    }
+
+    fn shines(&self) -> bool {
+        self.is_glass() || self.metal.max(self.edge).max(self.coat) != Vec3::ZERO
+    }
+
+    /// Whether it is rough, so that light of a lamp leaves it in all directions.
+    pub(crate) fn is_rough(&self) -> bool {
+        self.alpha > 0.0 && self.shines()
+    }
+}
+
+impl Material {
+    /// The index of refraction of what the object is filled with; None: it is no dielectric.
+    pub fn index(self) -> Option<f32> {
+        match self {
+            Self::Dielectric { index } => Some(index),
+            Self::Lobes(lobes) if lobes.is_glass() => Some(lobes.index),
+            _ => None,
+        }
+    }
+
+    /// Whether it is a mirror or glass: a box of fog with the index of air is neither. Where an index of 1 would bend light, it is inside
+    /// of one that does too.
+    pub fn bends_light(self) -> bool {
+        match self {
+            Self::Mirror { .. } => true,
+            Self::Dielectric { index } => index != 1.0,
+            Self::Lobes(lobes) => lobes.shines() && lobes.alpha <= FOCUSING,
+            Self::Black | Self::Lambert { .. } => false,
+        }
+    }
+
+    /// Share of the light that it reflects diffusely, or sends through itself.
+    pub(crate) fn diffuse(self) -> Vec3 {
+        match self {
+            Self::Lambert { albedo } => albedo,
+            Self::Lobes(lobes) => lobes.diffuse + lobes.translucent,
+            _ => Vec3::ZERO,
+        }
+    }
+
+    /// What of it lets light go straight on.
+    pub(crate) fn transparent(self) -> Vec3 {
+        match self {
+            Self::Lobes(lobes) => lobes.transparent,
+            _ => Vec3::ZERO,
+        }
+    }
+}
+
+/// Rougher surfaces than this one's α spread light over 20° and more, and make no caustics.
+pub(crate) const FOCUSING: f32 = 0.25;
