@@ -34,6 +34,11 @@ Esc stops it: what was rendered of the frame is dropped, frames that are done ar
         description="All frames of the scene's range instead of the current one",
         options={"SKIP_SAVE"},
     )
+    replace: bpy.props.BoolProperty(
+        name="Replace All Fog Light",
+        description="Take Cycles' fog light away even if Covbeam does not have all of it",
+        options={"SKIP_SAVE"},
+    )
 
     def execute(self, context):
         """Renders to the end: in background, and from scripts."""
@@ -67,7 +72,10 @@ Esc stops it: what was rendered of the frame is dropped, frames that are done ar
         if event.type != "TIMER" or bpy.app.is_job_running("RENDER"):
             return {"PASS_THROUGH"}
         context.window_manager.event_timer_remove(self._timer)
-        return self._end()
+        done = self._end()
+        if COVBEAM_OT_replace_fog.poll(context):
+            bpy.ops.covbeam.replace_fog("INVOKE_DEFAULT")
+        return done
 
     def _begin(self, context):
         problem = _problem(context)
@@ -75,6 +83,7 @@ Esc stops it: what was rendered of the frame is dropped, frames that are done ar
             self.report({"ERROR"}, problem)
             return False
         latest.clear()
+        _kept.clear()
         self._render = beam_render.begin(context.scene, context.view_layer, self.animation)
         return True
 
@@ -91,15 +100,69 @@ Esc stops it: what was rendered of the frame is dropped, frames that are done ar
         if missing:
             self.report({"ERROR"}, f"{missing[0]} has not been written: was the render stopped, or is the disk full?")
             return {"CANCELLED"}
-        # While it was rendered, the artist may have gone to another scene.
-        scene = bpy.data.scenes.get(self._render.scene)
-        view_layer = scene and scene.view_layers.get(self._render.view_layer)
-        if view_layer is None:
-            self.report({"ERROR"}, "The scene or its view layer was removed or renamed while it was rendered.")
+        if not latest.had_fog_light():
+            self.report({"WARNING"}, f"Nothing was changed. {record.advice[-1]}")
             return {"CANCELLED"}
-        record.advice += compositor.add(scene, view_layer, self._render)
-        self.report({"INFO"}, f"Beams added: {self._render.path(self._render.first)}")
-        return {"FINISHED"}
+        lacking = latest.missing_in_fog()
+        if lacking and not self.replace:
+            # What stands there shows the new picture, which has not all that it would take away.
+            scene = bpy.data.scenes.get(self._render.scene)
+            if scene is not None:
+                compositor.remove(scene)
+            _kept.append(self._render)
+            words = f"Cycles' fog light stays, as Covbeam's lacks some of it: {'; '.join(lacking)}"
+            record.advice.append(f"{words}. Replace Fog Light takes it all the same.")
+            self.report({"WARNING"}, words)
+            return {"CANCELLED"}
+        return _replace(self, self._render)
+
+
+#: The render whose picture has been made, but not put in the place of Cycles' fog light, as it lacks some of that; or empty.
+_kept = []
+
+
+def _replace(operator, render):
+    """Sets up the nodes. While it was rendered, the artist may have gone to another scene."""
+    scene = bpy.data.scenes.get(render.scene)
+    view_layer = scene and scene.view_layers.get(render.view_layer)
+    if view_layer is None:
+        operator.report({"ERROR"}, "The scene or its view layer was removed or renamed while it was rendered.")
+        return {"CANCELLED"}
+    latest.get().advice += compositor.add(scene, view_layer, render)
+    operator.report({"INFO"}, f"Beams added: {render.path(render.first)}")
+    return {"FINISHED"}
+
+
+class COVBEAM_OT_replace_fog(bpy.types.Operator):
+    """Put what Covbeam has rendered in the place of Cycles' fog light, though it lacks what the report names"""
+
+    bl_idname = "covbeam.replace_fog"
+    bl_label = "Replace Fog Light"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return bool(_kept)
+
+    def invoke(self, context, event):
+        words = "; ".join(latest.missing_in_fog())
+        manager = context.window_manager
+        return manager.invoke_confirm(
+            self,
+            event,
+            title="Take Cycles' fog light away?",
+            message=f"Covbeam's lacks some of it: {words}",
+            confirm_text="Replace",
+            icon="WARNING",
+        )
+
+    def execute(self, context):
+        render = _kept.pop()
+        missing = render.missing()
+        if missing:
+            self.report({"ERROR"}, f"{missing[0]} is not there any more: Add Beams renders it again.")
+            return {"CANCELLED"}
+        return _replace(self, render)
 
 
 class COVBEAM_OT_remove_beams(bpy.types.Operator):
@@ -119,7 +182,7 @@ The images stay on disk"""
         return {"FINISHED"}
 
 
-_CLASSES = (COVBEAM_OT_add_beams, COVBEAM_OT_remove_beams)
+_CLASSES = (COVBEAM_OT_add_beams, COVBEAM_OT_replace_fog, COVBEAM_OT_remove_beams)
 
 
 def register():

@@ -74,6 +74,7 @@ class CovbeamEngine(bpy.types.RenderEngine):
             job.record.outcome = latest.Outcome.DONE
             self.report({"WARNING"}, f"Covbeam: {job.record.advice[-1]}")
             return
+        latest.note_fog_light()
         camera = job.scene.camera
         with closing(Session(job.scene, job.settings, self.goes_on)) as session:
             result = self.begin_result(0, 0, camera.width, camera.height, layer=job.view_layer)
@@ -146,6 +147,9 @@ class _Job:
         self.scene, report = export(depsgraph, poll=poll)
         geometry = self.scene.geometry
         record.untranslated = [str(entry) for entry in report.entries]
+        for entry in report.entries:
+            if entry.in_fog:
+                latest.lacks(str(entry))
         record.figures += [
             f"Reading the scene: {text.duration(perf_counter() - self.start)}",
             f"Geometry: {geometry.triangle_count:,} triangles, {text.memory(geometry.memory)}",

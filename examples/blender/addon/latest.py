@@ -35,11 +35,36 @@ class Latest:
 
 _latest = Latest()
 
+#: Of all renders since `clear`: what of the light in fog is missing; a dict as an ordered set. And whether one had any.
+_missing_in_fog, _had_fog_light = {}, False
+
 
 def clear():
-    """Forgets the latest render, so that none is taken for one that is about to begin."""
-    global _latest
-    _latest = Latest()
+    """Forgets the renders so far, so that none is taken for one that is about to begin."""
+    global _latest, _had_fog_light
+    _latest, _had_fog_light = Latest(), False
+    _missing_in_fog.clear()
+
+
+def lacks(what):
+    """Notes what of the light in fog, as text for artists, a render lacks."""
+    _missing_in_fog[what] = None
+
+
+def missing_in_fog():
+    """What renders since `clear` lack of the light in fog."""
+    return list(_missing_in_fog)
+
+
+def note_fog_light():
+    """Notes that a render has light in fog."""
+    global _had_fog_light
+    _had_fog_light = True
+
+
+def had_fog_light():
+    """Whether a render since `clear` had light in fog."""
+    return _had_fog_light
 
 
 def begin(title):

@@ -4,7 +4,7 @@
 import bpy
 
 from . import latest, requirements, text
-from .add_beams import COVBEAM_OT_add_beams, COVBEAM_OT_remove_beams
+from .add_beams import COVBEAM_OT_add_beams, COVBEAM_OT_remove_beams, COVBEAM_OT_replace_fog
 from .engine import CovbeamEngine
 
 
@@ -74,6 +74,8 @@ class COVBEAM_PT_beams(_RenderPanel, bpy.types.Panel):
         row = column.row(align=True)
         row.operator(COVBEAM_OT_add_beams.bl_idname, text="Add Beams", icon="LIGHT_SUN").animation = False
         row.operator(COVBEAM_OT_add_beams.bl_idname, text="Animation", icon="RENDER_ANIMATION").animation = True
+        if COVBEAM_OT_replace_fog.poll(context):
+            column.operator(COVBEAM_OT_replace_fog.bl_idname, icon="ERROR")
         column.operator(COVBEAM_OT_remove_beams.bl_idname, icon="X")
 
 

@@ -190,7 +190,7 @@ class InTheInterface(AddBeams):
         bpy.ops.covbeam.remove_beams()
         self.running = True
         # The operator itself, but for what only a window has.
-        self.operator = SimpleNamespace(report=lambda *said: self.said.append(said), _timer=None)
+        self.operator = SimpleNamespace(report=lambda *said: self.said.append(said), _timer=None, replace=False)
         self.operator._end = lambda: COVBEAM_OT_add_beams._end(self.operator)
         self.operator._render = beam_render.begin(self.scene, self.layer, False)
         self.said = []
@@ -240,6 +240,87 @@ class InTheInterface(AddBeams):
         self.assertEqual(self.event("TIMER"), {"CANCELLED"})
         self.assertIn("has not been written", self.said[0][1])
         self.assertFalse(compositor.has_beams(self.scene))
+
+
+class Lacking(AddBeams):
+    """Cycles' fog light is taken away only where covbeam gives all of it back."""
+
+    def lack(self, *missing, volumes=("fog",)):
+        """From now on the export reports that light in fog is missing."""
+        export = fake_host.export
+        self.addCleanup(setattr, fake_host, "export", export)
+
+        def lacking(depsgraph, poll):
+            scene, report = export(depsgraph, poll)
+            scene.volumes = volumes
+            for what in missing:
+                report.add('World "World"', what, "it does not light the fog", in_fog=True)
+            return scene, report
+
+        fake_host.export = lacking
+
+    def test_cycles_keeps_its_fog_light_until_the_artist_gives_it_up(self):
+        before = self.final()
+        self.lack("light from the background")
+        self.assertEqual(bpy.ops.covbeam.add_beams(), {"CANCELLED"})
+        self.assertTrue(self.file.is_file())
+        self.assertFalse(compositor.has_beams(self.scene))
+        self.assertFalse(self.layer.cycles.use_pass_volume_direct)
+        np.testing.assert_array_equal(self.final(), before)
+        (advice,) = (line for line in latest.get().advice if "light from the background" in line)
+        self.assertIn("stays", advice)
+        self.assertTrue(bpy.ops.covbeam.replace_fog.poll())
+        self.assertEqual(bpy.ops.covbeam.replace_fog(), {"FINISHED"})
+        expected = fake_host.picture(40, 20, passes=3).first
+        np.testing.assert_allclose(self.final()[..., :3], expected, rtol=0, atol=1e-5)
+        self.assertFalse(bpy.ops.covbeam.replace_fog.poll())
+
+    def test_scripts_give_it_up_beforehand(self):
+        self.lack("light from the background")
+        self.assertEqual(bpy.ops.covbeam.add_beams(replace=True), {"FINISHED"})
+        self.assertTrue(compositor.has_beams(self.scene))
+
+    def test_nodes_of_a_picture_that_had_all_of_it_are_taken_out(self):
+        before = self.final()
+        bpy.ops.covbeam.add_beams()
+        self.lack("light from the background")
+        bpy.ops.covbeam.add_beams()
+        np.testing.assert_array_equal(self.final(), before)
+
+    def test_any_frame_may_lack_it(self):
+        export, frames = fake_host.export, iter((1, 2, 3))
+        self.addCleanup(setattr, fake_host, "export", export)
+
+        def lacking(depsgraph, poll):
+            scene, report = export(depsgraph, poll)
+            if next(frames) == 2:
+                report.add('World "World"', "light from the background", "it does not light the fog", in_fog=True)
+            return scene, report
+
+        fake_host.export = lacking
+        self.scene.frame_start, self.scene.frame_end = 1, 3
+        self.assertEqual(bpy.ops.covbeam.add_beams(animation=True), {"CANCELLED"})
+        self.assertFalse(compositor.has_beams(self.scene))
+
+    def test_a_picture_that_was_deleted_meanwhile_is_told(self):
+        self.lack("light from the background")
+        bpy.ops.covbeam.add_beams()
+        self.file.unlink()
+        with self.assertRaisesRegex(RuntimeError, "is not there any more"):
+            bpy.ops.covbeam.replace_fog()
+        self.assertFalse(compositor.has_beams(self.scene))
+
+    def test_without_fog_nothing_is_changed(self):
+        before = self.final()
+        self.lack(volumes=())
+        self.assertEqual(bpy.ops.covbeam.add_beams(), {"CANCELLED"})
+        self.assertIn("no fog", latest.get().advice[-1])
+        self.assertFalse(compositor.has_beams(self.scene))
+        np.testing.assert_array_equal(self.final(), before)
+
+    def test_what_surfaces_lack_keeps_nothing(self):
+        # The export of the tests always reports hair.
+        self.assertEqual(bpy.ops.covbeam.add_beams(), {"FINISHED"})
 
 
 class Files(AddBeams):

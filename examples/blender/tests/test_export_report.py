@@ -39,6 +39,32 @@ class ReportTest(unittest.TestCase):
         _, report = scenes.exported()
         self.assertEqual(str(report), "")
 
+    def test_what_fog_lacks_is_told_from_what_surfaces_lack(self):
+        """Of all that is not supported, that which takes light from fog that Cycles has in it."""
+        scenes_unsupported.build()
+        _, report = export(bpy.context.evaluated_depsgraph_get())
+        in_fog = {entry.what.split(" ")[0] for entry in report.entries if entry.in_fog}
+        for words in ("light from the background", "light that the volume emits", "OpenVDB volume", "smoke domain", "may overlap"):
+            self.assertIn(words.split(" ")[0], in_fog, words)
+        for entry in report.entries:
+            if any(what in entry.what for what in ("depth of field", "motion blur", "hair", "phase function", "subsurface", "bump")):
+                self.assertFalse(entry.in_fog, entry)
+
+    def test_textures_matter_where_light_or_fog_comes_from(self):
+        scenes.empty()
+        for name, built in (
+            ("Wall", {"surface": scenes.shader("BsdfDiffuse")}),
+            ("Fog", {"volume": scenes.shader("VolumeScatter")}),
+        ):
+            material = scenes.material(name, **built)
+            tree = material.node_tree
+            shader = next(node for node in tree.nodes if "Color" in node.inputs)
+            tree.links.new(tree.nodes.new("ShaderNodeTexNoise").outputs["Color"], shader.inputs["Color"])
+            scenes.box(name, material=material)
+        _, report = scenes.exported()
+        found = {(entry.sources[0], entry.in_fog) for entry in report.entries if "comes from" in entry.what}
+        self.assertEqual(found, {('Material "Wall"', False), ('Material "Fog"', True)})
+
     def test_equal_entries_are_one_line_with_all_sources_in_order(self):
         report = Report()
         for source in ("B", "A", "B"):

@@ -23,7 +23,7 @@ def note_left_out(thing, report):
     """Reports an object of a type that has no triangles, if Cycles would render it."""
     name = _LEFT_OUT.get(thing.type)
     if name is not None:
-        report.add(f'Object "{thing.name}"', name, "left out")
+        report.add(f'Object "{thing.name}"', name, "left out", in_fog=thing.type == "VOLUME")
 
 
 def note_mesh_flags(thing, view_layer, report):

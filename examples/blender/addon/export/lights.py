@@ -15,7 +15,7 @@ def light(lamp, name, matrix, report):
     - lamp: evaluated bpy.types.Light; name: of its object.
     - matrix: light -> world, float64 (4, 4).
     """
-    values = Values(f'Light "{name}"', report)
+    values = Values(f'Light "{name}"', report, in_fog=True)
     strength = _strength(lamp, values)
     if np.any(strength < 0):
         values.note("negative strength", "it does not shine")
@@ -50,7 +50,7 @@ def _emission(tree, values):
     if end is None or end.node is None:
         return np.zeros(3)
     if end.node.type != "EMISSION":
-        values.note(f"{end.node.bl_label} in a light", "the light's own strength and colour are used")
+        values.note(f"{end.node.bl_label} in a light", "the light's own strength and colour are used", in_fog=True)
         return np.ones(3)
     return values.colour(end.node, "Color", end.groups) * values.number(end.node, "Strength", end.groups)
 

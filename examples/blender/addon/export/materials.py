@@ -99,4 +99,4 @@ def world_fog(world, report):
 
 
 def _note_light(values):
-    values.note("light from the background", "it does not light the fog")
+    values.note("light from the background", "it does not light the fog", in_fog=True)

@@ -77,8 +77,13 @@ def closures(values, socket, groups, weight):
 class Values:
     """Values of inputs of the nodes of one `source` (such as 'Material "Wall"'); what is not constant is reported."""
 
-    def __init__(self, source, report):
-        self.source, self.report = source, report
+    def __init__(self, source, report, in_fog=False):
+        """in_fog: whether the values are those of fog or of a lamp, so that what is not constant is missing in fog."""
+        self.source, self.report, self._in_fog = source, report, in_fog
+
+    def in_fog(self):
+        """The same, for nodes of fog."""
+        return Values(self.source, self.report, True)
 
     def number(self, node, identifier, groups, missing=0.0):
         """A float. `missing`: what it is if this version of Blender has no such input."""
@@ -94,9 +99,9 @@ class Values:
         socket = find(node.inputs, identifier)
         return socket is not None and socket.is_linked
 
-    def note(self, what, instead):
+    def note(self, what, instead, in_fog=False):
         """Adds to the report, for the source."""
-        self.report.add(self.source, what, instead)
+        self.report.add(self.source, what, instead, in_fog)
 
     def _constant(self, node, socket, groups):
         try:
@@ -104,7 +109,8 @@ class Values:
         except NotConstant as reason:
             value = _plain(socket.default_value)
             shown = f"{value:.4g}" if np.ndim(value) == 0 else "(" + ", ".join(f"{x:.4g}" for x in value) + ")"
-            self.note(f"{socket.name} of {node.name} comes from {reason}", f"{shown}, the value of the socket, is used")
+            what = f"{socket.name} of {node.name} comes from {reason}"
+            self.note(what, f"{shown}, the value of the socket, is used", self._in_fog)
             return value
 
     def _evaluate(self, socket, groups):
@@ -117,7 +123,7 @@ class Values:
             mean = mean_colour(end.node.image)
             if mean is None:
                 raise NotConstant(f"{end.node.name}, whose image cannot be read")
-            self.note(f"image texture {end.node.image.name}", "its mean colour is used")
+            self.note(f"image texture {end.node.image.name}", "its mean colour is used", self._in_fog)
             return mean[3] if end.socket.identifier == "Alpha" else mean[:3]
         compute = COMPUTED.get(end.node.type)
         if compute is None:

@@ -10,11 +10,15 @@ class Untranslatable(Exception):
 
 @dataclass(frozen=True)
 class Entry:
-    """`what` of the `sources` (such as 'Material "Wall"') is not honoured, and what is done `instead`."""
+    """`what` of the `sources` (such as 'Material "Wall"') is not honoured, and what is done `instead`.
+
+    in_fog: whether fog, or light in it, is missing or of another shape for that: what Cycles has of it must not be taken away.
+    """
 
     what: str
     instead: str
     sources: tuple[str, ...]
+    in_fog: bool = False
 
     def __str__(self):
         return f"{', '.join(self.sources)}: {self.what}: {self.instead}"
@@ -24,17 +28,17 @@ class Report:
     """Collects entries in the order of their first source; equal ones are one, with all their sources."""
 
     def __init__(self):
-        # A dict of dicts as an ordered set of sources for each pair of texts.
+        # A dict of dicts as an ordered set of sources for each entry.
         self._sources = {}
 
-    def add(self, source, what, instead):
-        """Notes that `what` of `source` is not honoured, and what is done `instead`."""
-        self._sources.setdefault((what, instead), {})[source] = None
+    def add(self, source, what, instead, in_fog=False):
+        """Notes that `what` of `source` is not honoured, and what is done `instead`; in_fog as in Entry."""
+        self._sources.setdefault((what, instead, in_fog), {})[source] = None
 
     @property
     def entries(self):
         """The entries so far: list of Entry."""
-        return [Entry(what, instead, tuple(sources)) for (what, instead), sources in self._sources.items()]
+        return [Entry(what, instead, tuple(sources), in_fog) for (what, instead, in_fog), sources in self._sources.items()]
 
     def __len__(self):
         return len(self._sources)

@@ -54,7 +54,7 @@ class Shapes:
         source = f'Object "{thing.name}"'
         note_mesh_flags(thing, self._view_layer, self._report)
         if _is_smoke(thing):
-            self._report.add(source, "smoke domain", "left out")
+            self._report.add(source, "smoke domain", "left out", in_fog=True)
             return None
         mesh, made = self._mesh(thing.data, source)
         if mesh is None:
@@ -106,7 +106,7 @@ class Shapes:
         if not fogs:
             return None
         if len(fogs) > 1:
-            self._report.add(source, "several materials with volumes", "the first of them fills all of it")
+            self._report.add(source, "several materials with volumes", "the first of them fills all of it", True)
         if not is_closed(mesh):
             self._report.add(source, "a volume in a mesh that is not closed", "fog is missing or too much in places")
         return fogs[0]

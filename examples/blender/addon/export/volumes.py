@@ -42,7 +42,7 @@ class _Sum:
 
 def fog(values, socket):
     """The Fog that leads to the Volume socket of an output node, or None if it neither scatters nor absorbs."""
-    total = _Sum()
+    values, total = values.in_fog(), _Sum()
     _add(values, socket, (), 1.0, total)
     if not (total.scattering.any() or total.absorption.any()):
         return None
@@ -76,7 +76,7 @@ def _add(values, socket, groups, weight, total):
         if node.type in _CLOSURES:
             _CLOSURES[node.type](values, node, of, share, total)
         else:
-            values.note(f"{node.bl_label} as a volume", "ignored")
+            values.note(f"{node.bl_label} as a volume", "ignored", in_fog=True)
 
 
 def _density(values, node, groups, weight):
@@ -114,7 +114,7 @@ def _emission(values, node, groups, weight, total):
 
 
 def _note_emission(values):
-    values.note("light that the volume emits", "it is dark")
+    values.note("light that the volume emits", "it is dark", in_fog=True)
 
 
 def _asymmetry(values, node, groups):
@@ -165,4 +165,4 @@ def note_overlaps(volumes, report):
         touching = np.all((low < one.max) & (high > one.min), axis=1)
         touching[k] = False
         if touching.any():
-            report.add(f'Volume of "{one.name}"', "may overlap another volume", "only the smaller one is there")
+            report.add(f'Volume of "{one.name}"', "may overlap another volume", "only the smaller one is there", True)
