@@ -14,13 +14,13 @@ const AT_REACH: f32 = 0.011_108_997; // exp(-REACH²/2)
 /// Pixels are taken together in blocks no larger than this share of the filter's smallest standard deviation.
 const BLOCK_SHARE: f32 = 1.0;
 
+/// And where other regions share a block, than this share of that: the middle of its pixels is not the block's.
+const SHARED: f32 = 0.25;
+
 /// Least weight and largest numbers of a sample: sums over 2³¹ pixels and their ratio stay within what `f32`
 /// holds.
 const LEAST_WEIGHT: f32 = 1e-9;
 const LARGEST: f32 = 1e29;
-
-/// The region of a block that holds several.
-const MIXED: u32 = u32::MAX;
 
 /// Levels of blocks above the pixels.
 const LEVELS: usize = 16;
@@ -91,22 +91,81 @@ pub struct FilmPixel {
 /// A block of pixels: scratch memory of a [`Reconstruction`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FilmNode {
-    sample: FilmSample,
+    /// Of up to two regions in it; region 0, of silhouettes, is none.
+    parts: [Part; 2],
+    /// [`bit`]s of the regions in it.
+    regions: u32,
+    /// Whether it holds more regions, of which it knows the bits only.
+    more: bool,
+}
+
+/// The pixels of one region in a block.
+#[derive(Clone, Copy, Debug, Default)]
+struct Part {
     region: u32,
+    sample: FilmSample,
+}
+
+/// What a block has of a region, or of all.
+enum Within<'a> {
+    Nothing,
+    /// All that it has of it; `shared`: it has other pixels too.
+    All {
+        sample: &'a FilmSample,
+        shared: bool,
+    },
+    /// What it is made of knows.
+    Below,
+}
+
+/// What a block of many regions remembers of one; silhouettes have a bit of their own.
+fn bit(region: u32) -> u32 {
+    if region == 0 { 1 } else { 2 << (region % 31) }
 }
 
 impl FilmNode {
     /// A pixel; one whose sample is not sound has no rays.
     fn pixel(sample: &FilmSample, region: u32) -> Self {
-        Self { sample: if sample.is_sound() { *sample } else { FilmSample::default() }, region }
+        let sample = if sample.is_sound() { *sample } else { FilmSample::default() };
+        let mut node = Self { regions: bit(region), ..Self::default() };
+        if region != 0 {
+            node.parts[0] = Part { region, sample };
+        }
+        node
     }
 
     fn with(mut self, other: Self) -> Self {
-        self.sample.add(1.0, &other.sample);
-        if self.region != other.region {
-            self.region = MIXED;
+        self.regions |= other.regions;
+        self.more |= other.more;
+        for part in other.parts.iter().filter(|part| part.region != 0) {
+            let place = self.parts.iter_mut().find(|own| own.region == part.region || own.region == 0);
+            match place {
+                Some(own) => {
+                    own.region = part.region;
+                    own.sample.add(1.0, &part.sample);
+                }
+                None => self.more = true,
+            }
         }
         self
+    }
+
+    /// - `among`: a region other than 0; None: all.
+    fn within(&self, among: Option<u32>) -> Within<'_> {
+        let [Part { region, sample }, second] = &self.parts;
+        let shared = self.more || second.region != 0 || self.regions != bit(*region);
+        match among {
+            None if shared || *region == 0 => Within::Below,
+            None => Within::All { sample, shared },
+            Some(wanted) if self.more => match self.regions & bit(wanted) {
+                0 => Within::Nothing,
+                _ => Within::Below,
+            },
+            Some(wanted) => match self.parts.iter().find(|part| part.region == wanted) {
+                Some(Part { sample, .. }) => Within::All { sample, shared },
+                None => Within::Nothing,
+            },
+        }
     }
 }
 
@@ -231,10 +290,8 @@ impl<'a> Reconstruction<'a> {
         }
         let region = self.region(x, y);
         for level in 1..=self.levels.top {
-            let (sample, found) = self.block(level, x >> level, y >> level);
-            if found != region || region == 0 {
-                break;
-            }
+            let node = &self.nodes[self.levels.index(level, x >> level, y >> level)];
+            let Within::All { sample, shared: false } = node.within(Some(region)) else { break };
             if sample.weight > 0.0 {
                 return sample.radiance / sample.weight;
             }
@@ -242,9 +299,10 @@ impl<'a> Reconstruction<'a> {
         self.pixel(x, y, &ImageFilter::NONE)
     }
 
-    /// The sum under a filter, over the pixels of the pixel's own region.
+    /// The sum under a filter, over the pixels of the pixel's own region; nothing for one of a silhouette.
     pub(super) fn sum(&self, x: u32, y: u32, filter: &ImageFilter) -> FilmSample {
-        self.gather(x, y, &bounded(filter), Some(self.region(x, y)))
+        let region = self.region(x, y);
+        if region == 0 { FilmSample::default() } else { self.gather(x, y, &bounded(filter), Some(region)) }
     }
 
     /// The picture in a tile of [`FILM_TILE`] x [`FILM_TILE`] pixels.
@@ -261,28 +319,15 @@ impl<'a> Reconstruction<'a> {
         if x >= self.width || y >= self.height || filters.lattice.width != self.width {
             return;
         }
-        let mut found = [None; FILM_TILE_PIXELS];
-        let mut smallest = f32::INFINITY;
-        for (index, found) in found.iter_mut().enumerate() {
-            let (px, py) = (x + index as u32 % FILM_TILE, y + index as u32 / FILM_TILE);
-            *found = filters.at(px, py);
-            if let Some((filter, _)) = found {
-                smallest = smallest.min(filter.matrix().eigenvalues()[1]);
-            } else if px < self.width && py < self.height && self.region(px, py) != 0 {
-                // What has no filter is as sharp as its own rays; borders are never interpolated.
-                smallest = 0.0;
-            }
-        }
-        let deviation = sqrtf(smallest.max(0.0));
-        let step = [8, 4, 2].into_iter().find(|step| *step as f32 <= STEP_SHARE * deviation);
-        let mut nodes = step.map(|step| Nodes::new([x, y], step));
-        for (index, (out, found)) in out.iter_mut().zip(found).enumerate() {
+        let mut nodes = Nodes::new([x, y]);
+        for (index, out) in out.iter_mut().enumerate() {
             let (px, py) = (x + index as u32 % FILM_TILE, y + index as u32 / FILM_TILE);
             if px >= self.width || py >= self.height {
                 continue;
             }
+            let found = filters.at(px, py);
             let (filter, variance) = found.unwrap_or((ImageFilter::NONE, 0.0));
-            let between = nodes.as_mut().and_then(|nodes| nodes.between(self, filters, px, py));
+            let between = found.and_then(|_| nodes.between(self, filters, [px, py], &filter));
             let radiance = between.unwrap_or_else(|| self.pixel(px, py, &filter));
             // What has no filter tells its error itself.
             let own = &self.samples[self.levels.index(0, px, py)];
@@ -294,17 +339,6 @@ impl<'a> Reconstruction<'a> {
 
     fn region(&self, x: u32, y: u32) -> u32 {
         self.regions[self.levels.index(0, x, y)]
-    }
-
-    /// The sum over a block, and its region.
-    #[inline]
-    fn block(&self, level: usize, x: u32, y: u32) -> (&FilmSample, u32) {
-        let index = self.levels.index(level, x, y);
-        if level == 0 {
-            (&self.samples[index], self.regions[index])
-        } else {
-            (&self.nodes[index].sample, self.nodes[index].region)
-        }
     }
 
     /// The light under a filter, over the pixels of one region or of all: what a plane through it has at the
@@ -352,22 +386,28 @@ impl<'a> Reconstruction<'a> {
             if along.abs() > REACH * wide + corner * size || aside.abs() > REACH * narrow + corner * size {
                 continue;
             }
-            let (sample, region) = self.block(level, nx, ny);
-            let mixed = among.is_some() && region == MIXED && level > 0;
-            if level > 0 && (mixed || size > block) {
-                if !mixed && among.is_some_and(|wanted| wanted != region) {
-                    continue;
+            let index = self.levels.index(level, nx, ny);
+            let sample = if level == 0 {
+                let sample = &self.samples[index];
+                let is_wanted = sample.is_sound() && among.is_none_or(|wanted| wanted == self.regions[index]);
+                is_wanted.then_some(sample)
+            } else {
+                match self.nodes[index].within(among) {
+                    Within::Nothing => continue,
+                    // Its middle is that of all its pixels.
+                    Within::All { sample, shared } if size <= if shared { SHARED * block } else { block } => {
+                        (sample.weight > 0.0).then_some(sample)
+                    }
+                    _ => {
+                        for (x, y) in self.levels.children(level, nx, ny) {
+                            stack[waiting] = (level - 1, x, y);
+                            waiting += 1;
+                        }
+                        continue;
+                    }
                 }
-                for (x, y) in self.levels.children(level, nx, ny) {
-                    stack[waiting] = (level - 1, x, y);
-                    waiting += 1;
-                }
-                continue;
-            }
-            let seen = if level == 0 { sample.is_sound() } else { sample.weight > 0.0 };
-            if !seen || among.is_some_and(|wanted| wanted != region) {
-                continue;
-            }
+            };
+            let Some(sample) = sample else { continue };
             let at = [along / wide, aside / narrow];
             let square = at[0] * at[0] + at[1] * at[1];
             if square < REACH * REACH {
@@ -418,42 +458,86 @@ impl Levels {
     }
 }
 
-/// Light at some pixels of a tile, and of the first row and column beyond it.
-struct Nodes {
-    corner: [u32; 2],
-    step: u32,
-    /// None: not looked up yet.
-    values: [Option<Vec3>; NODES_ACROSS * NODES_ACROSS],
-}
+/// Pixels between those where the light of a tile is looked up.
+const STEPS: [u32; 3] = [8, 4, 2];
 
-/// With the smallest step of 2.
+/// With the smallest of these.
 const NODES_ACROSS: usize = FILM_TILE as usize / 2 + 1;
 
+/// Light at every other pixel of a tile, and of the first row and column beyond it.
+struct Nodes {
+    corner: [u32; 2],
+    /// None: not looked up yet.
+    nodes: [Option<Node>; NODES_ACROSS * NODES_ACROSS],
+}
+
+#[derive(Clone, Copy)]
+struct Node {
+    at: [u32; 2],
+    filter: ImageFilter,
+    /// Over which light varies little there.
+    step: f32,
+    light: Option<Vec3>,
+}
+
+/// Pixels over which the light through a filter varies little.
+fn step_of(filter: &ImageFilter) -> f32 {
+    STEP_SHARE * sqrtf(filter.matrix().eigenvalues()[1].max(0.0))
+}
+
 impl Nodes {
-    fn new(corner: [u32; 2], step: u32) -> Self {
-        Self { corner, step, values: [None; NODES_ACROSS * NODES_ACROSS] }
+    fn new(corner: [u32; 2]) -> Self {
+        Self { corner, nodes: [None; NODES_ACROSS * NODES_ACROSS] }
     }
 
-    /// Bilinear between the four nodes around a pixel; None unless all of it is one region.
-    fn between(&mut self, picture: &Reconstruction, filters: &FilmFilters, x: u32, y: u32) -> Option<Vec3> {
+    /// Bilinear between four nodes around a pixel, as far apart as its filter and theirs allow; None unless all of it is one region.
+    fn between(
+        &mut self,
+        picture: &Reconstruction,
+        filters: &FilmFilters,
+        at: [u32; 2],
+        filter: &ImageFilter,
+    ) -> Option<Vec3> {
+        let widest = step_of(filter);
+        let steps = STEPS.into_iter().filter(|step| *step as f32 <= widest);
+        steps.into_iter().find_map(|step| self.over(picture, filters, at, step))
+    }
+
+    fn over(
+        &mut self,
+        picture: &Reconstruction,
+        filters: &FilmFilters,
+        [x, y]: [u32; 2],
+        step: u32,
+    ) -> Option<Vec3> {
         let own = picture.region(x, y);
-        let cell = |at: u32, corner: u32, count: u32| {
-            let index = (at - corner) / self.step;
-            let low = corner + index * self.step;
-            let high = (low + self.step).min(count - 1);
-            let share = if high > low { (at - low) as f32 / (high - low) as f32 } else { 0.0 };
-            (index as usize, [low, high], share)
+        // The picture's last pixel stands for those beyond it.
+        let last = [picture.width - 1, picture.height - 1];
+        let [across, down] = [x - self.corner[0], y - self.corner[1]].map(|at| at - at % step);
+        let slot = |[i, j]: [usize; 2]| {
+            let [column, row] = [across + step * i as u32, down + step * j as u32];
+            let at = [(self.corner[0] + column).min(last[0]), (self.corner[1] + row).min(last[1])];
+            ((row / 2) as usize * NODES_ACROSS + (column / 2) as usize, at)
         };
-        let (column, xs, right) = cell(x, self.corner[0], picture.width);
-        let (row, ys, below) = cell(y, self.corner[1], picture.height);
-        if own == 0 || xs.iter().any(|x| ys.iter().any(|y| picture.region(*x, *y) != own)) {
-            return None;
+        let slots = [[0, 0], [1, 0], [0, 1], [1, 1]].map(slot);
+        for (slot, at) in slots {
+            let node = self.nodes[slot].get_or_insert_with(|| {
+                let filter = filters.filter(at[0], at[1]);
+                Node { at, filter, step: step_of(&filter), light: None }
+            });
+            if own == 0 || picture.region(at[0], at[1]) != own || node.step < step as f32 {
+                return None;
+            }
         }
+        let share = |at: u32, low: u32, high: u32| {
+            if high > low { (at - low) as f32 / (high - low) as f32 } else { 0.0 }
+        };
+        let ([low, top], [high, bottom]) = (slots[0].1, slots[3].1);
         let mut sum = Vec3::ZERO;
-        for ([i, j], share) in corners([right, below]) {
-            let slot = &mut self.values[(row + j) * NODES_ACROSS + column + i];
-            let look_up = || picture.pixel(xs[i], ys[j], &filters.filter(xs[i], ys[j]));
-            sum += share * *slot.get_or_insert_with(look_up);
+        for ([i, j], share) in corners([share(x, low, high), share(y, top, bottom)]) {
+            let node = self.nodes[slots[2 * j + i].0].as_mut()?;
+            let Node { at, filter, .. } = *node;
+            sum += share * *node.light.get_or_insert_with(|| picture.pixel(at[0], at[1], &filter));
         }
         Some(sum)
     }
