@@ -373,6 +373,16 @@ fn film(c: &mut Criterion) {
             b.iter(|| pixels.iter().map(|[x, y]| picture.pixel(*x, *y, black_box(&filter)).x).sum::<f32>());
         });
     }
+    // Silhouettes everywhere: what a filter costs that reaches over forty regions.
+    let striped: Vec<u32> = (0..size * size)
+        .map(|i| if i % size % 6 == 5 { 0 } else { 1 + i % size / 6 + 43 * (i / size / 100) })
+        .collect();
+    let mut nodes = vec![FilmNode::default(); Reconstruction::node_count(size, size)];
+    let picture = Reconstruction::new(size, size, &samples, &striped, &mut nodes).unwrap();
+    let filter = turned(16.0, 16.0, 0.0);
+    group.bench_function("pixel among stripes, of 16", |b| {
+        b.iter(|| pixels.iter().map(|[x, y]| picture.pixel(*x, *y, black_box(&filter)).x).sum::<f32>());
+    });
     group.finish();
 }
 

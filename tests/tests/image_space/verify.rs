@@ -504,3 +504,30 @@ fn the_standard_error_is_that_of_the_mean_of_the_halves() {
         assert!(standard_errors(width, height, &pixels, first, &mut vec![0.0; count]).is_err());
     }
 }
+
+/// Stripes with silhouettes between them, each with light of its own: blocks hold many regions, and some share a bit.
+#[test]
+fn stripes_keep_to_their_own_light_and_silhouettes_to_theirs() {
+    let region = |x: u32, y: u32| if x % 12 == 11 { 0 } else { 1 + x / 12 + 11 * (y / 20) };
+    let light = |x: u32, y: u32| match region(x, y) {
+        0 => 1000.0 + f64::from(x + 7 * y),
+        region => f64::from(region),
+    };
+    let mut film = Film::new(2, light);
+    film.regions = (0..PIXELS as u32).map(|i| region(i % SIDE, i / SIDE)).collect();
+    let spectra = vec![ImageSpectrum { weight: 1.0, ..ImageSpectrum::default() }; film.nodes.len()];
+    let mut nodes = film.nodes.clone();
+    FilmFilters::new(film.lattice, &film.regions, &spectra, 0.01, &mut nodes).unwrap();
+    film.nodes = nodes;
+    let mut filtered = 0;
+    film.look(&film.nodes, |_, filters| {
+        for (i, pixel) in film.picture(&film.nodes).iter().enumerate() {
+            let (x, y) = (i as u32 % SIDE, i as u32 / SIDE);
+            filtered += u32::from(filters.filter(x, y).xx > 4.0);
+            let expected = light(x, y) as f32;
+            // Sums of equal numbers, and shares that add up to 1, to rounding.
+            assert!((pixel.radiance.x / expected - 1.0).abs() < 1e-5, "{x}, {y}: {}", pixel.radiance.x);
+        }
+    });
+    assert!(filtered > PIXELS as u32 / 2, "{filtered} pixels have a filter");
+}
