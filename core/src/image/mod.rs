@@ -18,6 +18,7 @@
 //! Surfaces have spectra that the grid does not know: a host samples them on their own and adds them to the
 //! picture.
 
+mod blocks;
 mod error;
 mod filter;
 mod lattice;
@@ -26,17 +27,20 @@ mod reconstruction;
 mod regions;
 mod spectrum;
 mod sums;
+mod tile;
 mod tilt;
 mod verify;
 
+pub use blocks::FilmNode;
 pub use error::standard_errors;
 pub use filter::ImageFilter;
 pub use lattice::{FilmFilterNode, FilmFilters, FilmLattice};
 pub use mask::pixel_threshold;
-pub use reconstruction::{FILM_TILE, FILM_TILE_PIXELS, FilmNode, FilmPixel, FilmSample, Reconstruction};
+pub use reconstruction::{FilmSample, Reconstruction};
 pub use regions::film_regions;
 pub use spectrum::{ImageSpectrum, PixelStep};
 pub use sums::{FilmSums, FilmUnit};
+pub use tile::{FILM_TILE, FILM_TILE_PIXELS, FilmPixel};
 pub use verify::{FilmEvidence, verify_filters};
 
 use core::fmt;

@@ -1,8 +1,9 @@
 //! The picture from the eye rays that were traced, each pixel through its filter.
 
+use super::blocks::{FilmNode, LEVELS, Levels, Within};
 use super::filter::{Ellipse, WIDEST, bounded};
 use super::tilt::Weighed;
-use super::{FilmFilters, FilmSizeError, ImageFilter, corners, luminance, pixel_count};
+use super::{FilmSizeError, ImageFilter, luminance, pixel_count};
 use glam::Vec3;
 use libm::{expf, sqrtf};
 
@@ -21,9 +22,6 @@ const SHARED: f32 = 0.25;
 /// holds.
 const LEAST_WEIGHT: f32 = 1e-9;
 const LARGEST: f32 = 1e29;
-
-/// Levels of blocks above the pixels.
-const LEVELS: usize = 16;
 
 /// What the eye rays of one pixel saw.
 ///
@@ -44,7 +42,7 @@ pub struct FilmSample {
 }
 
 impl FilmSample {
-    fn is_sound(&self) -> bool {
+    pub(super) fn is_sound(&self) -> bool {
         (LEAST_WEIGHT..=LARGEST).contains(&self.weight)
             && self.radiance.abs().cmple(Vec3::splat(LARGEST)).all()
             && self.first.abs() <= LARGEST
@@ -68,112 +66,6 @@ impl FilmSample {
     }
 }
 
-/// Pixels along the side of a tile, and in it.
-pub const FILM_TILE: u32 = 8;
-/// Pixels of a tile.
-pub const FILM_TILE_PIXELS: usize = (FILM_TILE * FILM_TILE) as usize;
-
-/// Light is interpolated over at most this share of the smallest standard deviation of the filters around.
-const STEP_SHARE: f32 = 1.0;
-
-/// A pixel of a picture.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FilmPixel {
-    /// Through its filter.
-    pub radiance: Vec3,
-    /// Squared standard error of its luminance, if it has a filter and that was verified; else 0.
-    pub variance: f32,
-    /// Luminance of the odd passes minus that of the even ones, if it has no filter; else 0.
-    pub difference: f32,
-}
-
-const NO_RAYS: FilmSample = FilmSample { radiance: Vec3::ZERO, weight: 0.0, first: 0.0, first_weight: 0.0 };
-
-/// A block of pixels: scratch memory of a [`Reconstruction`].
-#[derive(Clone, Copy, Debug, Default)]
-pub struct FilmNode {
-    /// Of up to two regions in it; region 0, of silhouettes, is none.
-    parts: [Part; 2],
-    /// [`bit`]s of the regions in it.
-    regions: u32,
-    /// Whether it holds more regions, of which it knows the bits only.
-    more: bool,
-}
-
-/// The pixels of one region in a block.
-#[derive(Clone, Copy, Debug, Default)]
-struct Part {
-    region: u32,
-    sample: FilmSample,
-}
-
-/// What a block has of a region, or of all.
-enum Within<'a> {
-    Nothing,
-    /// All that it has of it; `shared`: it has other pixels too.
-    All {
-        sample: &'a FilmSample,
-        shared: bool,
-    },
-    /// What it is made of knows.
-    Below,
-}
-
-/// What a block of many regions remembers of one; silhouettes have a bit of their own.
-fn bit(region: u32) -> u32 {
-    if region == 0 { 1 } else { 2 << (region % 31) }
-}
-
-impl FilmNode {
-    /// One whose sample is not sound has no rays.
-    fn add_pixel(&mut self, sample: &FilmSample, region: u32) {
-        self.regions |= bit(region);
-        if region != 0 {
-            self.add_part(region, if sample.is_sound() { sample } else { &NO_RAYS });
-        }
-    }
-
-    fn add(&mut self, other: &Self) {
-        self.regions |= other.regions;
-        self.more |= other.more;
-        for Part { region, sample } in &other.parts {
-            if *region != 0 {
-                self.add_part(*region, sample);
-            }
-        }
-    }
-
-    fn add_part(&mut self, region: u32, sample: &FilmSample) {
-        for own in &mut self.parts {
-            if own.region == region || own.region == 0 {
-                own.region = region;
-                own.sample.add(1.0, sample);
-                return;
-            }
-        }
-        self.more = true;
-    }
-
-    /// - `among`: a region other than 0; None: all.
-    fn within(&self, among: Option<u32>) -> Within<'_> {
-        let [Part { region, sample }, second] = &self.parts;
-        let shared = self.more || second.region != 0 || self.regions != bit(*region);
-        match among {
-            None if shared || *region == 0 => Within::Below,
-            None => Within::All { sample, shared },
-            Some(wanted) if self.more => match self.regions & bit(wanted) {
-                0 => Within::Nothing,
-                _ => Within::Below,
-            },
-            Some(wanted) => match self.parts.iter().find(|part| part.region == wanted) {
-                Some(Part { sample, .. }) => Within::All { sample, shared },
-                None => Within::Nothing,
-            },
-        }
-    }
-}
-
 /// Filters a picture's samples.
 ///
 /// A pixel is the ratio Σ w radiance / Σ w weight over the pixels of its region under its filter: exact where
@@ -182,8 +74,8 @@ impl FilmNode {
 /// taken as one.
 #[derive(Clone, Copy, Debug)]
 pub struct Reconstruction<'a> {
-    width: u32,
-    height: u32,
+    pub(super) width: u32,
+    pub(super) height: u32,
     samples: &'a [FilmSample],
     regions: &'a [u32],
     nodes: &'a [FilmNode],
@@ -314,39 +206,12 @@ impl<'a> Reconstruction<'a> {
         if region == 0 { FilmSample::default() } else { self.gather(x, y, &bounded(filter), Some(region)) }
     }
 
-    /// The picture in a tile of [`FILM_TILE`] x [`FILM_TILE`] pixels.
-    ///
-    /// Where filters are wide, the light is found at some pixels of a region and interpolated between them: a
-    /// filter makes it vary slowly. So the cost a pixel does not grow with the filters' width.
-    ///
-    /// - `x`, `y`: of the tile's upper left pixel, multiples of [`FILM_TILE`].
-    /// - `filters`: of a picture of the same size.
-    /// - `out`: row by row; pixels outside the picture are left alone.
-    ///
-    /// Cost: 0.5 to 1 µs a pixel of a picture, with verification and all else (`measure picture`).
-    pub fn tile(&self, x: u32, y: u32, filters: &FilmFilters, out: &mut [FilmPixel; FILM_TILE_PIXELS]) {
-        if x >= self.width || y >= self.height || filters.lattice.width != self.width {
-            return;
-        }
-        let mut nodes = Nodes::new([x, y]);
-        for (index, out) in out.iter_mut().enumerate() {
-            let (px, py) = (x + index as u32 % FILM_TILE, y + index as u32 / FILM_TILE);
-            if px >= self.width || py >= self.height {
-                continue;
-            }
-            let found = filters.at(px, py);
-            let (filter, variance) = found.unwrap_or((ImageFilter::NONE, 0.0));
-            let between = found.and_then(|_| nodes.between(self, filters, [px, py], &filter));
-            let radiance = between.unwrap_or_else(|| self.pixel(px, py, &filter));
-            // What has no filter tells its error itself.
-            let own = &self.samples[self.levels.index(0, px, py)];
-            let halves = if found.is_none() && own.is_sound() { own.halves() } else { None };
-            let difference = halves.map_or(0.0, |[first, second]| first - second);
-            *out = FilmPixel { radiance, variance, difference };
-        }
+    /// What its rays saw.
+    pub(super) fn sample(&self, x: u32, y: u32) -> &FilmSample {
+        &self.samples[self.levels.index(0, x, y)]
     }
 
-    fn region(&self, x: u32, y: u32) -> u32 {
+    pub(super) fn region(&self, x: u32, y: u32) -> u32 {
         self.regions[self.levels.index(0, x, y)]
     }
 
@@ -423,131 +288,5 @@ impl<'a> Reconstruction<'a> {
                 found(expf(-0.5 * square) - AT_REACH, at, sample);
             }
         }
-    }
-}
-
-/// The levels of blocks over a picture, up to one block: a block is made of up to four of the level below,
-/// and the pixels are level 0.
-#[derive(Clone, Copy, Debug)]
-struct Levels {
-    top: usize,
-    /// How many blocks across and down.
-    size: [(u32, u32); LEVELS + 1],
-    /// The number of each level's first block, among the pixels or among the blocks.
-    first: [usize; LEVELS + 1],
-    /// How many blocks there are, on all levels above the pixels.
-    nodes: usize,
-}
-
-impl Levels {
-    /// Of a picture that is not too large.
-    fn new(width: u32, height: u32) -> Self {
-        let mut levels =
-            Self { top: 0, size: [(width, height); LEVELS + 1], first: [0; LEVELS + 1], nodes: 0 };
-        let (mut across, mut down) = (width, height);
-        while across.max(down) > 1 && across.min(down) > 0 {
-            (across, down) = (across.div_ceil(2), down.div_ceil(2));
-            levels.top += 1;
-            levels.size[levels.top] = (across, down);
-            levels.first[levels.top] = levels.nodes;
-            levels.nodes += across as usize * down as usize;
-        }
-        levels
-    }
-
-    fn index(&self, level: usize, x: u32, y: u32) -> usize {
-        self.first[level] + y as usize * self.size[level].0 as usize + x as usize
-    }
-
-    /// What a block is made of.
-    fn children(&self, level: usize, x: u32, y: u32) -> impl Iterator<Item = (u32, u32)> + use<> {
-        let (across, down) = self.size[level - 1];
-        let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| (2 * x + dx, 2 * y + dy));
-        corners.into_iter().filter(move |(x, y)| *x < across && *y < down)
-    }
-}
-
-/// Pixels between those where the light of a tile is looked up.
-const STEPS: [u32; 3] = [8, 4, 2];
-
-/// With the smallest of these.
-const NODES_ACROSS: usize = FILM_TILE as usize / 2 + 1;
-
-/// Light at every other pixel of a tile, and of the first row and column beyond it.
-struct Nodes {
-    corner: [u32; 2],
-    /// None: not looked up yet.
-    nodes: [Option<Node>; NODES_ACROSS * NODES_ACROSS],
-}
-
-#[derive(Clone, Copy)]
-struct Node {
-    at: [u32; 2],
-    filter: ImageFilter,
-    /// Over which light varies little there.
-    step: f32,
-    light: Option<Vec3>,
-}
-
-/// Pixels over which the light through a filter varies little.
-fn step_of(filter: &ImageFilter) -> f32 {
-    STEP_SHARE * sqrtf(filter.matrix().eigenvalues()[1].max(0.0))
-}
-
-impl Nodes {
-    fn new(corner: [u32; 2]) -> Self {
-        Self { corner, nodes: [None; NODES_ACROSS * NODES_ACROSS] }
-    }
-
-    /// Bilinear between four nodes around a pixel, as far apart as its filter and theirs allow; None unless all of it is one region.
-    fn between(
-        &mut self,
-        picture: &Reconstruction,
-        filters: &FilmFilters,
-        at: [u32; 2],
-        filter: &ImageFilter,
-    ) -> Option<Vec3> {
-        let widest = step_of(filter);
-        let steps = STEPS.into_iter().filter(|step| *step as f32 <= widest);
-        steps.into_iter().find_map(|step| self.over(picture, filters, at, step))
-    }
-
-    fn over(
-        &mut self,
-        picture: &Reconstruction,
-        filters: &FilmFilters,
-        [x, y]: [u32; 2],
-        step: u32,
-    ) -> Option<Vec3> {
-        let own = picture.region(x, y);
-        // The picture's last pixel stands for those beyond it.
-        let last = [picture.width - 1, picture.height - 1];
-        let [across, down] = [x - self.corner[0], y - self.corner[1]].map(|at| at - at % step);
-        let slot = |[i, j]: [usize; 2]| {
-            let [column, row] = [across + step * i as u32, down + step * j as u32];
-            let at = [(self.corner[0] + column).min(last[0]), (self.corner[1] + row).min(last[1])];
-            ((row / 2) as usize * NODES_ACROSS + (column / 2) as usize, at)
-        };
-        let slots = [[0, 0], [1, 0], [0, 1], [1, 1]].map(slot);
-        for (slot, at) in slots {
-            let node = self.nodes[slot].get_or_insert_with(|| {
-                let filter = filters.filter(at[0], at[1]);
-                Node { at, filter, step: step_of(&filter), light: None }
-            });
-            if own == 0 || picture.region(at[0], at[1]) != own || node.step < step as f32 {
-                return None;
-            }
-        }
-        let share = |at: u32, low: u32, high: u32| {
-            if high > low { (at - low) as f32 / (high - low) as f32 } else { 0.0 }
-        };
-        let ([low, top], [high, bottom]) = (slots[0].1, slots[3].1);
-        let mut sum = Vec3::ZERO;
-        for ([i, j], share) in corners([share(x, low, high), share(y, top, bottom)]) {
-            let node = self.nodes[slots[2 * j + i].0].as_mut()?;
-            let Node { at, filter, .. } = *node;
-            sum += share * *node.light.get_or_insert_with(|| picture.pixel(at[0], at[1], &filter));
-        }
-        Some(sum)
     }
 }
