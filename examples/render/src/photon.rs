@@ -31,6 +31,7 @@ const MOST_BEAMS: f32 = 6.0;
 
 /// Paths that find out.
 const TRIAL_PATHS: u32 = 64;
+const TRIALS: u32 = 8;
 const TRIAL_SEQUENCE: u32 = 0x7e57;
 
 /// Traces light paths of a scene.
@@ -119,13 +120,19 @@ impl<'a> PhotonTracer<'a> {
     /// From now on sends light paths where the picture needs them; not those for connections with the camera.
     pub(crate) fn guide(&mut self, guidance: Guidance) {
         self.guidance = Some(guidance);
-        let mut record = PhotonRecord::default();
-        (0..TRIAL_PATHS).for_each(|index| {
-            self.trace(TRIAL_SEQUENCE, index, TRIAL_PATHS, Record::Beams, &mut record);
-        });
-        let beams = record.beams.len() as f32 / TRIAL_PATHS as f32;
-        if let Some(guidance) = &mut self.guidance {
-            guidance.coarsen((beams / MOST_BEAMS).max(1.0));
+        for _ in 0..TRIALS {
+            let mut record = PhotonRecord::default();
+            (0..TRIAL_PATHS).for_each(|index| {
+                self.trace(TRIAL_SEQUENCE, index, TRIAL_PATHS, Record::Beams, &mut record);
+            });
+            let excess = record.beams.len() as f32 / (TRIAL_PATHS as f32 * MOST_BEAMS);
+            if let Some(guidance) = &mut self.guidance {
+                guidance.coarsen(excess.max(1.0));
+            }
+            // Large trees are cut short, and hide how much too large they are.
+            if excess < 2.0 {
+                return;
+            }
         }
     }
 

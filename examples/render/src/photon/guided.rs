@@ -42,15 +42,21 @@ const SCATTERED_FIELDS: f32 = 0.3;
 /// Paths of which less than this is left behind a medium are thinned out.
 const FAINT: f32 = 0.1;
 
+/// With every so many segments of one tree twice as much is asked of its next branches: where importance seems to grow a thousandfold along
+/// each path, as inside a ball of milk, a tree would have millions. Those of plain scenes have a few hundred at most.
+const LARGE_TREE: u32 = 1024;
+
 /// What one tree of paths needs.
 struct Tree<'t, 'a> {
     tracer: &'t PhotonTracer<'a>,
     guidance: &'t Guidance,
-    /// Power x importance of each path.
+    /// Power x importance of each path that is not long.
     unit: f32,
-    /// Mean power of a path.
+    /// Mean power of a path that is not long.
     power: f32,
     record: Record,
+    /// Segments that do not wait any more.
+    followed: u32,
     waiting: Vec<(Photon, PathSampler, u32)>,
     knots: Vec<Knot>,
     /// Of the segment that is being followed.
@@ -89,6 +95,7 @@ impl<'a> PhotonTracer<'a> {
             unit: guidance.total() / paths as f32,
             power: self.lights.flux / paths as f32,
             record,
+            followed: 0,
             waiting: vec![(photon, sampler, 0)],
             knots: Vec::new(),
             segment: None,
@@ -100,11 +107,22 @@ impl<'a> PhotonTracer<'a> {
 }
 
 impl Tree<'_, '_> {
+    /// How many times [`Tree::unit`] and [`Tree::power`] a path may have before it is split.
+    ///
+    /// A long path has survived others. If it were split again for the power that it has from them, paths would branch as fast as they end
+    /// where nothing is absorbed. And what has been followed says nothing of what is drawn next, so that the light is right in the mean.
+    fn allowance(&self, depth: u32) -> f32 {
+        let long = GOING_ON.powi(LONG_PATH.min(depth) as i32 - depth as i32);
+        let segments = self.followed + self.waiting.len() as u32;
+        long * ((segments / LARGE_TREE) as f32).exp2()
+    }
+
     /// One segment, what it scatters on its way, and the event at its end.
     fn follow(&mut self, mut photon: Photon, mut sampler: PathSampler, depth: u32, out: &mut PhotonRecord) {
         if depth > LONG_PATH && !survives(&mut photon, GOING_ON, &mut sampler, out) {
             return;
         }
+        self.followed += 1;
         let tracer = self.tracer;
         let scene = tracer.scene;
         let hit = scene.intersect(photon.origin, photon.direction, f32::INFINITY);
@@ -195,9 +213,10 @@ impl Tree<'_, '_> {
         }
         let importance = self.guidance.importance();
         let found = importance.of_segment(fog, photon.origin, photon.direction, visible);
-        let expected = (mean(photon.power) * found.scattered / self.unit)
+        let allowed = self.allowance(depth);
+        let expected = (mean(photon.power) * found.scattered / (allowed * self.unit))
             .max(LEAST * gone.max_element())
-            .max(mean(scattered) / (MOST_POWER * self.power))
+            .max(mean(scattered) / (allowed * MOST_POWER * self.power))
             .min(MOST);
         let count = (expected + sampler.uniform()).floor();
         let shift = sampler.uniform();
@@ -288,9 +307,11 @@ impl Tree<'_, '_> {
         out: &mut PhotonRecord,
         turn: impl Fn(&mut covbeam::LightField, Vec3),
     ) {
-        let least = mean(photon.power) / (MOST_POWER * self.power);
+        let allowed = self.allowance(depth);
+        let [unit, most_power] = [allowed * self.unit, allowed * MOST_POWER * self.power];
+        let least = mean(photon.power) / most_power;
         let here = self.guidance.importance().at(photon.origin).scattered;
-        let expected = CANDIDATES * mean(photon.power) * here / self.unit;
+        let expected = CANDIDATES * mean(photon.power) * here / unit;
         let chance = expected.max(LEAST).max(least).min(1.0);
         if sampler.uniform() >= chance {
             return;
@@ -307,10 +328,8 @@ impl Tree<'_, '_> {
         };
         let mut factors: SmallVec<[f32; 8]> = candidates.iter().map(worth).collect();
         let granted = FOR_GRANTED * factors.iter().sum::<f32>() / count as f32;
-        let least = (LEAST / count as f32).max(mean(power) / (MOST_POWER * self.power));
-        factors
-            .iter_mut()
-            .for_each(|worth| *worth = (mean(power) * (*worth + granted) / self.unit).max(least));
+        let least = (LEAST / count as f32).max(mean(power) / most_power);
+        factors.iter_mut().for_each(|worth| *worth = (mean(power) * (*worth + granted) / unit).max(least));
         weight_window(&mut factors, sampler.uniform());
         for (candidate, factor) in candidates.iter().zip(factors) {
             if factor > 0.0 {
@@ -357,5 +376,60 @@ fn channel(shares: Vec3, number: f32) -> usize {
         number if number < shares.x => 0,
         number if number < shares.x + shares.y || shares.z <= 0.0 => 1,
         _ => 2,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::media;
+    use crate::random::Emission;
+    use crate::scene::Scene;
+    use std::path::Path;
+
+    const PATHS: u32 = 2000;
+
+    /// Beams of all paths, and most of one.
+    fn beams(text: &str) -> [usize; 2] {
+        let camera = "[camera]\nposition = [0, 0, -3]\nlook_at = [0, 0, 0]\nvertical_fov = 40\nwidth = 48\nheight = 32\n";
+        let scene = Scene::parse(&[text, camera].concat(), "white", Path::new("")).expect("a valid scene");
+        let fogs = media::all(&scene);
+        let mut tracer = PhotonTracer::new(&scene, 0, Emission::LowDiscrepancy);
+        tracer.guide(Guidance::new(&scene, &fogs).expect("light"));
+        let of_path = |index| {
+            let mut record = PhotonRecord::default();
+            tracer.trace(0, index, PATHS, Record::Beams, &mut record);
+            record.beams.len()
+        };
+        (0..PATHS).map(of_path).fold([0, 0], |[all, most], beams| [all + beams, most.max(beams)])
+    }
+
+    /// Of thin fog six beams a path on average; and where a path may have 20 times the mean power, a twentieth of the paths go on for 64 events
+    /// and are ended then, one in 20 at each: 4.2. In dense fog large trees are rarer than 64 trial paths can tell: ten times as many.
+    #[test]
+    fn paths_end_where_nothing_is_absorbed() {
+        let fog = |scattering: f32| {
+            format!("[[medium]]\nname = \"fog\"\nscattering = {scattering}\nabsorption = 0\n")
+        };
+        let point = "[[light]]\nkind = \"point\"\nposition = [2.5, 2, -1]\nintensity = 10\n";
+        let spot = "[[light]]\nkind = \"spot\"\nposition = [0, 3, 0]\nlook_at = [0, 0, 0]\nintensity = 60\ninner_angle = 9\nouter_angle = 10\n";
+        let floor = "[[object]]\nshape = \"rectangle\"\ncorner = [-5, -1, -8]\nedge_u = [0, 0, 14]\nedge_v = [10, 0, 0]\n\
+            material = { lambert = { albedo = 0.4 } }\n";
+        let walls = "[[object]]\nshape = \"box\"\nmin = [-4, -4, -4]\nmax = [4, 4, 4]\nmaterial = { lambert = { albedo = 1 } }\n";
+        let ball = "[[object]]\nshape = \"sphere\"\ncenter = [0, 0, 0]\nradius = 0.8\nmaterial = { dielectric = { index = 1.0 } }\ninside = \"fog\"\n";
+        let outside = "outside_medium = \"fog\"\n";
+        for (name, bound, text) in [
+            ("endless", 10.2, [outside, &fog(0.06), floor, point, spot].concat()),
+            ("nothing but fog", 10.2, [outside, &fog(0.06), point].concat()),
+            ("white room", 60.0, [outside, &fog(1.0), walls, point].concat()),
+            ("dense white room", 60.0, [outside, &fog(20.0), walls, point].concat()),
+            ("milk", 60.0, [&fog(2000.0), ball, point].concat()),
+        ] {
+            let [all, most] = beams(&text);
+            let mean = all as f32 / PATHS as f32;
+            println!("{name}: {mean:.1} a path, {most} at most");
+            assert!(mean < bound, "{name}: {mean}");
+            assert!(most < 64 * LARGE_TREE as usize, "{name}: {most}");
+        }
     }
 }
