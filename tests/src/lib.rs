@@ -6,6 +6,7 @@ pub mod fleet;
 pub mod golden;
 pub mod header;
 pub mod random;
+pub mod rows;
 pub mod single_scatter;
 pub mod stability;
 pub mod statistics;

@@ -1,10 +1,10 @@
 //! Surfaces of several lobes, by closed forms and by estimators that share nothing: transparent panes, and what rough metal shows.
 
-use covbeam_render::film::Film;
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::pass::Method;
 use covbeam_render::scene::Scene;
+use covbeam_tests::rows::{check, rows, runs};
 use covbeam_tests::statistics::Sample;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
@@ -20,43 +20,8 @@ fn parse(text: &str) -> Scene {
     Scene::parse(text, "lobes", Path::new(".")).expect("a valid scene")
 }
 
-/// The rows of a picture by seed, each over its passes.
-fn runs(scene: &Scene, method: Method, passes: u32) -> Vec<Vec<Vec3>> {
-    (0..4)
-        .map(|run| {
-            let mut film = Film::new(SIZE, SIZE);
-            for seed in 0..passes {
-                let mut renderer = Renderer::new(scene, method, 20_000, passes * run + seed);
-                let (image, _) = renderer.pass(1, &|| false).expect("not cancelled");
-                film.add(&image).expect("finite");
-            }
-            let picture = film.picture();
-            let row = |row: &[Vec3]| row.iter().sum::<Vec3>() / SIZE as f32;
-            picture.radiance.chunks(SIZE as usize).map(row).collect()
-        })
-        .collect()
-}
-
-/// Means of the rows in a channel, as many at a time.
-fn rows(runs: &[Vec<Vec3>], channel: usize, together: usize) -> Vec<Sample> {
-    let mean = |run: &Vec<Vec3>, y: usize| {
-        let band = &run[y * together..(y + 1) * together];
-        band.iter().map(|row| f64::from(row[channel])).sum::<f64>() / together as f64
-    };
-    let of = |y: usize| runs.iter().map(|run| mean(run, y)).collect::<Vec<_>>();
-    (0..SIZE as usize / together).map(|y| Sample::of(&of(y))).collect()
-}
-
 /// Rows that are looked at together where they are noisy.
 const HALF: usize = SIZE as usize / 2;
-
-/// Whether a row is what it should be, and known well enough to tell.
-fn check(name: &str, found: &Sample, expected: f64, [bias, noise]: [f64; 2]) {
-    let (ratio, error) = (found.mean / expected, found.error / expected);
-    println!("{name}: {ratio:.4} ± {error:.4}");
-    assert!(error < noise, "{name}: too noisy to tell, {error}");
-    assert!((ratio - 1.0).abs() < bias + 4.0 * error, "{name}: {ratio} ± {error}");
-}
 
 /// Sunlight through a pane, scattered by a box of thin fog, seen through another one: in each channel the square of what a pane lets through.
 #[test]

@@ -1,9 +1,8 @@
 //! Sunlight in fog, by closed forms: a box of fog, and fog that thins with height.
 
-use covbeam_render::film::Film;
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::pass::Method;
 use covbeam_render::scene::Scene;
-use covbeam_tests::statistics::Sample;
+use covbeam_tests::rows::{check, rows, runs};
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -32,26 +31,8 @@ fn scene(outside: &str, density: &str, objects: &str, sun: &str) -> Scene {
     Scene::parse(&text, "sun", Path::new(".")).expect("a valid scene")
 }
 
-/// Rows of the picture, the mean of `passes` first passes of each of four seeds.
-fn rows(scene: &Scene, method: Method, passes: u32) -> Vec<Sample> {
-    let runs: Vec<Vec<f64>> = (0..4)
-        .map(|run| {
-            let mut film = Film::new(SIZE, SIZE);
-            for seed in 0..passes {
-                let mut renderer = Renderer::new(scene, method, 20_000, passes * run + seed);
-                let (image, _) = renderer.pass(1, &|| false).expect("not cancelled");
-                film.add(&image).expect("finite");
-            }
-            let radiance = film.picture().radiance;
-            let row = |row: &[glam::Vec3]| row.iter().map(|color| f64::from(color.x)).sum::<f64>();
-            radiance.chunks(SIZE as usize).map(|pixels| row(pixels) / f64::from(SIZE)).collect()
-        })
-        .collect();
-    (0..SIZE as usize).map(|y| Sample::of(&runs.iter().map(|run| run[y]).collect::<Vec<_>>())).collect()
-}
-
 /// Compares rows of all methods with what they should be at a row's middle height \[m\].
-fn check(name: &str, scene: &Scene, radiance: impl Fn(f64) -> f64) {
+fn check_all(name: &str, scene: &Scene, radiance: impl Fn(f64) -> f64) {
     // Passes, and how well they must know a row.
     let methods = [
         (Method::Ppb, 12, 0.02),
@@ -64,18 +45,10 @@ fn check(name: &str, scene: &Scene, radiance: impl Fn(f64) -> f64) {
         if method == Method::LightTrace && scene.outside.is_some() {
             continue;
         }
-        let found = rows(scene, method, passes);
-        for (y, sample) in found.iter().enumerate() {
+        for (y, found) in rows(&runs(scene, method, passes), 0, 1).iter().enumerate() {
             let height = 0.8 * (1.0 - (2.0 * y as f64 + 1.0) / f64::from(SIZE));
-            let expected = radiance(height);
-            let (ratio, error) = (sample.mean / expected, sample.error / expected);
-            println!("{name}, {method:?}, row {y}: {ratio:.4} ± {error:.4}");
-            assert!(error < noise, "{name}, {method:?}, row {y}: too noisy to tell, {error}");
             // Rays are aslant by 1/50, a row is 0.13 m high, and kernels and filters may bias by 1 %.
-            assert!(
-                (ratio - 1.0).abs() < 0.012 + 4.0 * error,
-                "{name}, {method:?}, row {y}: {ratio} ± {error}"
-            );
+            check(&format!("{name}, {method:?}, row {y}"), found, radiance(height), [0.012, noise]);
         }
     }
 }
@@ -87,7 +60,7 @@ fn a_box_of_fog_in_the_sun_is_the_closed_form() {
                   material = { dielectric = { index = 1 } }\ninside = \"fog\"";
     let extinction = SCATTERING + ABSORPTION;
     let scene = scene("", "", object, "direction = [0, -1, 0]");
-    check("box", &scene, |y| {
+    check_all("box", &scene, |y| {
         let seen = -(-2.0 * extinction).exp_m1() / extinction;
         SCATTERING / (4.0 * PI) * IRRADIANCE * (-extinction * (1.0 - y)).exp() * seen
     });
@@ -102,7 +75,7 @@ fn a_wide_sun_has_the_fluence_of_its_cone() {
     let mut scene = scene("", "", object, "direction = [0.4, -1, 0.3]\nangle = 20");
     scene.media[0].medium.absorption = glam::Vec3::ZERO;
     let fluence = 2.0 * IRRADIANCE / (1.0 + 10f64.to_radians().cos());
-    check("wide", &scene, |_| SCATTERING / (4.0 * PI) * fluence * 2.0);
+    check_all("wide", &scene, |_| SCATTERING / (4.0 * PI) * fluence * 2.0);
 }
 
 /// Fog e^(-y/H) between the camera and a wall 2 m away.
@@ -118,7 +91,7 @@ fn fog_that_thins_with_height_is_the_closed_form() {
     let extinction = SCATTERING + ABSORPTION;
     let camera = scene.camera;
     let steps = 400;
-    check("thinning", &scene, |middle| {
+    check_all("thinning", &scene, |middle| {
         // Along the row's eye rays, at the heights that they have at the depth 1 + s.
         let slope = middle / 0.8 * f64::from(camera.tan_half_height);
         let mut sum = 0.0;

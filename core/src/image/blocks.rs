@@ -1,13 +1,9 @@
 //! Blocks of pixels: four times as large on each level, up to one over all of a picture.
 
 use super::FilmSample;
-use glam::Vec3;
 
 /// Levels of blocks above the pixels.
 pub(super) const LEVELS: usize = 16;
-
-/// Of a pixel without rays.
-const NO_RAYS: FilmSample = FilmSample { radiance: Vec3::ZERO, weight: 0.0, first: 0.0, first_weight: 0.0 };
 
 /// A block of pixels: scratch memory of a [`super::Reconstruction`].
 #[derive(Clone, Copy, Debug, Default)]
@@ -49,7 +45,8 @@ impl FilmNode {
     pub(super) fn add_pixel(&mut self, sample: &FilmSample, region: u32) {
         self.regions |= bit(region);
         if region != 0 {
-            self.add_part(region, if sample.is_sound() { sample } else { &NO_RAYS });
+            let seen = if sample.is_sound() { *sample } else { FilmSample::default() };
+            self.add_part(region, &seen);
         }
     }
 

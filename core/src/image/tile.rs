@@ -47,7 +47,7 @@ impl Reconstruction<'_> {
             }
             let found = filters.at(px, py);
             let (filter, variance) = found.unwrap_or((ImageFilter::NONE, 0.0));
-            let between = found.and_then(|_| nodes.between(self, filters, [px, py], &filter));
+            let between = nodes.between(self, filters, [px, py], &filter);
             let radiance = between.unwrap_or_else(|| self.pixel(px, py, &filter));
             // What has no filter tells its error itself.
             let own = self.sample(px, py);
@@ -73,7 +73,6 @@ struct Nodes {
 
 #[derive(Clone, Copy)]
 struct Node {
-    at: [u32; 2],
     filter: ImageFilter,
     /// Over which light varies little there.
     step: f32,
@@ -99,8 +98,8 @@ impl Nodes {
         filter: &ImageFilter,
     ) -> Option<Vec3> {
         let widest = step_of(filter);
-        let steps = STEPS.into_iter().filter(|step| *step as f32 <= widest);
-        steps.into_iter().find_map(|step| self.over(picture, filters, at, step))
+        let mut steps = STEPS.into_iter().filter(|step| *step as f32 <= widest);
+        steps.find_map(|step| self.over(picture, filters, at, step))
     }
 
     fn over(
@@ -123,7 +122,7 @@ impl Nodes {
         for (slot, at) in slots {
             let node = self.nodes[slot].get_or_insert_with(|| {
                 let filter = filters.filter(at[0], at[1]);
-                Node { at, filter, step: step_of(&filter), light: None }
+                Node { filter, step: step_of(&filter), light: None }
             });
             if own == 0 || picture.region(at[0], at[1]) != own || node.step < step as f32 {
                 return None;
@@ -135,8 +134,9 @@ impl Nodes {
         let ([low, top], [high, bottom]) = (slots[0].1, slots[3].1);
         let mut sum = Vec3::ZERO;
         for ([i, j], share) in corners([share(x, low, high), share(y, top, bottom)]) {
-            let node = self.nodes[slots[2 * j + i].0].as_mut()?;
-            let Node { at, filter, .. } = *node;
+            let (slot, at) = slots[2 * j + i];
+            let node = self.nodes[slot].as_mut()?;
+            let filter = node.filter;
             sum += share * *node.light.get_or_insert_with(|| picture.pixel(at[0], at[1], &filter));
         }
         Some(sum)

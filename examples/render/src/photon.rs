@@ -73,6 +73,16 @@ struct Photon {
 }
 
 impl Photon {
+    /// Leaves what arrives on a diffuse surface for disks there; straight light is looked up by shadow rays.
+    ///
+    /// - `normal`: towards the side that it comes from.
+    fn arrive(&self, hit: &Hit, normal: Vec3, record: Record, out: &mut PhotonRecord) {
+        if matches!(record, Record::Beams | Record::BeamsAndField) && !self.direct {
+            let (position, power, caustic) = (hit.position, self.power, self.specular);
+            out.surface.push(SurfacePhoton { position, normal, power, caustic });
+        }
+    }
+
     /// What its light has met.
     fn kind(&self) -> Kind {
         match self {
@@ -340,14 +350,7 @@ impl<'a> PhotonTracer<'a> {
             }
             Material::Lambert { albedo } => {
                 let normal = facing_normal(hit, photon.direction);
-                if matches!(record, Record::Beams | Record::BeamsAndField) && !photon.direct {
-                    out.surface.push(SurfacePhoton {
-                        position: hit.position,
-                        normal,
-                        power: photon.power,
-                        caustic: photon.specular,
-                    });
-                }
+                photon.arrive(hit, normal, record, out);
                 let before = photon.power;
                 let reflected = before * albedo;
                 add(&mut out.energy.surfaces, before - reflected);
@@ -384,10 +387,8 @@ impl<'a> PhotonTracer<'a> {
                 let xi = sampler.uniform_pair();
                 let met = Encounter::new(self.scene, hit, photon.direction, &photon.interior, lobes, xi);
                 let is_lit = lobes.diffuse.max(lobes.translucent) != Vec3::ZERO;
-                if is_lit && matches!(record, Record::Beams | Record::BeamsAndField) && !photon.direct {
-                    let Photon { power, specular: caustic, .. } = *photon;
-                    let (position, normal) = (hit.position, met.normal);
-                    out.surface.push(SurfacePhoton { position, normal, power, caustic });
+                if is_lit {
+                    photon.arrive(hit, met.normal, record, out);
                 }
                 if record == Record::Connections {
                     self.connect_lobes(photon, hit, &met, out);

@@ -12,7 +12,6 @@ use crate::optics::facing_normal;
 use crate::random::{PathSampler, spread};
 use crate::record::{FieldSegment, PhotonRecord, Record, add};
 use crate::scene::Material;
-use crate::surface::SurfacePhoton;
 use covbeam::{Column, Knot, Medium, weight_window};
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
@@ -270,10 +269,7 @@ impl Tree<'_, '_> {
         out: &mut PhotonRecord,
     ) {
         let normal = facing_normal(hit, photon.direction);
-        if self.record != Record::Field && !photon.direct {
-            let (position, power, caustic) = (hit.position, photon.power, photon.specular);
-            out.surface.push(SurfacePhoton { position, normal, power, caustic });
-        }
+        photon.arrive(hit, normal, self.record, out);
         let reflected = photon.power * albedo;
         add(&mut out.energy.surfaces, photon.power - reflected);
         if !(reflected.max_element() > 0.0) {
