@@ -29,9 +29,11 @@ pub(crate) const GOING_ON: f32 = 0.95;
 /// or a pass would not end.
 const MOST_BEAMS: f32 = 6.0;
 
+/// Times that this is tried, at most.
+const TRIALS: u32 = 8;
+
 /// Paths that find out.
 const TRIAL_PATHS: u32 = 64;
-const TRIALS: u32 = 8;
 const TRIAL_SEQUENCE: u32 = 0x7e57;
 
 /// Traces light paths of a scene.
