@@ -106,14 +106,15 @@ impl<'a> PhotonTracer<'a> {
 }
 
 impl Tree<'_, '_> {
-    /// How many times [`Tree::unit`] and [`Tree::power`] a path may have before it is split.
+    /// The power x importance, and the power, that a path may have before it is split.
     ///
     /// A long path has survived others. If it were split again for the power that it has from them, paths would branch as fast as they end
     /// where nothing is absorbed. And what has been followed says nothing of what is drawn next, so that the light is right in the mean.
-    fn allowance(&self, depth: u32) -> f32 {
+    fn limits(&self, depth: u32) -> [f32; 2] {
         let long = GOING_ON.powi(LONG_PATH.min(depth) as i32 - depth as i32);
         let segments = self.followed + self.waiting.len() as u32;
-        long * ((segments / LARGE_TREE) as f32).exp2()
+        let allowed = long * ((segments / LARGE_TREE) as f32).exp2();
+        [allowed * self.unit, allowed * MOST_POWER * self.power]
     }
 
     /// One segment, what it scatters on its way, and the event at its end.
@@ -212,10 +213,10 @@ impl Tree<'_, '_> {
         }
         let importance = self.guidance.importance();
         let found = importance.of_segment(fog, photon.origin, photon.direction, visible);
-        let allowed = self.allowance(depth);
-        let expected = (mean(photon.power) * found.scattered / (allowed * self.unit))
+        let [unit, most_power] = self.limits(depth);
+        let expected = (mean(photon.power) * found.scattered / unit)
             .max(LEAST * gone.max_element())
-            .max(mean(scattered) / (allowed * MOST_POWER * self.power))
+            .max(mean(scattered) / most_power)
             .min(MOST);
         let count = (expected + sampler.uniform()).floor();
         let shift = sampler.uniform();
@@ -303,8 +304,7 @@ impl Tree<'_, '_> {
         out: &mut PhotonRecord,
         turn: impl Fn(&mut covbeam::LightField, Vec3),
     ) {
-        let allowed = self.allowance(depth);
-        let [unit, most_power] = [allowed * self.unit, allowed * MOST_POWER * self.power];
+        let [unit, most_power] = self.limits(depth);
         let least = mean(photon.power) / most_power;
         let here = self.guidance.importance().at(photon.origin).scattered;
         let expected = CANDIDATES * mean(photon.power) * here / unit;
