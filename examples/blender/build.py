@@ -38,6 +38,7 @@ PLATFORMS = {
 def build_wheels(folder):
     """Builds both wheels into `folder`; returns their paths."""
     for project in PROJECTS:
+        print(f"building the wheel of {project.relative_to(HERE.parent.parent)}, with its library", flush=True)
         command = [sys.executable, "-m", "hatchling", "build", "--target", "wheel", "--directory", str(folder)]
         ended = subprocess.run(command, cwd=project, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         if ended.returncode != 0:
@@ -87,6 +88,7 @@ def build(output):
             contents[source.relative_to(ADDON).as_posix()] = source.read_bytes()
         output.mkdir(parents=True, exist_ok=True)
         path = output / f"covbeam-{version}-{platform}.zip"
+        print(f"packing {len(contents)} files: {', '.join(wheel.name for wheel in wheels)} and the extension", flush=True)
         write_zip(path, contents)
     return path
 
@@ -100,7 +102,7 @@ def main():
     if importlib.util.find_spec("hatchling") is None:
         sys.exit(f"build.py: this Python has no hatchling: {sys.executable} -m pip install hatchling")
     path = build(options.output)
-    print(f"{path}: {path.stat().st_size} bytes")
+    print(f"{path}: {path.stat().st_size / 1e6:.1f} MB; drop it into Blender's window")
 
 
 if __name__ == "__main__":

@@ -60,6 +60,9 @@ class CovbeamEngine(bpy.types.RenderEngine):
         self.end_result(self.begin_result(0, 0, 1, 1, layer=view_layer))
         if job is not None:
             self._guarded(job.record, lambda: self._render(job))
+            # Blender writes them into the header of the image's file.
+            for name, value in job.record.fields().items():
+                self.get_result().stamp_data_add_field(f"covbeam.{view_layer}.{name}", value)
 
     def _render(self, job):
         from .host.session import Session
@@ -146,6 +149,7 @@ class _Job:
         self.start = perf_counter()
         self.scene, report = export(depsgraph, poll=poll)
         geometry = self.scene.geometry
+        record.settings = f"{self.budget}, {self.settings}"
         record.untranslated = [str(entry) for entry in report.entries]
         for entry in report.entries:
             if entry.in_fog:

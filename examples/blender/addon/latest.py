@@ -27,10 +27,24 @@ class Latest:
     error: str = ""
     #: What could not be translated.
     untranslated: list[str] = field(default_factory=list)
+    #: What was asked for.
+    settings: str = ""
     #: Times and memory.
     figures: list[str] = field(default_factory=list)
     #: What else the artist should know, such as about nodes that were set up.
     advice: list[str] = field(default_factory=list)
+
+    def fields(self):
+        """What is kept with the image: texts by name, those that are empty left out."""
+        texts = {
+            "outcome": self.outcome.value,
+            "error": self.error,
+            "settings": self.settings,
+            "figures": "; ".join(self.figures),
+            "not_as_cycles": "; ".join(self.untranslated),
+            "advice": " ".join(self.advice),
+        }
+        return {name: text for name, text in texts.items() if text}
 
 
 _latest = Latest()

@@ -6,6 +6,7 @@ import bpy
 from . import latest, requirements, text
 from .add_beams import COVBEAM_OT_add_beams, COVBEAM_OT_remove_beams, COVBEAM_OT_replace_fog
 from .engine import CovbeamEngine
+from .presets import COVBEAM_OT_preset, Preset
 
 
 class _RenderPanel:
@@ -33,6 +34,9 @@ def _draw_problem(layout):
 
 
 def _draw_sampling(layout, settings):
+    row = layout.row(align=True)
+    for preset in Preset:
+        row.operator(COVBEAM_OT_preset.bl_idname, text=preset.label).preset = preset.name
     column = _column(layout)
     column.prop(settings, "passes")
     column.prop(settings, "time_limit")

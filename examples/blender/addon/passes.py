@@ -83,7 +83,7 @@ class Passes:
         parts = ", ".join(f"{name} {100 * spent / elapsed:.0f} %" for name, spent in self.session.times.items())
         return [
             f"Passes: {done} of {self.budget.passes} in {text.duration(elapsed)}",
-            f"A pass: {text.duration(elapsed / max(done, 1))}; showing the picture: {share:.0f} %",
+            f"A pass: {self.session.photons:,} light paths, {text.duration(elapsed / max(done, 1))}; showing the picture: {share:.0f} %",
             f"Of the time: {parts}",
             f"Memory of light and image: {text.memory(self.session.memory)}",
         ]

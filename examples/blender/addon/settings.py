@@ -17,7 +17,7 @@ class CovbeamSettings(bpy.types.PropertyGroup):
             "How many passes are rendered, each with photons of its own. Noise falls with their number, and so does "
             "what is left of the blur"
         ),
-        default=64,
+        default=1024,
         min=1,
         soft_max=4096,
     )
@@ -27,7 +27,7 @@ class CovbeamSettings(bpy.types.PropertyGroup):
             "Rendering of a frame ends after this time even if passes are left. 0: no limit. With a limit, number and photons "
             "of the passes depend on how fast the computer is, and with them the image"
         ),
-        default=0.0,
+        default=30.0,
         min=0.0,
         soft_max=3600.0,
         step=100,

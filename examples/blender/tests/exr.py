@@ -35,6 +35,11 @@ def _channels(attribute):
     return channels
 
 
+def header(path):
+    """The attributes of the file's first part by name, as bytes."""
+    return _header(path.read_bytes(), 8)[0]
+
+
 def read(path):
     """Channels by name: arrays (height, width), the top row first. In files with parts, names begin with the part's."""
     data = path.read_bytes()

@@ -39,7 +39,7 @@ class InBlender(unittest.TestCase):
         render.engine = "COVBEAM"
         render.resolution_x, render.resolution_y, render.resolution_percentage = 80, 40, 50
         write_exr(render.image_settings)
-        self.scene.covbeam.passes = 3
+        self.scene.covbeam.passes, self.scene.covbeam.time_limit = 3, 0.0
 
     def tearDown(self):
         self.assertEqual(fake_host.Session.open, 0, "a session is still open")

@@ -97,7 +97,7 @@ def main(words):
     addon.register()
     scene = make(arguments.width)
     scene.render.engine = "COVBEAM"
-    scene.covbeam.passes = arguments.passes
+    scene.covbeam.passes, scene.covbeam.time_limit = arguments.passes, 0.0
     path = arguments.picture.with_suffix(".exr")
     scene.render.filepath = str(path)
     settings = scene.render.image_settings

@@ -41,7 +41,7 @@ class BeamsAgainstCycles(unittest.TestCase):
         scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.sample_clamp_indirect = 1024, False, 0
         scene.cycles.use_adaptive_sampling = False
         scene.cycles.max_bounces, scene.cycles.volume_bounces = 32, 32
-        scene.covbeam.passes, scene.covbeam.photons = 64, 20000
+        scene.covbeam.passes, scene.covbeam.photons, scene.covbeam.time_limit = 64, 20000, 0.0
         scene.covbeam.folder = str(self.folder)
 
     def quarters(self, name):

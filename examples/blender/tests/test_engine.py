@@ -4,6 +4,7 @@
 import time
 
 import bpy
+import exr
 import fake_host
 import harness
 import numpy as np
@@ -12,6 +13,7 @@ from in_blender import InBlender
 import addon
 from addon import budget, latest, panels, requirements, text
 from addon.engine import CovbeamEngine
+from addon.presets import Preset
 
 
 class Pictures(InBlender):
@@ -83,6 +85,17 @@ class Settings(InBlender):
         (settings,) = fake_host.Session.settings
         # A unit of Blender is a metre for Cycles, whatever it is shown as.
         self.assertEqual(settings, fake_host.Settings(7, 1234, 9, 0.5, 0.25, 3, False, 3))
+
+    def test_presets_set_three_settings_and_good_is_what_a_new_scene_has(self):
+        def three(scene):
+            return scene.covbeam.passes, scene.covbeam.time_limit, round(scene.covbeam.quality, 6)
+
+        self.scene.covbeam.photons = 1234
+        for name, expected in (("DRAFT", (1024, 5.0, 0.03)), ("FINAL", (256, 0.0, 0.01)), ("GOOD", (1024, 30.0, 0.01))):
+            self.assertEqual(bpy.ops.covbeam.preset(preset=name), {"FINISHED"})
+            self.assertEqual(three(self.scene), expected)
+            self.assertEqual(self.scene.covbeam.photons, 1234)
+        self.assertEqual(three(bpy.data.scenes.new("New")), three(self.scene))
 
     def test_animated_settings_and_seeds_are_those_of_the_frame(self):
         chosen = self.scene.covbeam
@@ -293,6 +306,25 @@ class Messages(InBlender):
         self.assertIn("Of the time: photons 0 %, gather 0 %", record.figures)
         self.assertIn("Memory of light and image: 7.0 MB", record.figures)
 
+    def test_each_frame_keeps_its_report_in_its_file(self):
+        self.scene.covbeam.animate_seed = False
+        self.scene.frame_start, self.scene.frame_end = 4, 5
+        for frame in (4, 5):
+            self.scene.covbeam.seed = 10 * frame
+            self.scene.keyframe_insert("covbeam.seed", frame=frame)
+        self.scene.render.filepath = str(self.folder / "frame_##")
+        bpy.ops.render.render(animation=True)
+        for frame in (4, 5):
+            header = exr.header(self.folder / f"frame_0{frame}.exr")
+            begin = f"covbeam.{self.scene.view_layers[0].name}."
+            kept = {name.removeprefix(begin): text.decode() for name, text in header.items() if name.startswith(begin)}
+            self.assertEqual(kept.keys(), {"outcome", "settings", "figures", "not_as_cycles"})
+            self.assertEqual(kept["outcome"], "Done")
+            self.assertIn(f"seed={10 * frame}", kept["settings"])
+            self.assertIn("passes=3, seconds=0.0", kept["settings"])
+            self.assertIn("Passes: 3 of 3 in ", kept["figures"])
+            self.assertEqual(kept["not_as_cycles"], 'Object "Cube": hair: left out')
+
 
 class Layout:
     """Stands in for Blender's layout, which needs a window: refuses what Blender would refuse."""
@@ -338,6 +370,9 @@ class Panels(InBlender):
         # Where images go matters for Add Beams only.
         self.assertEqual(names - set(drawn), {"Folder"})
         self.assertEqual(names - set(self.draw("CYCLES")), set())
+        for preset in Preset:
+            self.assertIn(preset.label, drawn)
+            self.assertGreater(len(preset.description), 20)
         for setting in self.scene.covbeam.bl_rna.properties:
             if setting.identifier not in ("rna_type", "name"):
                 self.assertGreater(len(setting.description), 20, setting.identifier)
@@ -356,6 +391,7 @@ class Panels(InBlender):
             drawn = self.draw(engine)
             self.assertIn("The library is missing.", drawn)
             self.assertNotIn("Photons", drawn)
+            self.assertNotIn("Draft", drawn)
             self.assertNotIn("Add Beams", drawn)
 
     def test_cycles_material_panels_show_with_this_engine_and_only_they_do(self):

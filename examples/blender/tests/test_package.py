@@ -55,7 +55,7 @@ def render(path):
     scene = bpy.context.scene
     scene.render.engine = "COVBEAM"
     scene.render.resolution_x, scene.render.resolution_y = 32, 24
-    scene.covbeam.passes, scene.covbeam.photons = 2, 1000
+    scene.covbeam.passes, scene.covbeam.photons, scene.covbeam.time_limit = 2, 1000, 0.0
     scene.render.image_settings.file_format = "PNG"
     scene.render.filepath = os.path.abspath(path)
     bpy.ops.render.render(write_still=True)

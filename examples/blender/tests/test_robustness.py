@@ -60,7 +60,7 @@ class Robustness(unittest.TestCase):
         scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 96, 64, 100
         harness.write_exr(scene.render.image_settings)
         scene.render.filepath = str(self.path)
-        scene.covbeam.passes, scene.covbeam.photons = 2, 2000
+        scene.covbeam.passes, scene.covbeam.photons, scene.covbeam.time_limit = 2, 2000, 0.0
 
     def render(self):
         self.path.unlink(missing_ok=True)
@@ -97,7 +97,7 @@ class Robustness(unittest.TestCase):
         scene.render.engine, scene.render.filepath = "COVBEAM", str(self.path)
         scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 96, 64, 100
         harness.write_exr(scene.render.image_settings)
-        scene.covbeam.passes, scene.covbeam.photons = 2, 2000
+        scene.covbeam.passes, scene.covbeam.photons, scene.covbeam.time_limit = 2, 2000, 0.0
         bpy.ops.render.render(write_still=True)
         record = latest.get()
         self.assertEqual((record.outcome, record.error), (latest.Outcome.DONE, ""))
