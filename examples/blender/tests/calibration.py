@@ -49,6 +49,25 @@ def black_ball(light, place=(0.3, 0, 2.5), soft=False, **values):
     return build, 0
 
 
+def under_sky(picture=False):
+    """The shadow of a black ball in a ball of fog whose light all comes from the world. The fog sends light on forwards, so that the
+    picture is lit unevenly if the sky is: it has a bright patch above and behind, and is turned about all axes."""
+
+    def build(scene):
+        if picture:
+            cells = np.full((16, 32, 3), (0.1, 0.15, 0.3))
+            cells[3:5, 20:23] = (60.0, 40.0, 20.0)
+            scenes.picture_of_the_sky(scene.world, cells, (0.4, -0.7, 2.0))
+        else:
+            scenes.wire(scene.world, [("ShaderNodeBackground", {"Color": (0.3, 0.6, 1.0, 1), "Strength": 2.0}, "Surface")])
+        # Only its light in fog is compared.
+        scene.world.cycles_visibility.camera = False
+        scenes.ball("Fog", (0, 0, 0), 1.5, scenes.material("Fog", *scenes.fog((1.0, 0.8, 0.5), 0.4, 0.6)))
+        scenes.ball("Ball", (0, 0, 0), 0.5, scenes.material("Black", scenes.BLACK))
+
+    return build, 0
+
+
 def fog_box(nodes, *surface, bounces, medium=None):
     """A scene of the second kind: `surface` is the material of a square, or of a ball (if its name says so), below the picture."""
 
@@ -93,6 +112,8 @@ SCENES = {
     "AREA": black_ball("AREA", energy=100.0, shape="RECTANGLE", size=1.0, size_y=0.5),
     "DISK": black_ball("AREA", energy=100.0, shape="DISK", size=1.0, spread=1.2),
     "SUN": black_ball("SUN", energy=3.0, angle=0.05, color=(0.3, 0.6, 1.0)),
+    "WORLD": under_sky(),
+    "SKY": under_sky(picture=True),
     "MESH": fog_box([_shining_square], bounces=0),
     "MULTIPLE": fog_box([], bounces=16, medium=scenes.fog((1, 0.9, 0.8), 0.4, -0.4)),
     "DIFFUSE": fog_box([], _tinted("Diffuse"), bounces=1),

@@ -118,6 +118,26 @@ def cube(name, location, size, made):
     return thing
 
 
+def picture_of_the_sky(world, cells, rotation=(0, 0, 0)):
+    """A world that shines as a picture, (h, w, 3) from the top, turned by a Mapping node."""
+    wire(world, [("ShaderNodeBackground", {}, "Surface")])
+    height, width, _ = cells.shape
+    image = bpy.data.images.new("Sky", width, height, float_buffer=True)
+    image.colorspace_settings.name = "Non-Color"
+    pixels = np.ones((height, width, 4), np.float32)
+    pixels[..., :3] = cells[::-1]
+    image.pixels.foreach_set(pixels.reshape(-1))
+    image.update()
+    tree = world.node_tree
+    place, mapping, sky = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "Mapping", "TexEnvironment"))
+    sky.image, sky.interpolation = image, "Closest"
+    mapping.inputs["Rotation"].default_value = rotation
+    tree.links.new(place.outputs["Generated"], mapping.inputs["Vector"])
+    tree.links.new(mapping.outputs["Vector"], sky.inputs["Vector"])
+    background = next(node for node in tree.nodes if node.type == "BACKGROUND")
+    tree.links.new(sky.outputs["Color"], background.inputs["Color"])
+
+
 BLACK = ("ShaderNodeBsdfDiffuse", {"Color": (0, 0, 0, 1)}, "Surface")
 
 

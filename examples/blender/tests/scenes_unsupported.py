@@ -38,14 +38,8 @@ def _settings(scene):
 
 
 def _world(scene):
-    def surface(tree):
-        background = node(tree, "Background")
-        tree.links.new(node(tree, "TexEnvironment").outputs[0], background.inputs["Color"])
-        return background
-
-    scenes.world(surface, shader("VolumePrincipled", {"Density": 0.02, "Emission Strength": 1.0}))
-    whats = "light from the background", "light that the volume emits"
-    return _all('World "World"', *whats) | _all('Volume of "World"', "may overlap")
+    scenes.world(None, shader("VolumePrincipled", {"Density": 0.02, "Emission Strength": 1.0}))
+    return _all('World "World"', "light that the volume emits") | _all('Volume of "World"', "may overlap")
 
 
 def _objects(scene):

@@ -23,6 +23,8 @@ def irradiance(light):
     """[W/m^2] at POINT of a host.scene.Light by the words of its class, with sums over its surface."""
     if light.kind == LightKind.SUN:
         return light.irradiance * -light.axis[2]
+    if light.kind == LightKind.WORLD:
+        return _of_the_sky(light)
     if light.kind in (LightKind.POINT, LightKind.SPOT):
         # A ball all above the horizon gives what a point would.
         d = light.position - POINT
@@ -41,6 +43,17 @@ def irradiance(light):
     across = np.cross(light.u, light.v)
     patches = _patch(light.position + x * light.u + y * light.v, across / s.size**2, light.radiance, light.spread)
     return np.sum(patches * inside, axis=0)
+
+
+def _of_the_sky(light):
+    """Sums over directions, finer than the cells."""
+    rows, columns, _ = light.sky.shape
+    s = (np.arange(480) + 0.5) / 480
+    theta, azimuth = (m.ravel() for m in np.meshgrid(pi * s, pi * (1 - 2 * s), indexing="ij"))
+    seen = light.sky[(theta / pi * rows).astype(int), ((1 - azimuth / pi) / 2 * columns).astype(int)]
+    ways = np.stack([np.sin(theta) * np.cos(azimuth), np.sin(theta) * np.sin(azimuth), np.cos(theta)], axis=1)
+    up = np.maximum((ways @ light.turn)[:, 2], 0)
+    return (up * np.sin(theta)) @ seen * (2 * pi / 480) * (pi / 480)
 
 
 def _patch(positions, area, radiance, spread=pi / 2, both=False):
@@ -156,6 +169,63 @@ class Lights(unittest.TestCase):
                 self.setUp()
                 self.lamp(kind, **settings)
                 self.compare()
+
+    def test_a_background_of_one_colour_is_that_of_cycles(self):
+        first, second = (scenes.shader("Background", {"Color": c, "Strength": s}) for c, s in (((1, 0.5, 0.2), 2.0), ((0, 1, 1), 0.5)))
+        scenes.world(scenes.joined("AddShader", first, scenes.joined("MixShader", first, second, 0.25)))
+        self.compare(1e-2)
+        scenes.world(scenes.shader("Background", {"Color": (0, 0, 0)}))
+        self.assertEqual(scenes.exported()[0].lights, [])
+
+    def test_a_picture_of_the_sky_is_that_of_cycles_however_it_is_turned(self):
+        cells = np.random.default_rng(1).uniform(0, 1, (8, 16, 3)) ** 6
+
+        def picture(tree, kind=None, rotation=(0, 0, 0), scale=(1, 1, 1)):
+            image = bpy.data.images.new("Sky", 16, 8, float_buffer=True)
+            image.colorspace_settings.name = "Non-Color"
+            image.pixels.foreach_set(np.concatenate([cells[::-1], np.ones((8, 16, 1))], axis=2).astype(np.float32).ravel())
+            image.update()
+            background = scenes.node(tree, "Background", {"Strength": 2.0})
+            sky = scenes.node(tree, "TexEnvironment", interpolation="Closest")
+            sky.image = image
+            tree.links.new(sky.outputs[0], background.inputs["Color"])
+            if kind is not None:
+                mapping = scenes.node(tree, "Mapping", {"Rotation": rotation, "Scale": scale}, vector_type=kind)
+                tree.links.new(scenes.node(tree, "TexCoord").outputs["Generated"], mapping.inputs["Vector"])
+                tree.links.new(mapping.outputs["Vector"], sky.inputs["Vector"])
+            return background
+
+        turn = (1.1, -0.6, 2.5)
+        for kind, rotation in ((None, None), ("POINT", turn), ("TEXTURE", turn), ("VECTOR", turn), ("NORMAL", turn)):
+            with self.subTest(kind):
+                self.setUp()
+                scenes.world(lambda tree: picture(tree, kind, rotation))
+                # Of the 16 x 256 samples, a few percent see the brightest cells.
+                self.compare(3e-2, samples=1024)
+        self.setUp()
+        scenes.world(lambda tree: picture(tree, "POINT", turn, (1, 2, 1)))
+        made, report = scenes.exported()
+        self.assertEqual(made.lights, [])
+        self.assertTrue(report.entries[0].in_fog)
+
+    def test_a_sky_that_cannot_be_read_is_left_out_and_named(self):
+        def computed(tree):
+            background = scenes.node(tree, "Background")
+            tree.links.new(scenes.node(tree, "TexGradient").outputs[0], background.inputs["Color"])
+            return background
+
+        for surface, words in ((computed, "Gradient"), (scenes.shader("Emission"), "Emission as a background")):
+            scenes.world(surface)
+            made, report = scenes.exported()
+            self.assertEqual(made.lights, [])
+            (entry,) = report.entries
+            self.assertIn(words, entry.what)
+            self.assertTrue(entry.in_fog)
+
+    def test_nothing_comes_through_fog_without_end(self):
+        scenes.world(scenes.shader("Background"), scenes.shader("VolumeScatter"))
+        made, report = scenes.exported()
+        self.assertEqual((made.lights, len(report)), ([], 0))
 
     def test_the_emission_node_of_a_light_multiplies_its_strength(self):
         thing = self.lamp("POINT", shadow_soft_size=0.0)

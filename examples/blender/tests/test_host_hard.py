@@ -16,7 +16,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import bpy  # noqa: F401  the add-on is a package of Blender's
 import covbeam_rays
 import host_scenes as scenes
-from addon.host.emission import Ball, Emitter
+from addon.host.emission import Emitter
+from addon.host.emitting import Ball
 from addon.host.extent import lit_ball, scene_ball
 from addon.host.eyes import EyeTracer
 from addon.host.interior import Interiors

@@ -1,23 +1,53 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mean colours of images."""
+"""Colours of images."""
 
 import numpy as np
 
 
 def mean_colour(image):
     """Mean of linear Rec. 709 and alpha of a bpy.types.Image, float64 (4,), or None if it has no pixels to read."""
-    if image is None or image.size[0] * image.size[1] == 0:
+    pixels = _pixels(image)
+    if pixels is None:
         return None
-    pixels = np.empty(len(image.pixels), np.float32)
-    image.pixels.foreach_get(pixels)
     # A million pixels are enough for a mean; an odd stride does not follow rows.
-    pixels = pixels.reshape(-1, image.channels)[:: len(pixels) // image.channels >> 20 | 1]
+    pixels = pixels[:: len(pixels) >> 20 | 1]
     channels = [pixels[:, min(k, image.channels - 1)] for k in range(min(image.channels, 3))]
     if not image.is_float and image.colorspace_settings.name == "sRGB":
         channels = [_linear(c) for c in channels]
     means = [float(np.mean(c, dtype=np.float64)) for c in channels]
     alpha = float(np.mean(pixels[:, 3], dtype=np.float64)) if image.channels == 4 else 1.0
     return np.array([*(means * 3 if len(means) == 1 else (*means, 0.0)[:3]), alpha])
+
+
+def blocks(image, columns):
+    """Linear Rec. 709 of a bpy.types.Image, the top row first, as means of blocks so that there are no more columns than that:
+    float64 (h, w, 3); or None if it has no pixels to read. What is no number, or negative, is black."""
+    pixels = _pixels(image)
+    if pixels is None:
+        return None
+    width, height = image.size
+    # Grey has one channel, or two with alpha.
+    chosen = (0, 1, 2) if image.channels >= 3 else (0, 0, 0)
+    pixels = pixels.reshape(height, width, -1)[::-1, :, chosen]
+    if not image.is_float and image.colorspace_settings.name == "sRGB":
+        pixels = _linear(pixels)
+    pixels = np.maximum(np.nan_to_num(pixels, nan=0.0, posinf=0.0, neginf=0.0), 0)
+    size = -(-width // columns)
+    for axis in (0, 1):
+        ends = np.arange(0, pixels.shape[axis], size)
+        counts = np.diff(ends, append=pixels.shape[axis])
+        sums = np.add.reduceat(pixels, ends, axis=axis, dtype=np.float64)
+        pixels = sums / (counts[:, None, None] if axis == 0 else counts[:, None])
+    return pixels
+
+
+def _pixels(image):
+    """All pixels of an image, as it keeps them: float32 (n, channels), the bottom row first; or None."""
+    if image is None or image.size[0] * image.size[1] == 0:
+        return None
+    pixels = np.empty(len(image.pixels), np.float32)
+    image.pixels.foreach_get(pixels)
+    return pixels.reshape(-1, image.channels)
 
 
 def _linear(encoded):

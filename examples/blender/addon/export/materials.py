@@ -71,32 +71,10 @@ def _note_displacement(values, material, output):
 
 
 def world_fog(world, report):
-    """The Fog that fills the world, or None. What else a world does is reported."""
-    if world is None:
-        return None
-    values = Values(f'World "{world.name}"', report)
-    if not has_nodes(world):
-        if any(world.color):
-            _note_light(values)
+    """The Fog that fills the world, or None."""
+    if world is None or not has_nodes(world):
         return None
     output = world.node_tree.get_output_node("CYCLES")
     if output is None:
         return None
-    end = follow(output.inputs["Surface"])
-    if end.node is not None:
-        if end.node.type == "BACKGROUND":
-            # What a texture looks like does not matter here, only whether it may shine.
-            shines = [values.linked(end.node, name) for name in ("Color", "Strength")]
-            if not shines[0]:
-                shines[0] = values.colour(end.node, "Color", end.groups).any()
-            if not shines[1]:
-                shines[1] = values.number(end.node, "Strength", end.groups) != 0
-            if all(shines):
-                _note_light(values)
-        else:
-            _note_light(values)
-    return fog(values, output.inputs["Volume"])
-
-
-def _note_light(values):
-    values.note("light from the background", "it does not light the fog", in_fog=True)
+    return fog(Values(f'World "{world.name}"', report), output.inputs["Volume"])

@@ -99,6 +99,13 @@ class Values:
         socket = find(node.inputs, identifier)
         return socket is not None and socket.is_linked
 
+    def known(self, node, identifier, groups):
+        """A colour, float64 (3,), or why no constant stands for it, as text."""
+        try:
+            return _colour(self._evaluate(find(node.inputs, identifier), groups))
+        except NotConstant as reason:
+            return str(reason)
+
     def note(self, what, instead, in_fog=False):
         """Adds to the report, for the source."""
         self.report.add(self.source, what, instead, in_fog)

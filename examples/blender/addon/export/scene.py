@@ -11,6 +11,7 @@ from .materials import world_fog
 from .objects import Objects
 from .report import Report
 from .settings import note_clipping, note_settings
+from .sky import sky
 from .volumes import note_overlaps, volume
 
 
@@ -29,6 +30,11 @@ def export(depsgraph, poll=None):
     world = depsgraph.view_layer_eval.world_override or depsgraph.scene_eval.world
     volumes, world_volume = objects.volumes, -1
     fog = world_fog(world, report)
+    lights = list(objects.lights)
+    # Fog without end lets nothing through from infinitely far away.
+    background = sky(world, report) if fog is None else None
+    if background is not None:
+        lights.append(background)
     if fog is not None:
         world_volume = len(volumes)
         volumes.append(volume(world.name, fog, np.full(3, -np.inf), np.full(3, np.inf)))
@@ -45,7 +51,7 @@ def export(depsgraph, poll=None):
         object_closed=np.array(objects.object_closed, bool),
         volumes=volumes,
         world_volume=world_volume,
-        lights=objects.lights,
+        lights=lights,
         camera=eye,
     )
     return scene, report

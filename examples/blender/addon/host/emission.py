@@ -2,20 +2,15 @@
 """How photons leave lights, and the light field that they have there."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from covbeam import LIGHT_FIELD, light_field
 
+from .emitting import CURVATURE, Ball, Emitting, Starts, disk, f32
+from .far_lights import Sun, World
 from .interior import clearance, cleared
 from .scene import LightKind
 from .vectors import around, basis, dot, normalized
-
-#: 1/(4 pi^2): a relative curvature [1/rad^2] as an angular variance [cycles^2/rad^2].
-_CURVATURE = 1 / (4 * np.pi**2)
-
-#: Share of a sun's photons that are aimed at the fog; the others are spread over all that the scene has.
-_AIMED = 0.75
 
 #: Lights on surfaces shine from this far above them, in sizes of the light; and by twice what rounding is worth there.
 _LIFT = 1e-5
@@ -37,30 +32,6 @@ class Emitted:
     light: np.ndarray
     #: LIGHT_FIELD, or None if not asked for.
     field: np.ndarray | None
-
-
-@dataclass(frozen=True)
-class Ball:
-    """A ball, for aiming at what is in it."""
-
-    center: np.ndarray
-    radius: float
-
-    @staticmethod
-    def around(low, high):
-        """The ball around a box."""
-        return Ball(0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low)))
-
-
-class _Starts(NamedTuple):
-    """What an emitter gives Emitted; dark and until for all of them, or of each."""
-
-    origin: np.ndarray
-    direction: np.ndarray
-    power: np.ndarray
-    normal: np.ndarray
-    dark: np.ndarray | float = 0.0
-    until: np.ndarray | float = np.inf
 
 
 class Emitter:
@@ -105,16 +76,6 @@ class Emitter:
         return out
 
 
-def _f32(v):
-    return np.asarray(v, np.float32)
-
-
-def _disk(u, v):
-    """Points of the unit disk: (n, 2)."""
-    r, phi = np.sqrt(u), np.float32(2 * np.pi) * v
-    return np.stack([r * np.cos(phi), r * np.sin(phi)], axis=1)
-
-
 def _lifted(origin, size, normal):
     """Places on a light of some size, moved off it: float64 (n, 3)."""
     return origin + (_LIFT * size + 2 * clearance(origin))[:, None] * normal
@@ -122,18 +83,12 @@ def _lifted(origin, size, normal):
 
 def _across(direction, u, v):
     """Points of the unit disks across directions: (n, 3), and their squared distances from the centre: (n,)."""
-    disk = _disk(u, v)
+    place = disk(u, v)
     e, f = basis(direction)
-    return disk[:, :1] * e + disk[:, 1:] * f, np.minimum(np.sum(disk * disk, axis=1), np.float32(1 - 2.0**-24))
+    return place[:, :1] * e + place[:, 1:] * f, np.minimum(np.sum(place * place, axis=1), np.float32(1 - 2.0**-24))
 
 
-class _Light:
-    """What all emitters are worth, in photons a watt: 1, but for the insides of balls."""
-
-    worth = 1.0
-
-
-class _Point(_Light):
+class _Point(Emitting):
     """A ball, or a point. In each direction a ball shines as a disk across it, evenly: the cosine foreshortens it.
 
     So it sends the same radiance L along all lines that meet it. Lamps differ in where along such a line, at b < R from the
@@ -152,22 +107,22 @@ class _Point(_Light):
         self.flux = 4 * np.pi * light.intensity
 
     def _directions(self, u, v):
-        axis = np.broadcast_to(_f32((0, 0, 1)), (len(u), 3))
+        axis = np.broadcast_to(f32((0, 0, 1)), (len(u), 3))
         return around(axis, 1 - 2 * u, v), np.ones_like(u)
 
     def emit(self, numbers):
         light = self._light
         direction, weight = self._directions(numbers[:, 0], numbers[:, 1])
-        power, center = weight[:, None] * _f32(self.flux), _f32(cleared(light.position))
-        nowhere, radius = np.zeros_like(direction), _f32(light.radius)
+        power, center = weight[:, None] * f32(self.flux), f32(cleared(light.position))
+        nowhere, radius = np.zeros_like(direction), f32(light.radius)
         if light.radius == 0:
-            return _Starts(np.broadcast_to(center, direction.shape), direction, power, nowhere)
+            return Starts(np.broadcast_to(center, direction.shape), direction, power, nowhere)
         across, distance2 = _across(direction, numbers[:, 2], numbers[:, 3])
         height = np.sqrt(1 - distance2)
         if light.soft:
-            return _Starts(center + radius * across, direction, power, nowhere, dark=radius * distance2 / height)
+            return Starts(center + radius * across, direction, power, nowhere, dark=radius * distance2 / height)
         normal = across + height[:, None] * direction
-        return _Starts(center + radius * normal, direction, power, normal)
+        return Starts(center + radius * normal, direction, power, normal)
 
     def fields(self, direction, normal):
         return self._widened(direction, light_field.EVEN_LAMP)
@@ -199,11 +154,11 @@ class _Within(_Point):
     def emit(self, numbers):
         direction, weight = self._directions(numbers[:, 0], numbers[:, 1])
         across, distance2 = _across(direction, numbers[:, 2], numbers[:, 3])
-        height, radius = np.sqrt(1 - distance2), _f32(self._light.radius)
-        begin = _f32(self._begin) * height
-        origin = _f32(cleared(self._light.position)) + radius * (across + begin[:, None] * direction)
-        power = weight[:, None] * _f32(self.flux)
-        return _Starts(origin, direction, power, np.zeros_like(direction), until=radius * (height - begin))
+        height, radius = np.sqrt(1 - distance2), f32(self._light.radius)
+        begin = f32(self._begin) * height
+        origin = f32(cleared(self._light.position)) + radius * (across + begin[:, None] * direction)
+        power = weight[:, None] * f32(self.flux)
+        return Starts(origin, direction, power, np.zeros_like(direction), until=radius * (height - begin))
 
 
 class _Spot(_Point):
@@ -213,9 +168,9 @@ class _Spot(_Point):
 
     def _directions(self, u, v):
         light = self._light
-        axis = np.broadcast_to(_f32(light.axis), (len(u), 3))
+        axis = np.broadcast_to(f32(light.axis), (len(u), 3))
         direction = around(axis, 1 - u * np.float32(1 - light.cosine), v)
-        q = np.clip((dot(direction, axis) - _f32(light.cosine)) / _f32(light.blend), 0, 1)
+        q = np.clip((dot(direction, axis) - f32(light.cosine)) / f32(light.blend), 0, 1)
         return direction, q * q * (3 - 2 * q)
 
     def fields(self, direction, normal):
@@ -235,7 +190,7 @@ class _Spot(_Point):
         bend = np.where(soft, sine**2 * second - cosine * first, 0)
         towards = np.maximum(np.abs(bend - 2), slope**2)
         about = np.abs(np.where(soft, -cosine * first, 0) - 2)
-        variances = np.stack([towards, about], axis=1).astype(np.float32) * np.float32(_CURVATURE)
+        variances = np.stack([towards, about], axis=1).astype(np.float32) * np.float32(CURVATURE)
         axes = np.where(soft[:, None], axis, basis(direction)[0]).astype(np.float32)
         spatial = 1 / (np.pi * light.radius) ** 2 if light.radius > 0 else np.inf
         return light_field.gaussian(direction, axes, (spatial, spatial), variances)
@@ -244,14 +199,14 @@ class _Spot(_Point):
 def _diffuse_fields(direction, normal, radius):
     """Of a patch that shines as a Lambert surface: cos/d^2 has a relative curvature of 3/d^2, and beyond 60 degrees the
     gradient of the cosine, its tangent squared, outweighs it."""
-    field = light_field.disk(direction, normal, radius, 3 * _CURVATURE)
+    field = light_field.disk(direction, normal, radius, 3 * CURVATURE)
     cosine = np.maximum(np.abs(dot(direction, normal)), 1e-3)
-    more = np.maximum((1 / cosine**2 - 4) * np.float32(_CURVATURE), 0)
+    more = np.maximum((1 / cosine**2 - 4) * np.float32(CURVATURE), 0)
     light_field.narrow(field, normal, more)
     return field
 
 
-class _Area(_Light):
+class _Area(Emitting):
     def __init__(self, light, fog, scene):
         self._light = light
         self._normal = np.cross(light.u, light.v)
@@ -263,9 +218,9 @@ class _Area(_Light):
         self._size = np.sqrt(self._area)
 
     def emit(self, numbers):
-        light, normal = self._light, _f32(self._normal)
+        light, normal = self._light, f32(self._normal)
         if light.round:
-            place = 0.5 * _disk(numbers[:, 2], numbers[:, 3])
+            place = 0.5 * disk(numbers[:, 2], numbers[:, 3])
         else:
             place = numbers[:, 2:4] - np.float32(0.5)
         origin = _lifted(light.position + place[:, :1] * light.u + place[:, 1:] * light.v, self._size, self._normal)
@@ -281,69 +236,16 @@ class _Area(_Light):
             tangent = np.tan(light.spread)
             weight *= np.maximum((tangent - np.sqrt(sine2) / cosine) / (tangent - light.spread), 0)
         direction = around(normals, cosine, numbers[:, 1])
-        return _Starts(_f32(origin), direction, weight[:, None] * _f32(self.flux), normals)
+        return Starts(f32(origin), direction, weight[:, None] * f32(self.flux), normals)
 
     def fields(self, direction, normal):
         field = _diffuse_fields(direction, normal, np.float32(np.sqrt(self._area / np.pi)))
         if self._light.spread < np.pi / 2:
-            light_field.narrow(field, normal, np.float32(_CURVATURE / np.tan(self._light.spread) ** 2))
+            light_field.narrow(field, normal, np.float32(CURVATURE / np.tan(self._light.spread) ** 2))
         return field
 
 
-class _Sun(_Light):
-    """Photons start on disks across the light, one as wide as the fog and one as wide as the scene, ahead of both."""
-
-    def __init__(self, light, fog, scene):
-        self._light = light
-        self._balls = [fog, scene]
-        self._areas = [np.pi * ball.radius**2 for ball in self._balls]
-        self._start = fog.radius + scene.radius + float(np.linalg.norm(fog.center - scene.center))
-        self.flux = light.irradiance / self._density_at_best()
-
-    def _density_at_best(self):
-        return _AIMED / self._areas[0] + (1 - _AIMED) / self._areas[1]
-
-    def _directions(self, u, v):
-        # Evenly over the cap; its height is 2 sin^2(angle/2), of which single precision would leave little.
-        fall = u * 2 * np.sin(0.5 * self._light.angle) ** 2
-        sine, phi = np.sqrt(fall * (2 - fall)), 2 * np.pi * v
-        axis = np.asarray(self._light.axis, np.float64)[None]
-        axis = axis / np.linalg.norm(axis)
-        e, f = basis(axis)
-        direction = (sine * np.cos(phi))[:, None] * e + (sine * np.sin(phi))[:, None] * f + (1 - fall)[:, None] * axis
-        return direction / np.linalg.norm(direction, axis=1, keepdims=True)
-
-    def emit(self, numbers):
-        light, count = self._light, len(numbers)
-        # The choice of the disk takes its share of a number, which is then uniform again.
-        aimed = numbers[:, 2] < _AIMED
-        u = np.where(aimed, numbers[:, 2] / _AIMED, (numbers[:, 2] - _AIMED) / (1 - _AIMED))
-        disk = _disk(np.clip(u, 0, 1), numbers[:, 3]).astype(np.float64)
-        direction = self._directions(numbers[:, 0].astype(np.float64), numbers[:, 1].astype(np.float64))
-        e, f = basis(direction)
-        radius = np.where(aimed, self._balls[0].radius, self._balls[1].radius)[:, None]
-        center = np.where(aimed[:, None], self._balls[0].center, self._balls[1].center)
-        origin = center + radius * (disk[:, :1] * e + disk[:, 1:] * f) - self._start * direction
-        # The density of both disks together at this photon's line. In double precision, directions too: the scene may
-        # be 1e6 times as large as the fog.
-        density = np.zeros(count)
-        for ball, area, share in zip(self._balls, self._areas, (_AIMED, 1 - _AIMED)):
-            to = origin - ball.center
-            across = to - np.einsum("ij,ij->i", to, direction)[:, None] * direction
-            density += np.where(np.einsum("ij,ij->i", across, across) <= ball.radius**2 * (1 + 1e-6), share / area, 0)
-        # The directions lie aslant to the axis, across which the irradiance is: (1 + cos)/2 on average.
-        aslant = 2 / (1 + np.cos(light.angle))
-        power = aslant * light.irradiance / density[:, None]
-        return _Starts(_f32(origin), _f32(direction), _f32(power), np.zeros((count, 3), np.float32))
-
-    def fields(self, direction, normal):
-        # Uniform in space; its directions fill a disk, whose spectrum is that of a uniform disk of this radius.
-        angle = max(self._light.angle, 1e-6)
-        variance = np.float32(1 / (np.pi * angle) ** 2)
-        return light_field.gaussian(direction, basis(direction)[0], (0.0, 0.0), (variance, variance))
-
-
-class _Mesh(_Light):
+class _Mesh(Emitting):
     """Triangles that shine on both sides, drawn by area."""
 
     def __init__(self, light, fog, scene):
@@ -370,9 +272,9 @@ class _Mesh(_Light):
         normal = side[:, None] * self._cross[index] / np.linalg.norm(self._cross[index], axis=1, keepdims=True)
         origin = a + (root * (1 - v))[:, None] * (b - a) + (root * v)[:, None] * (c - a)
         origin = _lifted(origin, np.sqrt(self._area), normal)
-        normals = normalized(_f32(normal))
+        normals = normalized(f32(normal))
         direction = around(normals, np.sqrt(np.maximum(1 - numbers[:, 0], np.float32(1e-7))), numbers[:, 1])
-        return _Starts(_f32(origin), direction, np.broadcast_to(_f32(self.flux), (len(numbers), 3)), normals)
+        return Starts(f32(origin), direction, np.broadcast_to(f32(self.flux), (len(numbers), 3)), normals)
 
     def fields(self, direction, normal):
         return _diffuse_fields(direction, normal, np.float32(np.sqrt(self._area / np.pi)))
@@ -382,6 +284,7 @@ _EMITTERS = {
     LightKind.POINT: _Point,
     LightKind.SPOT: _Spot,
     LightKind.AREA: _Area,
-    LightKind.SUN: _Sun,
+    LightKind.SUN: Sun,
     LightKind.MESH: _Mesh,
+    LightKind.WORLD: World,
 }

@@ -4,7 +4,7 @@
 import covbeam
 import numpy as np
 
-from .emission import Ball
+from .emitting import Ball
 from .scene import LightKind
 
 #: The world's fog is looked at as far as this optical depth from camera and lights.
@@ -40,7 +40,7 @@ def _lights_and_camera(scene):
         if light.kind == LightKind.MESH:
             corners = light.triangles.reshape(-1, 3).astype(np.float64)
             points += [corners.min(axis=0), corners.max(axis=0)]
-        elif light.kind != LightKind.SUN:
+        elif light.kind not in (LightKind.SUN, LightKind.WORLD):
             points.append(np.asarray(light.position, np.float64))
     return np.array(points)
 

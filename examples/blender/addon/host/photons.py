@@ -74,9 +74,9 @@ class PhotonTracer:
         starts = [interiors.at(place) for place in self._places]
         self._inside = np.array([inside for inside, _ in starts], np.uint64)
         self._glass = np.array([glass for _, glass in starts], bool)
-        # Suns start ahead of everything.
-        self._sun = np.array([light.kind == LightKind.SUN for light in scene.lights], bool)
-        self._inside[self._sun], self._glass[self._sun] = 0, False
+        # What comes from infinitely far away starts ahead of everything.
+        self._far = np.array([light.kind in (LightKind.SUN, LightKind.WORLD) for light in scene.lights], bool)
+        self._inside[self._far], self._glass[self._far] = 0, False
         count = len(scene.volumes)
         self._scattering = np.zeros((count, 3), np.float32)
         for index, volume in enumerate(scene.volumes):
@@ -114,7 +114,7 @@ class PhotonTracer:
         sampler = Sampler(self._seed, sequence, indices)
         start = self._emitter.emit(sampler, count, with_fields)
         inside, glass = self._inside[start.light], self._glass[start.light]
-        placed = np.flatnonzero(~self._sun[start.light])
+        placed = np.flatnonzero(~self._far[start.light])
         inside[placed], glass[placed] = self._interiors.moved(
             inside[placed], glass[placed], self._places[start.light[placed]], start.origin[placed]
         )

@@ -50,6 +50,16 @@ class View:
             labels = (labels >> np.uint64(32)).astype(np.uint32) | np.uint32(1)
             ask(poll)
             self.regions = np.where((self.regions == 0) | (fog == 0), np.uint32(0), labels)
+        ask(poll)
+        #: Of even light in the fog, which is as bright as there is fog to be seen: covariance of its spectrum around each pixel,
+        #: xx, xy and yy [cycles^2/pixel^2].
+        self.bend = _bend(self._fog_seen().reshape(height, width), self.regions.reshape(height, width)).reshape(-1, 3)
+
+    def _fog_seen(self):
+        """Share of the light on the way through the first fog that this takes: (n,)."""
+        extinction = self._scene.extinctions.mean(axis=1)[self.volume]
+        depth = np.where(extinction > 0, extinction * (self.stretch[:, 1] - self.stretch[:, 0]), 0)
+        return -np.expm1(-depth)
 
     def steps(self, at):
         """PIXEL_STEP (n, 2) of the pieces of fog of some pixels."""
@@ -74,6 +84,35 @@ class View:
         return rays
 
 
+def _bend(picture, regions):
+    """Second derivatives of a picture (h, w) over its values, taken as frequencies: (h, w, 3), 0 beside other regions.
+
+    The spectrum of f has the covariance -f''/f / (4 pi^2) if it is positive; where f bends the other way filters err as much.
+    """
+    bend = np.zeros((*picture.shape, 3), np.float32)
+    if min(picture.shape) < 3:
+        return bend
+    height, width = picture.shape
+    shifted = {(i, j): picture[1 + i : height - 1 + i, 1 + j : width - 1 + j] for i in (-1, 0, 1) for j in (-1, 0, 1)}
+    here = shifted[0, 0]
+    xx = shifted[0, 1] - 2 * here + shifted[0, -1]
+    yy = shifted[1, 0] - 2 * here + shifted[-1, 0]
+    xy = 0.25 * (shifted[1, 1] - shifted[1, -1] - shifted[-1, 1] + shifted[-1, -1])
+    # |H|: with the eigenvalues m +- r, I where they have the same sign, else what turns one around.
+    mean, half = 0.5 * (xx + yy), 0.5 * (xx - yy)
+    size = np.hypot(half, xy)
+    same = np.abs(mean) >= size
+    turned = np.maximum(size, 1e-30)
+    even = np.where(same, np.abs(mean), size)
+    along = np.where(same, np.sign(mean), mean / turned)
+    inside = regions[1:-1, 1:-1]
+    borders = [regions[1 + i : height - 1 + i, 1 + j : width - 1 + j] != inside for i, j in shifted]
+    known = (here > 0) & (inside != 0) & ~np.any(borders, axis=0)
+    scale = np.where(known, 1 / (4 * np.pi**2 * np.maximum(here, 1e-30)), 0)
+    bend[1:-1, 1:-1] = np.stack([even + along * half, along * xy, even - along * half], axis=-1) * scale[..., None]
+    return bend
+
+
 def spectra_at(pixels, view, scene, grids, poll):
     """IMAGE_SPECTRUM of some pixels: (n, 2) of x and y.
 
@@ -89,6 +128,8 @@ def spectra_at(pixels, view, scene, grids, poll):
             at = nodes[piece]
             if len(at):
                 spectra[piece] = image.along(grid, scene.volumes[number].medium, view.rays(at), view.steps(at))
+                for name, bend in zip(("xx", "xy", "yy"), view.bend[at].T):
+                    spectra[name][piece] += np.where(spectra["weight"][piece] > 0, bend, 0)
     return spectra
 
 

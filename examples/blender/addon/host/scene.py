@@ -54,6 +54,8 @@ class LightKind(IntEnum):
     SUN = 3
     #: Triangles with `radiance` on both sides.
     MESH = 4
+    #: What is around the scene, infinitely far away: `sky`, turned by `turn`.
+    WORLD = 5
 
 
 @dataclass(frozen=True)
@@ -88,6 +90,11 @@ class Light:
     angle: float = 0.0
     #: MESH: corners, float32 of shape (n, 3, 3) [m].
     triangles: np.ndarray = field(default_factory=lambda: np.zeros((0, 3, 3), np.float32))
+    #: WORLD: radiance [W/(m^2 sr)] that arrives from cells of equal angles, float32 of shape (h, w, 3). Rows run from +Z down to -Z,
+    #: columns in azimuth from pi, by way of +X in the middle, down to -pi.
+    sky: np.ndarray = field(default_factory=lambda: np.zeros((1, 1, 3), np.float32))
+    #: WORLD: the direction in `sky` is this matrix times that in the scene; a rotation, float64 of shape (3, 3).
+    turn: np.ndarray = field(default_factory=lambda: np.eye(3))
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,8 @@ import covbeam_rays
 import numpy as np
 
 from . import Cancelled, ask
-from .emission import Ball, Emitter
+from .emission import Emitter
+from .emitting import Ball
 from .extent import grid_layout, lit_ball, scene_ball, typical_radiance
 from .eyes import EyeTracer
 from .film import Film

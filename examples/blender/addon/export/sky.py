@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A world's background -> host.scene.Light."""
+
+import numpy as np
+from mathutils import Euler
+
+from ..host.scene import Light, LightKind
+from .images import blocks
+from .materials import has_nodes
+from .nodes import Values, closures, find, follow
+
+#: A sky has no more columns than this: a third of a degree each.
+_COLUMNS = 1024
+
+
+def sky(world, report):
+    """The light that comes from a bpy.types.World's background, or None if it is black.
+
+    Colours that are constant, and pictures of the whole sky, which may be turned. In the world's own fog the caller must not ask: that has
+    no end, and nothing gets through.
+    """
+    if world is None:
+        return None
+    values = Values(f'World "{world.name}"', report, in_fog=True)
+    if not has_nodes(world):
+        return _light(world, np.array(world.color, np.float64), None)
+    output = world.node_tree.get_output_node("CYCLES")
+    if output is None:
+        return None
+    constant, picture = np.zeros(3), None
+    for node, groups, share in closures(values, output.inputs["Surface"], (), 1.0):
+        if node.type != "BACKGROUND":
+            _left_out(values, f"{node.bl_label} as a background")
+            continue
+        strength = share * values.number(node, "Strength", groups)
+        if not strength > 0:
+            continue
+        end = follow(find(node.inputs, "Color"), groups)
+        if end.node is not None and end.node.type == "TEX_ENVIRONMENT":
+            found = _picture(values, end.node, end.groups)
+            if found is None:
+                continue
+            if picture is not None:
+                _left_out(values, f"a second picture of the sky, {end.node.name}")
+                continue
+            cells, turn = found
+            picture = strength * cells, turn
+            continue
+        colour = values.known(node, "Color", groups)
+        if isinstance(colour, str):
+            _left_out(values, f"light of the background, which comes from {colour}")
+        else:
+            constant += strength * np.maximum(colour, 0)
+    light = _light(world, constant, picture)
+    if light is not None and not (world.cycles_visibility.scatter and world.cycles_visibility.diffuse):
+        values.note("Ray Visibility of the background", "it lights fog and surfaces all the same", in_fog=True)
+    return light
+
+
+def _left_out(values, what):
+    values.note(what, "it does not light the fog", in_fog=True)
+
+
+def _light(world, constant, picture):
+    cells, turn = (np.zeros((1, 1, 3)), np.eye(3)) if picture is None else picture
+    cells = (cells + constant).astype(np.float32)
+    if not cells.any():
+        return None
+    return Light(world.name, LightKind.WORLD, sky=cells, turn=turn)
+
+
+def _picture(values, node, groups):
+    """Radiance of the cells of an Environment Texture, and how it is turned; None if it cannot be read."""
+    if node.projection != "EQUIRECTANGULAR":
+        _left_out(values, f"{node.name}, which is no equirectangular picture")
+        return None
+    turn = _turn(values, follow(find(node.inputs, "Vector"), groups))
+    cells = blocks(node.image, _COLUMNS)
+    if turn is None or cells is None:
+        _left_out(values, f"light of {node.name}, whose {'image' if cells is None else 'vector'} cannot be read")
+        return None
+    return cells, turn
+
+
+def _turn(values, end):
+    """The rotation from directions to those in a picture that an input of vectors stands for, (3, 3); None if it is none."""
+    node = end.node
+    if node is None or (node.type == "TEX_COORD" and end.socket.identifier == "Generated" and node.object is None):
+        return np.eye(3)
+    if node.type != "MAPPING":
+        return None
+    before = _turn(values, follow(find(node.inputs, "Vector"), end.groups))
+    parts = {}
+    for name, plain in (("Location", (0, 0, 0)), ("Rotation", None), ("Scale", (1, 1, 1))):
+        socket = find(node.inputs, name)
+        # Directions have no place.
+        if socket is None:
+            continue
+        parts[name] = values.known(node, name, end.groups)
+        if isinstance(parts[name], str) or (plain is not None and not np.allclose(parts[name], plain)):
+            return None
+    if before is None:
+        return None
+    turn = np.array(Euler(parts["Rotation"], "XYZ").to_matrix(), np.float64)
+    return (turn.T if node.vector_type == "TEXTURE" else turn) @ before
