@@ -362,11 +362,11 @@ static void random_sequence(void) {
     end();
 }
 
-/* Every parameter of every function, spoiled in every way, on objects of several states. */
-static void systematic(void) {
+/* Every parameter of every function, spoiled in every way, on objects of so many states. */
+static void systematic(uint64_t states) {
     for (size_t f = 0; f < function_count; f++) {
         const struct function *function = &functions[f];
-        for (int repeat = 0; repeat < 6; repeat++) {
+        for (uint64_t state = 0; state < states; state++) {
             begin();
             furnish();
             call_function(function, NULL, 0, true);
@@ -416,8 +416,8 @@ int main(int argc, char **argv) {
         memset(directions, 0, 11);
         return (int)covbeam_light_field_point(directions, angle, fields_out);
     }
-    if (argc != 3) {
-        fprintf(stderr, "usage: hostile SEQUENCES SEED\n");
+    if (argc != 3 && argc != 4) {
+        fprintf(stderr, "usage: hostile SEQUENCES SEED [STATES]\n");
         return 2;
     }
     const uint64_t sequences = strtoull(argv[1], NULL, 10);
@@ -425,7 +425,7 @@ int main(int argc, char **argv) {
     random_state = seed * 0x9e3779b97f4a7c15u + 0x1234567;
     check_others();
     for (size_t i = 0; i < function_count; i++) describe(&functions[i]);
-    systematic();
+    systematic(argc == 4 ? strtoull(argv[3], NULL, 10) : 6);
     const uint64_t first = calls;
     for (sequence = 1; sequence <= sequences; sequence++) random_sequence();
     printf("seed %llu: %llu systematic calls; %llu sequences of %llu calls; %llu cancelled after the first question\n",

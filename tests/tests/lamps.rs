@@ -6,6 +6,7 @@ use covbeam_render::scene::Scene;
 use covbeam_tests::single_scatter::{Density, Emission, Lamp, World, sunflower};
 use covbeam_tests::statistics::Sample;
 use glam::DVec3;
+use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -150,7 +151,8 @@ fn around_a_point_beams_show_the_airlight_as_their_kernel_blurs_it_and_lose_none
                 * blurred(h, radius, &look_up)
                 * ((ABSORPTION + SCATTERING) * nearer).exp()
         };
-        let truth: Vec<f64> = (0..SIZE * SIZE).map(|pixel| pixel_mean(&scene, pixel, &radiance)).collect();
+        let truth: Vec<f64> =
+            (0..SIZE * SIZE).into_par_iter().map(|pixel| pixel_mean(&scene, pixel, &radiance)).collect();
         for (ring, [sample, _]) in RINGS.iter().zip(measured(&scene, Method::Ppb, rings(&truth))) {
             println!("radius {radius}, ring {ring:?}: {:.4} ± {:.4}", sample.mean, sample.error);
             // The table takes eye and wall to be square to the ray: .1 m of the stretches' ends at 1 m aside, 1e-3 of the light.
@@ -210,7 +212,8 @@ fn a_lamps_own_region_has_all_its_light() {
             worlds.iter().map(|world| world.radiance(eye, direction, 60).x).sum::<f64>() / worlds.len() as f64
         };
         let scene = scene(light, 0.04);
-        let truth: Vec<f64> = (0..SIZE * SIZE).map(|pixel| pixel_mean(&scene, pixel, &radiance)).collect();
+        let truth: Vec<f64> =
+            (0..SIZE * SIZE).into_par_iter().map(|pixel| pixel_mean(&scene, pixel, &radiance)).collect();
         for method in [Method::Ppb, Method::Adaptive] {
             for (ring, [_, within]) in RINGS.iter().zip(measured(&scene, method, rings(&truth))).skip(2) {
                 println!(
