@@ -49,6 +49,18 @@ def black_ball(light, place=(0.3, 0, 2.5), soft=False, **values):
     return build, 0
 
 
+def out_of_focus():
+    """The shadow of a black ball that the lens blurs, as far as to a third of the picture, with five blades."""
+
+    def build(scene):
+        black_ball("POINT", energy=300.0, shadow_soft_size=0.0)[0](scene)
+        dof = scene.camera.data.dof
+        dof.use_dof, dof.focus_distance, dof.aperture_fstop = True, 2.0, 0.05
+        dof.aperture_blades, dof.aperture_rotation, dof.aperture_ratio = 5, 0.4, 1.5
+
+    return build, 0
+
+
 def under_sky(picture=False):
     """The shadow of a black ball in a ball of fog whose light all comes from the world. The fog sends light on forwards, so that the
     picture is lit unevenly if the sky is: it has a bright patch above and behind, and is turned about all axes."""
@@ -112,6 +124,7 @@ SCENES = {
     "AREA": black_ball("AREA", energy=100.0, shape="RECTANGLE", size=1.0, size_y=0.5),
     "DISK": black_ball("AREA", energy=100.0, shape="DISK", size=1.0, spread=1.2),
     "SUN": black_ball("SUN", energy=3.0, angle=0.05, color=(0.3, 0.6, 1.0)),
+    "FOCUS": out_of_focus(),
     "WORLD": under_sky(),
     "SKY": under_sky(picture=True),
     "MESH": fog_box([_shining_square], bounces=0),

@@ -33,7 +33,7 @@ def _settings(scene):
     return (
         _all('Scene "Scene"', "motion blur", "stereoscopy", "Film Exposure")
         | _all('View layer "ViewLayer"', "Surfaces", "Volumes", "material override")
-        | _all('Camera "Camera"', "depth of field", "objects beyond Clip End", "Clip End, which ends the fog")
+        | _all('Camera "Camera"', "objects beyond Clip End", "Clip End, which ends the fog")
     )
 
 

@@ -108,6 +108,22 @@ class CameraTest(unittest.TestCase):
         self.eye.scale = (2.0, 0.5, 3.0)
         self.check()
 
+    def test_depth_of_field_has_the_opening_and_the_distance_of_blender(self):
+        self.assertIsNone(self.export().aperture)
+        data = self.eye.data
+        data.lens, data.dof.use_dof, data.dof.focus_distance, data.dof.aperture_fstop = 80, True, 3.5, 1.6
+        data.dof.aperture_blades, data.dof.aperture_rotation, data.dof.aperture_ratio = 6, 0.3, 2.0
+        made = self.export().aperture
+        # Focal length over f-number is the diameter.
+        self.assertAlmostEqual(made.radius, 0.08 / 1.6 / 2, 6)
+        self.assertEqual((made.focus, made.blades), (3.5, 6))
+        np.testing.assert_allclose((made.rotation, made.ratio), (0.3, 2.0), rtol=1e-6)
+        # Of an object what counts is how far it is along the view.
+        data.dof.focus_object = scenes.add(None, location=(0.1, 0.2, 1.0))
+        away = np.array((0.1, 0.2, 1.0)) - (3.0, -4.0, 2.0)
+        along = np.array((0.1, 0.2, -0.3)) - (3.0, -4.0, 2.0)
+        self.assertAlmostEqual(self.export().aperture.focus, float(away @ along / np.linalg.norm(along)), 5)
+
     def test_cameras_without_perspective_are_refused_with_a_remedy(self):
         for kind in ("ORTHO", "PANO"):
             self.eye.data.type = kind

@@ -3,6 +3,7 @@
 
 import sys
 import unittest
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ from addon.host.eyes import EyeTracer
 from addon.host.interior import Interiors
 from addon.host.photons import PhotonTracer
 from addon.host.sampler import Sampler
-from addon.host.scene import MATERIAL, Light, LightKind
+from addon.host.scene import MATERIAL, Aperture, Light, LightKind
 from addon.host.session import Session, Settings
 from addon.host.surfaces import Lobe, follow, meet, weights
 from covbeam import Phase
@@ -212,6 +213,59 @@ class Light_(unittest.TestCase):
         out = emitter.emit(Sampler(3, 0, np.arange(4096, dtype=np.uint32)), 4096, False)
         self.assertAlmostEqual(float((out.light == 1).mean()), 0.75, delta=1e-3)
         np.testing.assert_allclose(out.power.mean(), 16 * np.pi, rtol=1e-3)
+
+
+class Lens(unittest.TestCase):
+    """Eye rays through an opening."""
+
+    def test_places_fill_the_opening_evenly(self):
+        # As many as all numbers of blades divide.
+        u, v = (m.ravel() for m in np.meshgrid((np.arange(480) + 0.5) / 480, (np.arange(480) + 0.5) / 480))
+        for blades in (0, 3, 5, 8):
+            place = Aperture(0.5, 1.0, blades, 0.7, 2.0).places(u, v) * (2, 1)
+            np.testing.assert_allclose(place.mean(axis=0), 0, atol=1e-3)
+            # Mean of r^2: R^2/2 of a disk, R^2 (2 + cos(2 pi/n)) / 6 of a polygon with corners at R; the same both ways.
+            mean = 0.125 if blades == 0 else 0.25 * (2 + np.cos(2 * np.pi / blades)) / 6
+            np.testing.assert_allclose((place**2).mean(axis=0), mean / 2, rtol=2e-3)
+            self.assertAlmostEqual((place[:, 0] * place[:, 1]).mean(), 0, delta=1e-3)
+            self.assertLessEqual(np.hypot(*place.T).max(), 0.5)
+
+    def test_what_is_at_the_distance_of_focus_is_sharp(self):
+        view = replace(scenes.camera((0.3, 0.2, -4), (0, 0, 0), 40, 16, 16), aperture=Aperture(0.3, 2.5, 5))
+        numbers = np.random.default_rng(1).uniform(size=(4, 500))
+        pinhole = view.directions(16 * numbers[0], 16 * numbers[1])
+        offset, direction = view.through_lens(pinhole, numbers[2], numbers[3])
+        along = 2.5 / (direction @ view.forward)
+        expected = pinhole * (2.5 / (pinhole @ view.forward))[:, None]
+        np.testing.assert_allclose(offset + along[:, None] * direction, expected, atol=2e-6)
+        np.testing.assert_allclose(offset @ view.forward, 0, atol=1e-6)
+
+    def test_a_lens_shows_the_mean_of_the_pinholes_in_its_opening(self):
+        lamp, fog = scenes.point((0, 2.5, 0), 25), scenes.volume("fog", 0.2, 0.02)
+        view = scenes.camera((0, 0, -5), (0, 0, 0), 35, 24, 24)
+        ball = scenes.icosphere(0.5), scenes.BLACK, -1
+
+        def pictures(view, seeds, passes):
+            made = scenes.scene([ball], [lamp], [fog], view, world=0)
+            runs = (rendered(made, passes, seed=seed, photons=8000) for seed in seeds)
+            return [run.in_scattered[..., 0].astype(np.float64) for run in runs]
+
+        # Pixels see the plane of focus, which does not move. 0.4 (1/2 - 1/5) are 4.6 pixels, and the ball is 8 wide.
+        opening, focus = 0.4, 2.0
+        places = Aperture(opening, focus).places(*((np.arange(24) + 0.5) * k % 1 for k in (1 / 24, 0.618034)))
+        means = []
+        for index, (x, y) in enumerate(places):
+            shift = x * view.right + y * view.up
+            moved = replace(view, position=view.position + shift, left=view.left - x / focus, top=view.top - y / focus)
+            means.append(pictures(moved, [100 + index], 2)[0])
+        expected = np.mean(means, axis=0).reshape(6, 4, 6, 4).mean(axis=(1, 3))
+        runs = np.array(pictures(replace(view, aperture=Aperture(opening, focus)), range(6), 4)).reshape(6, 6, 4, 6, 4).mean(axis=(2, 4))
+        error = runs.std(axis=0, ddof=1) / 6**0.5
+        # 24 places of a disk know a border within it to some 5 % of the step there.
+        np.testing.assert_array_less(np.abs(runs.mean(axis=0) / expected - 1), 0.03 + 5 * error / expected)
+        sharp = np.mean(pictures(view, range(3), 4), axis=0).reshape(6, 4, 6, 4).mean(axis=(1, 3))
+        # A pinhole would not pass: twice what is allowed.
+        self.assertGreater(np.abs(sharp / expected - 1).max(), 0.06, "no blur to be seen")
 
 
 class Surface(unittest.TestCase):

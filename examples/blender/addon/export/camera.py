@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from ..host.scene import Camera
+from ..host.scene import Aperture, Camera
 from .report import Untranslatable
 
 
@@ -70,7 +70,26 @@ def camera(depsgraph, camera_object, width, height, border):
         height=bottom - top,
         # Cycles' rays begin here too: without, fog is 1 % darker at the default of 0.1 m.
         near=evaluated.data.clip_start,
+        aperture=_aperture(evaluated.data, depsgraph, position, forward),
     )
+
+
+def _aperture(data, depsgraph, position, forward):
+    """The opening of Cycles' lens, or None without depth of field."""
+    dof = data.dof
+    if not dof.use_dof:
+        return None
+    focus = dof.focus_distance
+    if dof.focus_object is not None:
+        matrix = dof.focus_object.evaluated_get(depsgraph).matrix_world
+        bone = dof.focus_object.pose and dof.focus_object.pose.bones.get(dof.focus_subtarget)
+        if bone:
+            matrix = matrix @ bone.matrix
+        focus = abs((np.array(matrix.translation, np.float64) - position) @ forward)
+    radius = data.lens * 1e-3 / (2 * max(dof.aperture_fstop, 1e-5))
+    if not (radius > 0 and focus > 0):
+        return None
+    return Aperture(radius, float(focus), dof.aperture_blades, dof.aperture_rotation, max(dof.aperture_ratio, 1e-3))
 
 
 def _unit_across(vector, axis):

@@ -20,8 +20,6 @@ def note_settings(depsgraph, camera_object, report):
     for name, what in (("use_solid", "Surfaces"), ("use_volumes", "Volumes")):
         if not getattr(layer, name):
             report.add(source, f"{what} are filtered out", "they are rendered")
-    if camera_object.evaluated_get(depsgraph).data.dof.use_dof:
-        report.add(f'Camera "{camera_object.name}"', "depth of field", "everything is sharp")
 
 
 def note_clipping(depsgraph, camera_object, camera, bounds, world_fog, report):

@@ -8,7 +8,7 @@ from covbeam import EYE_RAY
 
 from . import ask
 from .interior import cleared
-from .sampler import Sampler, mix
+from .sampler import Sampler, lens_offsets, mix
 from .surfaces import SPECULAR, Lobe, follow, leave, meet, weights
 from .vectors import normalized
 
@@ -70,11 +70,15 @@ class EyeTracer:
     def trace(self, directions, pixels, first, beyond, pass_, poll):
         """The pieces in media of the paths of eye rays.
 
-        - directions: float32 (n, 3); pixels: uint32 (n,), which with the pass make their random numbers.
+        - directions: of a pinhole's, float32 (n, 3); pixels: uint32 (n,), which with the pass make their random numbers.
         - first, beyond: bool (n,): whether the fog before the first surface is wanted, and what lies beyond it.
         """
         count = len(directions)
-        origin, _, inside, glass = self._starts(directions)
+        camera, offsets = self._scene.camera, None
+        if camera.aperture is not None:
+            places = lens_offsets(self._seed, pass_, pixels)
+            offsets, directions = camera.through_lens(directions, places[:, 0], places[:, 1])
+        origin, _, inside, glass = self._starts(directions, offsets)
         paths = _Paths(
             origin,
             directions,
@@ -96,13 +100,18 @@ class EyeTracer:
             return Segments(np.zeros(0, EYE_RAY), empty, np.zeros((0, 3), np.float32), empty, np.zeros(0, np.uint64))
         return Segments(*(np.concatenate(arrays) for arrays in zip(*pieces)))
 
-    def _starts(self, directions):
-        """Where eye rays begin, how far that is from the camera, and what they are inside of there."""
+    def _starts(self, directions, offsets=None):
+        """Where eye rays begin, how far that is from the camera, and what they are inside of there.
+
+        - offsets: float32 (n, 3), of places in the lens from the camera's position; None: a pinhole's.
+        """
         camera, count = self._scene.camera, len(directions)
         position, start = cleared(camera.position).astype(np.float32), camera.starts(directions)
+        if offsets is not None:
+            position = position + offsets
         origin = position + start[:, None] * directions
         inside, glass = (np.full(count, value) for value in self._start)
-        if camera.near > 0:
+        if camera.near > 0 or offsets is not None:
             # What is too near to be seen is fog's bound all the same.
             inside, glass = self._interiors.moved(inside, glass, np.broadcast_to(camera.position, (count, 3)), origin)
         return origin, start, inside, glass

@@ -50,10 +50,34 @@ class View:
             labels = (labels >> np.uint64(32)).astype(np.uint32) | np.uint32(1)
             ask(poll)
             self.regions = np.where((self.regions == 0) | (fog == 0), np.uint32(0), labels)
+        #: Where the lens blurs what is beside a border: a pixel may see fog where its middle does not, bool (n,).
+        self.blurred = self._blurred(depth * along, poll)
+        self.regions = np.where(self.blurred, np.uint32(0), self.regions)
         ask(poll)
         #: Of even light in the fog, which is as bright as there is fog to be seen: covariance of its spectrum around each pixel,
         #: xx, xy and yy [cycles^2/pixel^2].
         self.bend = _bend(self._fog_seen().reshape(height, width), self.regions.reshape(height, width)).reshape(-1, 3)
+
+    def _blurred(self, depth, poll):
+        """Which pixels are no farther from a border than the lens blurs what is beside it: bool (n,).
+
+        - depth: of first surfaces, along the camera's axis: (n,).
+        """
+        shape = self.regions.reshape(self._scene.camera.height, -1).shape
+        start = np.where(self.stretch[:, 0] > 0, self.stretch[:, 0], np.inf)
+        nearest = np.minimum(depth, start)
+        # Behind the sharp distance blur ends at that of infinity.
+        blur = np.minimum(self._scene.camera.blur(nearest), max(shape)).reshape(shape)
+        if not blur.any():
+            return np.zeros(len(self.regions), bool)
+        reach = np.where(self.regions.reshape(shape) == 0, blur + 1, 0)
+        # Beside a border is the nearer thing that makes it.
+        for _ in range(2):
+            reach = np.where(reach > 0, _largest_around(np.where(reach > 0, blur + 1, blur)), reach)
+        for _ in range(int(np.ceil(reach.max()))):
+            ask(poll)
+            reach = np.maximum(reach, _largest_around(reach) - 1)
+        return reach.reshape(-1) > 0
 
     def _fog_seen(self):
         """Share of the light on the way through the first fog that this takes: (n,)."""
@@ -82,6 +106,12 @@ class View:
         rays["origin"] = np.asarray(self._scene.camera.position, np.float32) + start[:, None] * rays["direction"]
         rays["length"] = self.stretch[at, 1] - start
         return rays
+
+
+def _largest_around(values):
+    """The largest of each value of an image (h, w) and its four neighbours."""
+    padded = np.pad(values, 1, mode="edge")
+    return np.max([values, padded[:-2, 1:-1], padded[2:, 1:-1], padded[1:-1, :-2], padded[1:-1, 2:]], axis=0)
 
 
 def _bend(picture, regions):
@@ -136,9 +166,10 @@ def spectra_at(pixels, view, scene, grids, poll):
 def wanted(density, view, pass_, seed):
     """What the pass asks each pixel for: (the fog before the first surface, what is beyond), bool. Others in each pass."""
     shift = mix(seed ^ _VOLUME_PURPOSE) & 0xFFFFFFFF
-    first = image.thresholds(pass_, shift, view.pixels) < density
+    first = image.thresholds(pass_, shift, view.pixels) < np.where(view.blurred, np.float32(1), density)
     shift = mix(seed ^ _SURFACE_PURPOSE) & 0xFFFFFFFF
-    beyond = image.thresholds(pass_, shift, view.pixels) < np.where(view.shows, np.float32(1), _BLACK_DENSITY)
+    shows = view.shows | view.blurred
+    beyond = image.thresholds(pass_, shift, view.pixels) < np.where(shows, np.float32(1), _BLACK_DENSITY)
     return first, beyond
 
 

@@ -51,4 +51,17 @@ class Sampler:
 
 def pixel_offset(seed, pass_):
     """Where in the pixel the eye rays of a pass start, in [0, 1)^2: evenly over the passes."""
-    return Sampler(seed, 0xCA3E7A, np.array([pass_], np.uint32)).pair()[0].tolist()
+    return _of_eye_rays(seed, pass_).pair()[0].tolist()
+
+
+def lens_offsets(seed, pass_, pixels):
+    """Where in the lens those of some pixels, by their numbers, start: float64 (n, 2) in [0, 1), evenly over the passes of each."""
+    sampler = _of_eye_rays(seed, pass_)
+    sampler.pair()
+    shift = mix(np.asarray(pixels, np.uint64) ^ np.uint64(mix(seed ^ 0x1E45)))
+    shifts = np.stack([shift >> np.uint64(32), shift & np.uint64(0xFFFFFFFF)], axis=1) / 2.0**32
+    return (sampler.pair()[0].astype(np.float64) + shifts) % 1.0
+
+
+def _of_eye_rays(seed, pass_):
+    return Sampler(seed, 0xCA3E7A, np.array([pass_], np.uint32))

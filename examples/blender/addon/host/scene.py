@@ -113,10 +113,42 @@ class Volume:
 
 
 @dataclass(frozen=True)
-class Camera:
-    """A pinhole, and the part of its picture that is rendered.
+class Aperture:
+    """A lens' opening: a disk, or a regular polygon of 3 and more blades, `radius` around the camera's position.
 
-    The eye ray through (x, y), in pixels from the upper left corner of that part, runs along
+    What is sharp is at `focus` along `forward`. All lengths in metres, > 0.
+    """
+
+    radius: float
+    focus: float
+    #: Of the polygon: number of corners, 0 for a disk; and angle from `right` towards `up` of an edge's middle [rad].
+    blades: int = 0
+    rotation: float = 0.0
+    #: Height over width.
+    ratio: float = 1.0
+
+    def places(self, u, v):
+        """Places in the opening, to the right and up [m], float64 (n, 2), evenly for even u and v in [0, 1)."""
+        if self.blades < 3:
+            around, far = 2 * np.pi * v, np.sqrt(u)
+            across, upward = far * np.cos(around), far * np.sin(around)
+        else:
+            # A triangle of the middle and an edge, and a place in it: the corners' weights.
+            edge = np.floor(u * self.blades)
+            far = np.sqrt(u * self.blades - edge)
+            half = np.pi / self.blades
+            middle, aside = far * np.cos(half), far * (2 * v - 1) * np.sin(half)
+            turn = self.rotation + 2 * half * edge
+            across = middle * np.cos(turn) - aside * np.sin(turn)
+            upward = middle * np.sin(turn) + aside * np.cos(turn)
+        return self.radius * np.stack([across / self.ratio, upward], axis=-1)
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A pinhole or a thin lens, and the part of its picture that is rendered.
+
+    The pinhole's eye ray through (x, y), in pixels from the upper left corner of that part, runs along
     forward + (left + x * step[0]) * right + (top - y * step[1]) * up. What is nearer than `near` along `forward` is not there.
     """
 
@@ -134,6 +166,25 @@ class Camera:
     height: int
     #: [m] >= 0
     near: float = 0.0
+    #: None: a pinhole.
+    aperture: Aperture | None = None
+
+    def through_lens(self, directions, u, v):
+        """Where in the opening eye rays start that a pinhole would send along `directions`, from the position [m], and where they go:
+        float32 (n, 3) both. u, v: even numbers in [0, 1), (n,)."""
+        place = self.aperture.places(u, v)
+        offset = place[:, :1] * self.right + place[:, 1:] * self.up
+        sharp = directions * (self.aperture.focus / (directions @ self.forward))[:, None]
+        way = sharp - offset
+        return offset.astype(np.float32), (way / np.linalg.norm(way, axis=1, keepdims=True)).astype(np.float32)
+
+    def blur(self, depth):
+        """Radius of what a point at a distance along `forward`, (n,) [m], is blurred to [pixels]: (n,)."""
+        if self.aperture is None:
+            return np.zeros_like(depth)
+        lens = self.aperture
+        widest = lens.radius * max(1.0, 1 / lens.ratio)
+        return widest * np.abs(1 / lens.focus - 1 / np.maximum(depth, 1e-30)) / min(self.step)
 
     def starts(self, directions):
         """Where eye rays of some unit directions begin: distances from the position, float32 (n,)."""

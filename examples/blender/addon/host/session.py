@@ -35,6 +35,9 @@ _RADIUS_SHARE, _WIDEST = 0.0045, 2.0
 #: Bytes of a voxel: its sums, and their means.
 _VOXEL = 84
 
+#: Eye rays of a pixel and pass where a lens blurs a border.
+_LOOKS = 4
+
 #: Eye rays in one task of a thread; and light and eye paths that are traced side by side.
 _TASK, _WAVE = 512, 32768
 
@@ -196,16 +199,23 @@ class Session:
     def _look(self, number, first, beyond, poll):
         """The pieces of the pass' eye paths; `eye` is the pixel of each."""
         chosen = np.flatnonzero(first | beyond)
-        camera, seed = self._scene.camera, self._settings.seed
+        camera, seed, blurred = self._scene.camera, self._settings.seed, self._view.blurred
         x, y = pixel_offset(seed, number)
         pieces = []
-        for start in range(0, len(chosen), _WAVE):
-            at = chosen[start : start + _WAVE]
-            pixels = self._view.pixels[at]
-            directions = camera.directions(pixels[:, 0] + x, pixels[:, 1] + y)
-            found = self._eyes.trace(directions, at.astype(np.uint32), first[at], beyond[at], number, poll)
-            found.eye = at[found.eye]
-            pieces.append(found)
+        # Through a lens of some size a pixel beside a border needs more than one look.
+        looks = 1 if camera.aperture is None else _LOOKS
+        for look in range(looks):
+            some = chosen if look == 0 else chosen[blurred[chosen]]
+            for start in range(0, len(some), _WAVE):
+                at = some[start : start + _WAVE]
+                pixels = self._view.pixels[at]
+                directions = camera.directions(pixels[:, 0] + x, pixels[:, 1] + y)
+                index = (number - 1) * looks + look + 1
+                found = self._eyes.trace(directions, at.astype(np.uint32), first[at], beyond[at], index, poll)
+                found.eye = at[found.eye]
+                if looks > 1:
+                    found.throughput = found.throughput / np.where(blurred[found.eye], looks, 1).astype(np.float32)[:, None]
+                pieces.append(found)
         return pieces
 
     def _gather_all(self, pieces, kernel, poll):
