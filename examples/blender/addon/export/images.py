@@ -12,9 +12,7 @@ def mean_colour(image):
     # A million pixels are enough for a mean; an odd stride does not follow rows.
     pixels = pixels[:: len(pixels) >> 20 | 1]
     channels = [pixels[:, min(k, image.channels - 1)] for k in range(min(image.channels, 3))]
-    if not image.is_float and image.colorspace_settings.name == "sRGB":
-        channels = [_linear(c) for c in channels]
-    means = [float(np.mean(c, dtype=np.float64)) for c in channels]
+    means = [float(np.mean(_linear(image, c), dtype=np.float64)) for c in channels]
     alpha = float(np.mean(pixels[:, 3], dtype=np.float64)) if image.channels == 4 else 1.0
     return np.array([*(means * 3 if len(means) == 1 else (*means, 0.0)[:3]), alpha])
 
@@ -28,9 +26,7 @@ def blocks(image, columns):
     width, height = image.size
     # Grey has one channel, or two with alpha.
     chosen = (0, 1, 2) if image.channels >= 3 else (0, 0, 0)
-    pixels = pixels.reshape(height, width, -1)[::-1, :, chosen]
-    if not image.is_float and image.colorspace_settings.name == "sRGB":
-        pixels = _linear(pixels)
+    pixels = _linear(image, pixels.reshape(height, width, -1)[::-1, :, chosen])
     pixels = np.maximum(np.nan_to_num(pixels, nan=0.0, posinf=0.0, neginf=0.0), 0)
     size = -(-width // columns)
     for axis in (0, 1):
@@ -50,5 +46,8 @@ def _pixels(image):
     return pixels.reshape(-1, image.channels)
 
 
-def _linear(encoded):
+def _linear(image, encoded):
+    """Values of an image's pixels as light."""
+    if image.is_float or image.colorspace_settings.name != "sRGB":
+        return encoded
     return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)

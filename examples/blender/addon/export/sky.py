@@ -93,7 +93,6 @@ def _turn(values, end):
     parts = {}
     for name, plain in (("Location", (0, 0, 0)), ("Rotation", None), ("Scale", (1, 1, 1))):
         socket = find(node.inputs, name)
-        # Directions have no place.
         if socket is None:
             continue
         parts[name] = values.known(node, name, end.groups)

@@ -53,21 +53,17 @@ class View:
         #: Where the lens blurs what is beside a border: a pixel may see fog where its middle does not, bool (n,).
         self.blurred = self._blurred(depth * along, poll)
         self.regions = np.where(self.blurred, np.uint32(0), self.regions)
-        ask(poll)
-        #: Of even light in the fog, which is as bright as there is fog to be seen: covariance of its spectrum around each pixel,
-        #: xx, xy and yy [cycles^2/pixel^2].
-        self.bend = _bend(self._fog_seen().reshape(height, width), self.regions.reshape(height, width)).reshape(-1, 3)
-
     def _blurred(self, depth, poll):
         """Which pixels are no farther from a border than the lens blurs what is beside it: bool (n,).
 
         - depth: of first surfaces, along the camera's axis: (n,).
         """
-        shape = self.regions.reshape(self._scene.camera.height, -1).shape
+        camera = self._scene.camera
+        shape = (camera.height, camera.width)
         start = np.where(self.stretch[:, 0] > 0, self.stretch[:, 0], np.inf)
         nearest = np.minimum(depth, start)
         # Behind the sharp distance blur ends at that of infinity.
-        blur = np.minimum(self._scene.camera.blur(nearest), max(shape)).reshape(shape)
+        blur = np.minimum(camera.blur(nearest), max(shape)).reshape(shape)
         if not blur.any():
             return np.zeros(len(self.regions), bool)
         reach = np.where(self.regions.reshape(shape) == 0, blur + 1, 0)
@@ -79,11 +75,39 @@ class View:
             reach = np.maximum(reach, _largest_around(reach) - 1)
         return reach.reshape(-1) > 0
 
-    def _fog_seen(self):
-        """Share of the light on the way through the first fog that this takes: (n,)."""
-        extinction = self._scene.extinctions.mean(axis=1)[self.volume]
-        depth = np.where(extinction > 0, extinction * (self.stretch[:, 1] - self.stretch[:, 0]), 0)
+    def _fog_seen(self, at):
+        """Share of the light on the way through the first fog of some pixels that this takes: as many."""
+        extinction = self._scene.extinctions.mean(axis=1)[self.volume[at]]
+        depth = np.where(extinction > 0, extinction * (self.stretch[at, 1] - self.stretch[at, 0]), 0)
         return -np.expm1(-depth)
+
+    def bend(self, at):
+        """Covariance of the spectrum of even light in the fog, which is as bright as there is fog to be seen, around some pixels:
+        xx, xy and yy [cycles^2/pixel^2], float32 (n, 3), 0 beside other regions.
+
+        That of f is -f''/f / (4 pi^2) if it is positive; where f bends the other way filters err as much.
+        """
+        width, height = self._scene.camera.width, self._scene.camera.height
+        y, x = np.divmod(at, width)
+        inside = (x > 0) & (x < width - 1) & (y > 0) & (y < height - 1)
+        at, bend = at[inside], np.zeros((len(at), 3), np.float32)
+        steps = {(i, j): at + i * width + j for i in (-1, 0, 1) for j in (-1, 0, 1)}
+        seen = {step: self._fog_seen(pixels) for step, pixels in steps.items()}
+        here, region = seen[0, 0], self.regions[at]
+        xx = seen[0, 1] - 2 * here + seen[0, -1]
+        yy = seen[1, 0] - 2 * here + seen[-1, 0]
+        xy = 0.25 * (seen[1, 1] - seen[1, -1] - seen[-1, 1] + seen[-1, -1])
+        # |H|: with the eigenvalues m +- r, H or -H where they have the same sign, else what turns one around.
+        mean, half = 0.5 * (xx + yy), 0.5 * (xx - yy)
+        size = np.hypot(half, xy)
+        same = np.abs(mean) >= size
+        even = np.where(same, np.abs(mean), size)
+        along = np.where(same, np.sign(mean), mean / np.maximum(size, 1e-30))
+        borders = [self.regions[pixels] != region for pixels in steps.values()]
+        known = (here > 0) & (region != 0) & ~np.any(borders, axis=0)
+        scale = np.where(known, 1 / (4 * np.pi**2 * np.maximum(here, 1e-30)), 0)
+        bend[inside] = np.stack([even + along * half, along * xy, even - along * half], axis=-1) * scale[:, None]
+        return bend
 
     def steps(self, at):
         """PIXEL_STEP (n, 2) of the pieces of fog of some pixels."""
@@ -114,35 +138,6 @@ def _largest_around(values):
     return np.max([values, padded[:-2, 1:-1], padded[2:, 1:-1], padded[1:-1, :-2], padded[1:-1, 2:]], axis=0)
 
 
-def _bend(picture, regions):
-    """Second derivatives of a picture (h, w) over its values, taken as frequencies: (h, w, 3), 0 beside other regions.
-
-    The spectrum of f has the covariance -f''/f / (4 pi^2) if it is positive; where f bends the other way filters err as much.
-    """
-    bend = np.zeros((*picture.shape, 3), np.float32)
-    if min(picture.shape) < 3:
-        return bend
-    height, width = picture.shape
-    shifted = {(i, j): picture[1 + i : height - 1 + i, 1 + j : width - 1 + j] for i in (-1, 0, 1) for j in (-1, 0, 1)}
-    here = shifted[0, 0]
-    xx = shifted[0, 1] - 2 * here + shifted[0, -1]
-    yy = shifted[1, 0] - 2 * here + shifted[-1, 0]
-    xy = 0.25 * (shifted[1, 1] - shifted[1, -1] - shifted[-1, 1] + shifted[-1, -1])
-    # |H|: with the eigenvalues m +- r, I where they have the same sign, else what turns one around.
-    mean, half = 0.5 * (xx + yy), 0.5 * (xx - yy)
-    size = np.hypot(half, xy)
-    same = np.abs(mean) >= size
-    turned = np.maximum(size, 1e-30)
-    even = np.where(same, np.abs(mean), size)
-    along = np.where(same, np.sign(mean), mean / turned)
-    inside = regions[1:-1, 1:-1]
-    borders = [regions[1 + i : height - 1 + i, 1 + j : width - 1 + j] != inside for i, j in shifted]
-    known = (here > 0) & (inside != 0) & ~np.any(borders, axis=0)
-    scale = np.where(known, 1 / (4 * np.pi**2 * np.maximum(here, 1e-30)), 0)
-    bend[1:-1, 1:-1] = np.stack([even + along * half, along * xy, even - along * half], axis=-1) * scale[..., None]
-    return bend
-
-
 def spectra_at(pixels, view, scene, grids, poll):
     """IMAGE_SPECTRUM of some pixels: (n, 2) of x and y.
 
@@ -158,7 +153,7 @@ def spectra_at(pixels, view, scene, grids, poll):
             at = nodes[piece]
             if len(at):
                 spectra[piece] = image.along(grid, scene.volumes[number].medium, view.rays(at), view.steps(at))
-                for name, bend in zip(("xx", "xy", "yy"), view.bend[at].T):
+                for name, bend in zip(("xx", "xy", "yy"), view.bend(at).T):
                     spectra[name][piece] += np.where(spectra["weight"][piece] > 0, bend, 0)
     return spectra
 
