@@ -15,6 +15,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
@@ -97,6 +98,37 @@ def fog_box(nodes, *surface, bounces, medium=None):
     return build, bounces
 
 
+def cloud(bounces):
+    """A cloud of noise that thins out towards its border, in a box that is turned and stretched."""
+
+    def build(scene):
+        scenes.wire(scene.world, [])
+        fog = scenes.material("Cloud", *scenes.fog((1, 0.9, 0.8), 1.0, 0.3, (0.5, 1.0, 1.0), 0.1))
+        tree = fog.node_tree
+        new, link = tree.nodes.new, tree.links.new
+        place, noise, fade, density = (new(f"ShaderNode{kind}") for kind in ("TexCoord", "TexNoise", "TexGradient", "Math"))
+        noise.inputs["Scale"].default_value, noise.inputs["Detail"].default_value = 1.6, 1.0
+        fade.gradient_type, density.operation = "SPHERICAL", "MULTIPLY"
+        thick = new("ShaderNodeMapRange")
+        for name, value in (("From Min", 0.35), ("From Max", 0.75), ("To Min", 0.0), ("To Max", 4.0)):
+            thick.inputs[name].default_value = value
+        for texture in (noise, fade):
+            link(place.outputs["Object"], texture.inputs["Vector"])
+        link(noise.outputs[0], thick.inputs["Value"])
+        link(thick.outputs[0], density.inputs[0])
+        link(next(s for s in fade.outputs if s.identifier == "Fac"), density.inputs[1])
+        for node in tree.nodes:
+            if node.type in ("VOLUME_SCATTER", "VOLUME_ABSORPTION"):
+                link(density.outputs[0], node.inputs["Density"])
+        box = scenes.cube("Cloud", (0, 0, 0.2), (1.4, 1.0, 1.1), fog)
+        # Its own space from -1 to 1, in which the gradient ends at the border.
+        box.data.transform(Matrix.Diagonal((2, 2, 2, 1)))
+        box.rotation_euler = (0.2, 0.3, 0.5)
+        scenes.lamp("AREA", (1.0, 0.5, 3.0), (0, 0, 0), energy=300, shape="SQUARE", size=0.6)
+
+    return build, bounces
+
+
 def _tinted(kind, **values):
     return (f"ShaderNodeBsdf{kind}", {"Color": (0.9, 0.6, 0.3, 1), **values}, "Surface")
 
@@ -128,6 +160,8 @@ SCENES = {
     "WORLD": under_sky(),
     "SKY": under_sky(picture=True),
     "MESH": fog_box([_shining_square], bounces=0),
+    "CLOUD": cloud(0),
+    "WHITE CLOUD": cloud(16),
     "MULTIPLE": fog_box([], bounces=16, medium=scenes.fog((1, 0.9, 0.8), 0.4, -0.4)),
     "DIFFUSE": fog_box([], _tinted("Diffuse"), bounces=1),
     "METAL": fog_box([], _tinted("Glossy", Roughness=0.4), bounces=1),

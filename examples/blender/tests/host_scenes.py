@@ -54,12 +54,40 @@ BLACK = material()
 BOUND = material(transparent=1)
 
 
-def volume(name, scattering, absorption, phase=None, low=-np.inf, high=np.inf):
-    """A Volume, grey or of three channels."""
+def volume(name, scattering, absorption, phase=None, low=-np.inf, high=np.inf, density=None):
+    """A Volume, grey or of three channels; density: a covbeam.Density, or None for 1 everywhere."""
     s, a = (np.broadcast_to(np.asarray(v, np.float64), 3).copy() for v in (scattering, absorption))
-    medium = covbeam.Medium(tuple(s), tuple(a), phase)
+    medium = covbeam.Medium(tuple(s), tuple(a), phase, density)
     bounds = (np.broadcast_to(np.asarray(v, np.float64), 3).copy() for v in (low, high))
-    return Volume(name, medium, s, a, medium.phase._struct.asymmetry, *bounds)
+    return Volume(name, medium, s, a, medium.phase._struct.asymmetry, *bounds, density is not None)
+
+
+_CELLS = 12
+
+
+def _cloud():
+    """Relative densities of a cloud at the middles of voxels between -1 and 1, (z, y, x), the largest 1: thick, thin, and none."""
+    z, y, x = (np.mgrid[0:_CELLS, 0:_CELLS, 0:_CELLS] + 0.5) * (2 / _CELLS) - 1
+    blobs = np.exp(-4 * ((x + 0.3) ** 2 + (y - 0.2) ** 2 + z**2)) + 0.6 * np.exp(-12 * ((x - 0.5) ** 2 + (y + 0.4) ** 2 + (z - 0.2) ** 2))
+    blobs = np.maximum(blobs - 0.05, 0)
+    return (blobs / blobs.max()).astype(np.float32)
+
+
+def cloud():
+    """The same as a covbeam.Density."""
+    return covbeam.Density(covbeam.GridLayout((-1, -1, -1), (1, 1, 1), (_CELLS,) * 3), _cloud())
+
+
+def density(places):
+    """That cloud's density at places (..., 3): trilinear between the middles of voxels, held beyond the outermost."""
+    values, found = _cloud().astype(np.float64), 0
+    at = np.clip((places + 1) * (_CELLS / 2) - 0.5, 0, _CELLS - 1)
+    low = np.minimum(at.astype(int), _CELLS - 2)
+    rest = at - low
+    for corner in np.ndindex(2, 2, 2):
+        weight = np.prod(np.where(corner, rest, 1 - rest), axis=-1)
+        found = found + weight * values[tuple((low[..., k] + corner[k]) for k in (2, 1, 0))]
+    return np.where((np.abs(places) <= 1).all(axis=-1), found, 0)
 
 
 def camera(position, look_at, vertical_fov, width, height, up=(0, 1, 0)):

@@ -75,6 +75,16 @@ def scattered_once(camera, lamp, intensity, ball, scattering, extinction, asymme
     return (intensity * scattering * total).reshape(camera.height, camera.width)
 
 
+def places_in_cloud(view, steps=120):
+    """Places along the rays through the middles of a camera's pixels where they may be in the cloud of host_scenes, (steps, h, w, 3), the
+    rays' directions, and the length of a step."""
+    y, x = np.mgrid[0 : view.height, 0 : view.width] + 0.5
+    direction = view.directions(x.ravel(), y.ravel()).astype(np.float64).reshape(view.height, view.width, 3)
+    middle, step = np.linalg.norm(view.position), 3.6 / steps
+    at = middle - 1.8 + (np.arange(steps) + 0.5) * step
+    return view.position + at[:, None, None, None] * direction, direction, step
+
+
 class Light_(unittest.TestCase):
     """What lights emit."""
 
@@ -433,6 +443,43 @@ class Sessions(unittest.TestCase):
         self.assertTrue((np.abs(values.mean(axis=0)) < 0.01 + 5 * error).all(), f"{values.mean(axis=0)} +- {error}")
         self.assertLess(np.median(error), 0.01, "noise hides nothing")
         self.assertLess(abs(values.mean()), 0.01)
+
+    def test_a_cloud_under_an_even_sky_is_as_bright_as_an_even_sky_but_for_what_is_seen_through_it(self):
+        # Of any density and with any number of scatterings, as long as nothing is absorbed.
+        sky = Light("", LightKind.WORLD, sky=np.full((1, 1, 3), 2, np.float32))
+        fog = scenes.volume("cloud", 2.0, 0, low=-1, high=1, density=scenes.cloud())
+        view = scenes.camera((0, 0, -6), (0, 0, 0), 18, 32, 32)
+        made = scenes.scene([(scenes.box((-1, -1, -1), (1, 1, 1)), scenes.BOUND, 0)], [sky], [fog], view)
+        found = np.mean([rendered(made, 4, seed=seed, photons=20000).in_scattered[..., 0] for seed in range(4)], axis=0)
+        places, _, step = places_in_cloud(view)
+        depth = 2.0 * step * scenes.density(places).sum(axis=0)
+        expected = 2 * -np.expm1(-depth)
+        self.assertGreater(np.ptp(expected), 1, "a cloud has thick and thin places")
+        for name, of in (("thick", depth > 1), ("thin", (depth > 0.1) & (depth <= 1))):
+            ratio = found[of].mean() / expected[of].mean()
+            print(f"figures: {name} places of a cloud under an even sky: {ratio:.4f}")
+            self.assertAlmostEqual(ratio, 1, delta=0.015)
+
+    def test_light_that_a_cloud_scatters_once_is_that_of_a_closed_form(self):
+        # A sun from above; what it and the camera see of each place is integrated apart from the code under test.
+        s, a, g = 1.5, 0.5, 0.5
+        sun = Light("", LightKind.SUN, axis=np.array([0.0, -1, 0]), irradiance=np.full(3, 3.0), angle=0.0)
+        fog = scenes.volume("cloud", s, a, Phase.henyey_greenstein(g), low=-1, high=1, density=scenes.cloud())
+        view = scenes.camera((0, 0.5, -6), (0, 0, 0), 18, 32, 32)
+        made = scenes.scene([(scenes.box((-1, -1, -1), (1, 1, 1)), scenes.BOUND, 0)], [sun], [fog], view)
+        found = np.mean([rendered(made, 6, seed=k, photons=10_000, bounces=0).in_scattered[..., 0] for k in range(4)], axis=0)
+
+        places, direction, step = places_in_cloud(view)
+        density = scenes.density(places)
+        heights = (np.arange(40) + 0.5) * 0.05
+        above = 0.05 * sum(scenes.density(places + np.array([0, height, 0])) for height in heights)
+        before = step * (np.cumsum(density, axis=0) - 0.5 * density)
+        phase = (1 - g * g) / (4 * np.pi * (1 + g * g - 2 * g * direction[..., 1]) ** 1.5)
+        expected = step * (3 * s * density * phase * np.exp(-(s + a) * (above + before))).sum(axis=0)
+        for of in (expected > 0.3 * expected.max(), (expected > 0.03 * expected.max()) & (expected <= 0.3 * expected.max())):
+            ratio = found[of].mean() / expected[of].mean()
+            print(f"figures: light that a cloud scatters once: {ratio:.4f}")
+            self.assertAlmostEqual(ratio, 1, delta=0.015)
 
     def test_pictures_do_not_depend_on_the_number_of_threads(self):
         scene = scenes.open_glass_ball(48)

@@ -9,7 +9,7 @@ import numpy as np
 from .lobes import Lobes
 from .nodes import Values, follow
 from .surfaces import add_surface
-from .volumes import Fog, fog
+from .volumes import Fog, VariedFog, fog
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class Translated:
     row: np.ndarray
     #: Radiance of both sides [W/(m^2 sr)], float64 (3,).
     emission: np.ndarray
-    fog: Fog | None
+    fog: Fog | VariedFog | None
 
 
 def has_nodes(block):
@@ -46,7 +46,7 @@ def translate(material, report):
     output = material.node_tree.get_output_node("CYCLES")
     inside = None
     if output is not None:
-        inside = fog(values, output.inputs["Volume"])
+        inside = fog(values, output.inputs["Volume"], may_vary=True)
         if not leads_somewhere(output.inputs["Surface"]) and leads_somewhere(output.inputs["Volume"]):
             lobes.add(transparent=1.0)
         add_surface(values, output.inputs["Surface"], (), 1.0, lobes)

@@ -1,15 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Follows the links of shader nodes to constant values."""
+"""Follows the links of shader nodes to values."""
 
 from typing import NamedTuple
 
 import numpy as np
 
-from .arithmetic import COMPUTED, NotConstant
+from .arithmetic import COMPUTED, NotConstant, as_colour, as_number
 from .images import mean_colour
-
-#: Rec. 709, as Blender turns colours into numbers.
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+from .report import Report
+from .textures import GENERATED, TEXTURES
 
 
 class End(NamedTuple):
@@ -60,14 +59,14 @@ def closures(values, socket, groups, weight):
     """The shader nodes that lead to the input `socket` by way of Add and Mix Shader nodes: (node, its groups, its share of `weight`)
     for each whose share is not 0. values: Values."""
     end = follow(socket, groups)
-    if weight == 0 or end.node is None:
+    if not np.any(weight) or end.node is None:
         return
     node, groups = end.node, end.groups
     if node.type == "ADD_SHADER":
         for shader in node.inputs:
             yield from closures(values, shader, groups, weight)
     elif node.type == "MIX_SHADER":
-        factor = min(max(values.number(node, "Fac", groups), 0.0), 1.0)
+        factor = np.clip(values.number(node, "Fac", groups), 0, 1)
         yield from closures(values, node.inputs[1], groups, weight * (1 - factor))
         yield from closures(values, node.inputs[2], groups, weight * factor)
     else:
@@ -75,24 +74,36 @@ def closures(values, socket, groups, weight):
 
 
 class Values:
-    """Values of inputs of the nodes of one `source` (such as 'Material "Wall"'); what is not constant is reported."""
+    """Values of inputs of the nodes of one `source` (such as 'Material "Wall"'); what is not known is reported.
 
-    def __init__(self, source, report, in_fog=False):
-        """in_fog: whether the values are those of fog or of a lamp, so that what is not constant is missing in fog."""
-        self.source, self.report, self._in_fog = source, report, in_fog
+    Numbers are floats and colours float64 (3,); where they vary over the n places that they are asked for, (n, 1) and (n, 3).
+    """
 
-    def in_fog(self):
+    def __init__(self, source, report, in_fog=False, places=None):
+        """in_fog: whether the values are those of fog or of a lamp, so that what is not known is missing in fog.
+
+        places: textures.Places; None: what varies from place to place is not known.
+        """
+        self.source, self.report, self._in_fog, self._places = source, report, in_fog, places
+        #: Whether a value has been asked for that varies from place to place.
+        self.varies = False
+
+    def in_fog(self, places=None):
         """The same, for nodes of fog."""
-        return Values(self.source, self.report, True)
+        return Values(self.source, self.report, True, places)
+
+    def quiet(self):
+        """The same, without a report."""
+        return Values(self.source, Report(), self._in_fog, self._places)
 
     def number(self, node, identifier, groups, missing=0.0):
-        """A float. `missing`: what it is if this version of Blender has no such input."""
+        """A number. `missing`: what it is if this version of Blender has no such input."""
         socket = find(node.inputs, identifier)
-        return missing if socket is None else _number(self._constant(node, socket, groups))
+        return missing if socket is None else as_number(self._constant(node, socket, groups))
 
     def colour(self, node, identifier, groups):
-        """Linear Rec. 709, or a vector: float64 (3,)."""
-        return _colour(self._constant(node, find(node.inputs, identifier), groups))
+        """Linear Rec. 709, or a vector."""
+        return as_colour(self._constant(node, find(node.inputs, identifier), groups))
 
     def linked(self, node, identifier):
         """Whether the input exists and a link leads to it."""
@@ -102,7 +113,7 @@ class Values:
     def known(self, node, identifier, groups):
         """A colour, float64 (3,), or why no constant stands for it, as text."""
         try:
-            return _colour(self._evaluate(find(node.inputs, identifier), groups))
+            return as_colour(self._evaluate(find(node.inputs, identifier), groups))
         except NotConstant as reason:
             return str(reason)
 
@@ -132,24 +143,28 @@ class Values:
                 raise NotConstant(f"{end.node.name}, whose image cannot be read")
             self.note(f"image texture {end.node.image.name}", "its mean colour is used", self._in_fog)
             return mean[3] if end.socket.identifier == "Alpha" else mean[:3]
-        compute = COMPUTED.get(end.node.type)
-        if compute is None:
-            raise NotConstant(end.node.name)
 
         def argument(identifier):
-            return self._evaluate(find(end.node.inputs, identifier), end.groups)
+            socket = find(end.node.inputs, identifier)
+            if socket is None:
+                raise NotConstant(end.node.name)
+            if identifier == "Vector" and end.node.type in GENERATED and follow(socket, end.groups).node is None:
+                return self._places.generated
+            return self._evaluate(socket, end.groups)
 
-        return compute(end.node, end.socket, argument, self.note)
+        texture, compute = TEXTURES.get(end.node.type), COMPUTED.get(end.node.type)
+        if texture is not None:
+            self.varies = True
+        if texture is not None and self._places is not None:
+            value = texture(end.node, end.socket, argument, self._places)
+        elif compute is not None:
+            value = compute(end.node, end.socket, argument, self.note)
+        else:
+            raise NotConstant(end.node.name)
+        # Nodes compute with what their inputs are: a colour that is linked to a number is its luminance.
+        return as_number(value, end.socket.type == "VECTOR") if socket.type in ("VALUE", "INT") else value
 
 
 def _plain(value):
     """A socket's value as a float or a float64 array (3,)."""
     return float(value) if np.ndim(value) == 0 else np.array(value, np.float64)[:3]
-
-
-def _number(value):
-    return float(value) if np.ndim(value) == 0 else float(LUMINANCE @ value)
-
-
-def _colour(value):
-    return np.full(3, float(value)) if np.ndim(value) == 0 else np.asarray(value, np.float64)

@@ -11,7 +11,7 @@ from .flags import note_instancer_flags, note_left_out, note_light_flags
 from .lights import light
 from .meshes import FARTHEST, in_world, reach
 from .shapes import TOO_FAR, Shapes
-from .volumes import volume
+from .volumes import Frame, VariedFog, volume
 
 
 class Objects:
@@ -20,7 +20,7 @@ class Objects:
     def __init__(self, depsgraph, report, poll):
         self.geometry = covbeam_rays.Geometry()
         self.lights, self.volumes, self.object_volumes, self.object_closed = [], [], [], []
-        self._report, self._view_layer = report, depsgraph.view_layer_eval
+        self._report, self._view_layer, self._poll = report, depsgraph.view_layer_eval, poll
         # Objects that make instances and have been looked at.
         self._instancers = set()
         self._shapes = Shapes(self.geometry, self._view_layer, report)
@@ -97,21 +97,28 @@ class Objects:
             self.object_volumes.append(-1)
         else:
             self.object_volumes.append(len(self.volumes))
-            self.volumes.append(volume(name, shape.fog, world.min(axis=0), world.max(axis=0)))
+            self._fill(shape, matrix, name, world.min(axis=0), world.max(axis=0))
         for material, corners in shape.emitting:
             self._emitting.setdefault(material, []).append(world[corners])
 
     def _bound(self, shape, matrix, name):
         """Places an object that does nothing but bound fog, once `_reach` is known: drawn in by a hair."""
         number, world = len(self.object_volumes), in_world(shape.mesh, matrix)
-        matrix, low, high = inset(matrix, world.min(axis=0), world.max(axis=0), self._reach, number)
+        smaller, low, high = inset(matrix, world.min(axis=0), world.max(axis=0), self._reach, number)
         material = shape.materials if isinstance(shape.materials, int) else -1
-        self.geometry.add_instance(shape.number, matrix, number, material)
+        self.geometry.add_instance(shape.number, smaller, number, material)
         self.object_volumes.append(len(self.volumes))
         self.object_closed.append(False)
-        self.volumes.append(volume(name, shape.fog, low, high))
+        self._fill(shape, matrix, name, low, high)
         for material, corners in shape.emitting:
             self._emitting.setdefault(material, []).append(world[corners])
+
+    def _fill(self, shape, matrix, name, low, high):
+        """Adds the volume that fills a shape between two corners [m]."""
+        fog = shape.fog
+        if isinstance(fog, VariedFog):
+            fog = fog.placed(Frame(matrix, *shape.texture_space), low, high, self._poll)
+        self.volumes.append(volume(name, fog, low, high))
 
 
 def _invertible(matrix):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volume shader nodes -> homogeneous media, by the definitions of Cycles."""
+"""Volume shader nodes -> media, by the definitions of Cycles."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,9 @@ import numpy as np
 
 from ..host.scene import Volume
 from . import phases
-from .nodes import closures
+from .density import bake
+from .nodes import Values, closures
+from .textures import Places
 
 
 @dataclass(frozen=True)
@@ -19,6 +21,55 @@ class Fog:
     scattering: np.ndarray
     absorption: np.ndarray
     asymmetry: float
+    varies: bool = False
+
+
+@dataclass(frozen=True)
+class VariedFog:
+    """What a Volume socket describes whose values vary from place to place: what it is depends on where it is."""
+
+    values: Values
+    #: The bpy.types.NodeSocket, which lives as long as the depsgraph.
+    socket: object
+
+    def placed(self, frame, low, high, poll):
+        """The Fog between the corners `low` and `high` [m] in an object of some Frame; poll: as for export."""
+
+        def coefficients(world):
+            total = _Sum()
+            _add(self.values.in_fog(frame.places(world)), self.socket, (), 1.0, total)
+            found.append(total)
+            return [np.nan_to_num(np.broadcast_to(of, world.shape), posinf=0.0, neginf=0.0) for of in (total.scattering, total.absorption)]
+
+        found = []
+        baked = bake(coefficients, low, high, poll)
+        if baked.error > 0.01:
+            cells = " x ".join(map(str, baked.cells))
+            self.values.note("density that varies finely", f"{cells} voxels, which are {baked.error:.1%} off on average", in_fog=True)
+        if baked.coloured > 0.01:
+            self.values.note("colour that varies in a volume", "its mean; the density varies", in_fog=True)
+        # The first places are scattered over all of it.
+        asymmetry, phase = _phase(self.values, found[0].phases)
+        medium = covbeam.Medium(tuple(baked.scattering), tuple(baked.absorption), phase, baked.density)
+        return Fog(medium, baked.scattering, baked.absorption, asymmetry, baked.density is not None)
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Where an object is, for what varies in it."""
+
+    #: From the object's space to the world: float64 (4, 4).
+    matrix: np.ndarray
+    #: Middle and half size of the mesh's texture space, float64 (3,).
+    middle: np.ndarray
+    half: np.ndarray
+
+    def places(self, world):
+        """The textures.Places of places in the world [m], float64 (n, 3)."""
+        inverse = np.linalg.pinv(self.matrix)
+        inside = world @ inverse[:3, :3].T + inverse[:3, 3]
+        half = np.where(self.half > 0, self.half, 1)
+        return Places(world, inside, 0.5 * (inside - self.middle) / half + 0.5)
 
 
 class _Sum:
@@ -31,18 +82,24 @@ class _Sum:
 
     def scatter(self, coefficient, asymmetry, rayleigh=False):
         coefficient = np.maximum(coefficient, 0)
-        self.scattering += coefficient
+        self.scattering = self.scattering + coefficient
         if coefficient.any():
             # Cycles leaves out the last thousandth before +-1 too.
-            self.phases.append((float(coefficient.sum()), min(max(asymmetry, -0.999), 0.999), rayleigh))
+            cosine = min(max(float(np.mean(asymmetry)), -0.999), 0.999)
+            self.phases.append((float(coefficient.sum()) / coefficient.size, cosine, rayleigh))
 
     def absorb(self, coefficient):
-        self.absorption += np.maximum(coefficient, 0)
+        self.absorption = self.absorption + np.maximum(coefficient, 0)
 
 
-def fog(values, socket):
-    """The Fog that leads to the Volume socket of an output node, or None if it neither scatters nor absorbs."""
+def fog(values, socket, may_vary=False):
+    """The Fog that leads to the Volume socket of an output node, or None if it neither scatters nor absorbs; a VariedFog if its values
+    vary and that is wanted."""
     values, total = values.in_fog(), _Sum()
+    trial = values.quiet()
+    _add(trial, socket, (), 1.0, _Sum())
+    if may_vary and trial.varies:
+        return VariedFog(values, socket)
     _add(values, socket, (), 1.0, total)
     if not (total.scattering.any() or total.absorption.any()):
         return None
@@ -80,7 +137,7 @@ def _add(values, socket, groups, weight, total):
 
 
 def _density(values, node, groups, weight):
-    return weight * max(values.number(node, "Density", groups), 0.0)
+    return weight * np.maximum(values.number(node, "Density", groups), 0)
 
 
 def _scatter(values, node, groups, weight, total):
@@ -105,7 +162,7 @@ def _principled(values, node, groups, weight, total):
     tint = np.sqrt(np.maximum(values.colour(node, "Absorption Color", groups), 0))
     total.scatter(density * colour, values.number(node, "Anisotropy", groups))
     total.absorb(density * np.maximum(1 - colour, 0) * np.maximum(1 - tint, 0))
-    if any(values.number(node, name, groups) > 0 for name in ("Emission Strength", "Blackbody Intensity")):
+    if any(np.any(values.number(node, name, groups) > 0) for name in ("Emission Strength", "Blackbody Intensity")):
         _note_emission(values)
 
 
@@ -146,7 +203,7 @@ _CLOSURES = {
 
 
 def volume(name, fog, low, high):
-    """The host.scene.Volume of `fog` between the corners `low` and `high` [m]."""
+    """The host.scene.Volume of a Fog between the corners `low` and `high` [m]."""
     return Volume(
         name=name,
         medium=fog.medium,
@@ -155,6 +212,7 @@ def volume(name, fog, low, high):
         asymmetry=fog.asymmetry,
         min=np.asarray(low, np.float64),
         max=np.asarray(high, np.float64),
+        varies=fog.varies,
     )
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from covbeam import EYE_RAY
 
 from . import ask
+from .columns import Columns
 from .interior import cleared
 from .sampler import Sampler, lens_offsets, mix
 from .surfaces import SPECULAR, Lobe, follow, leave, meet, weights
@@ -60,7 +61,7 @@ class EyeTracer:
         self._scene, self._interiors, self._seed = scene, interiors, seed
         camera = scene.camera
         self._start = interiors.at(camera.position)
-        self._extinction = scene.extinctions
+        self._extinction, self._columns = scene.extinctions, Columns(scene)
         materials = scene.materials
         self._bounds = scene.bounds
         names = ("transparent", "metal", "edge", "glass_reflection", "glass_transmission", "coat")
@@ -135,9 +136,10 @@ class EyeTracer:
         onward &= self.shows[material] & (bound | (paths.signature != 0) | beyond[paths.eye])
         at = np.flatnonzero(onward)
         paths, hit, volume = paths.take(at), hit[at], volume[at]
-        paths.throughput = paths.throughput * np.exp(-self._extinction[volume] * hit["distance"][:, None])
         if len(at) == 0:
             return paths
+        passed = self._columns.at(volume, paths.origin, paths.direction, hit["distance"])
+        paths.throughput = paths.throughput * np.exp(-self._extinction[volume] * passed[:, None])
         sequence = EYE_SEQUENCE + (pass_ << 12)
         # Split paths of one eye ray draw different numbers: their signatures differ.
         keys = mix(pixels[paths.eye].astype(np.uint64) ^ paths.signature)

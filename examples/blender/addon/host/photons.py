@@ -7,6 +7,7 @@ import numpy as np
 from covbeam import BEAM, CURVATURE, SEGMENT, Medium, light_field, segment
 
 from . import ask
+from .columns import Columns
 from .sampler import Sampler
 from .scene import LightKind
 from .surfaces import SMOOTH, Lobe, follow, leave, meet, weights
@@ -14,7 +15,7 @@ from .surfaces import SMOOTH, Lobe, follow, leave, meet, weights
 #: After this many events a path goes on with a probability only, so that every path ends.
 _LONG_PATH, _GOING_ON = 64, np.float32(0.95)
 
-#: Light fields of homogeneous fog travel as in vacuum.
+#: Light fields of fog that is as dense everywhere travel as in vacuum.
 _VACUUM = Medium(0)
 
 #: Light is opaque after this optical depth: e^-17 = 4e-8.
@@ -81,7 +82,7 @@ class PhotonTracer:
         self._scattering = np.zeros((count, 3), np.float32)
         for index, volume in enumerate(scene.volumes):
             self._scattering[index] = volume.scattering
-        self._extinction = scene.extinctions
+        self._extinction, self._columns = scene.extinctions, Columns(scene)
         # A channel in which nothing is scattered shows nothing, however far its light gets.
         shows = np.zeros((count + 1, 3), bool)
         shows[:count] = self._scattering > 0
@@ -157,12 +158,15 @@ class PhotonTracer:
         reach = hit["distance"]
         volume = self._interiors.volumes(photons.inside)
         extinction = self._extinction[volume]
-        self._leave_beams(photons, hit, volume, record)
-        target = _free_flight(photons.power, extinction, sampler.uniform())
+        # As far as a beam is seen.
+        opaque = self._columns.distance(volume, photons.origin, photons.direction, self._opaque[volume])
+        self._leave_beams(photons, hit, volume, opaque, record)
+        column = _free_flight(photons.power, extinction, sampler.uniform())
+        target = self._columns.distance(volume, photons.origin, photons.direction, column)
         collides = target < reach
         flight = np.minimum(target, reach)
         if photons.light is not None:
-            self._carry(photons, hit, volume, flight, record)
+            self._carry(photons, hit, volume, opaque, flight, record)
             ask(poll)
         choice, xi, facets = sampler.uniform(), sampler.pair(), sampler.pair()
         alive = np.zeros(len(reach), bool)
@@ -171,18 +175,21 @@ class PhotonTracer:
         collides &= target < photons.until
         at = np.flatnonzero(collides & (target >= photons.dark))
         if len(at):
-            alive[at] = self._scatter(photons, at, volume[at], extinction[at], target[at], choice[at], xi[at])
+            alive[at] = self._scatter(
+                photons, at, volume[at], extinction[at], target[at], column[at], choice[at], xi[at]
+            )
         # What gets through is weighed by how likely that was; escapes into emptiness end there.
         at = np.flatnonzero((target >= reach) & (reach < photons.until) & np.isfinite(reach))
         if len(at):
-            left = np.exp(-extinction[at] * reach[at, None])
+            passed = self._columns.at(volume[at], photons.origin[at], photons.direction[at], reach[at])
+            left = np.exp(-extinction[at] * passed[:, None])
             photons.power[at] *= left / _weighted(left, photons.power[at])
             alive[at] = self._interact(photons, at, hit[at], choice[at], xi[at], facets[at])
         return alive
 
-    def _leave_beams(self, photons, hit, volume, record):
+    def _leave_beams(self, photons, hit, volume, opaque, record):
         """Beams run to the next surface, or until nothing is left: not to the next collision."""
-        opaque = np.minimum(self._opaque[volume], photons.until)
+        opaque = np.minimum(opaque, photons.until)
         length = np.minimum(hit["distance"], opaque) - photons.dark
         ends = hit["distance"] <= opaque
         normal = hit["geometric_normal"]
@@ -197,11 +204,13 @@ class PhotonTracer:
             beams = np.zeros(len(at), BEAM)
             dark = photons.dark[at, None]
             beams["origin"], beams["direction"] = photons.origin[at] + dark * photons.direction[at], photons.direction[at]
-            beams["length"], beams["power"] = length[at], photons.power[at] * np.exp(-self._extinction[number // 2] * dark)
+            passed = self._columns.at(volume[at], photons.origin[at], photons.direction[at], photons.dark[at])
+            beams["length"] = length[at]
+            beams["power"] = photons.power[at] * np.exp(-self._extinction[number // 2] * passed[:, None])
             beams["start_normal"], beams["end_normal"] = photons.normal[at], end_normal[at]
             record.add("beams", number, beams)
 
-    def _carry(self, photons, hit, volume, flight, record):
+    def _carry(self, photons, hit, volume, opaque, flight, record):
         """Records whole segments with the silhouettes beside them, and moves light fields on by the flight."""
         segments = np.zeros(len(flight), SEGMENT)
         segments["origin"], segments["field"] = photons.origin, photons.light
@@ -209,29 +218,37 @@ class PhotonTracer:
         segments["edge_count"], segments["edges"] = counts, edges
         # What escapes ends there.
         distance = np.where(np.isfinite(flight), flight, 0).astype(np.float32)
-        photons.light = segment.field_at(segments, _VACUUM, distance)
-        self._leave_segments(photons, segments, hit["distance"], volume, record)
+        photons.light = self._field_at(segments, volume, distance)
+        self._leave_segments(photons, segments, hit["distance"], volume, opaque, record)
 
-    def _leave_segments(self, photons, segments, reach, volume, record):
+    def _field_at(self, segments, volume, distance):
+        """Light fields of SEGMENTs in some volumes at distances."""
+        field = segment.field_at(segments, _VACUUM, distance)
+        for medium, of in self._columns.media(volume):
+            field[of] = segment.field_at(segments[of], medium, distance[of])
+        return field
+
+    def _leave_segments(self, photons, segments, reach, volume, opaque, record):
         """Like beams, segments run from where their light begins to the next surface."""
         dark = photons.dark
-        length = np.minimum(np.minimum(reach, self._opaque[volume]), photons.until) - dark
-        power = photons.power.mean(axis=1) * np.exp(-self._extinction[volume].mean(axis=1) * dark)
+        length = np.minimum(np.minimum(reach, opaque), photons.until) - dark
+        passed = self._columns.at(volume, photons.origin, photons.direction, dark)
+        power = photons.power.mean(axis=1) * np.exp(-self._extinction[volume].mean(axis=1) * passed)
         wanted = (volume >= 0) & ~photons.glass & np.isfinite(length) & (length > 0) & (power > 0)
         late = np.flatnonzero(wanted & (dark > 0))
         if len(late):
             # Edges before that lie behind the segment then.
-            segments["field"][late] = segment.field_at(segments[late], _VACUUM, dark[late])
+            segments["field"][late] = self._field_at(segments[late], volume[late], dark[late])
             segments["origin"][late] += dark[late, None] * photons.direction[late]
             segments["edges"]["depth"][late] -= dark[late, None]
         segments["length"], segments["power"], segments["unscattered"] = length, power, photons.unscattered
         for number in np.unique(volume[wanted]):
             record.add("segments", number, segments[wanted & (volume == number)])
 
-    def _scatter(self, photons, at, volume, extinction, flight, choice, xi):
+    def _scatter(self, photons, at, volume, extinction, flight, column, choice, xi):
         """Collisions in media: which photons scatter on."""
         before = photons.power[at]
-        density = extinction * np.exp(-extinction * flight[:, None])
+        density = extinction * np.exp(-extinction * column[:, None])
         collided = before * (density / _weighted(density, before))
         after = collided * (self._scattering[volume] / np.maximum(extinction, np.float32(1e-38)))
         photons.origin[at] += flight[:, None] * photons.direction[at]
@@ -297,7 +314,7 @@ def _weighted(values, power):
 
 
 def _free_flight(power, extinction, u):
-    """Distances to the next collision: one channel, drawn by its power, decides for all three."""
+    """Columns up to the next collision: one channel, drawn by its power, decides for all three."""
     share = power / power.sum(axis=1, keepdims=True)
     grey = (extinction[:, 0] == extinction[:, 1]) & (extinction[:, 1] == extinction[:, 2])
     bounds = np.cumsum(share, axis=1)

@@ -5,6 +5,7 @@ import numpy as np
 from covbeam import EYE_RAY, IMAGE_SPECTRUM, PIXEL_STEP, image
 
 from . import ask
+from .columns import Columns
 from .sampler import mix
 from .vectors import dot
 
@@ -22,7 +23,7 @@ class View:
     """The first piece of fog and the first surface behind the middle of each pixel."""
 
     def __init__(self, scene, eyes, poll):
-        self._scene = scene
+        self._scene, self._columns = scene, Columns(scene)
         camera = scene.camera
         width, height = camera.width, camera.height
         y, x = np.mgrid[0:height, 0:width]
@@ -78,7 +79,9 @@ class View:
     def _fog_seen(self, at):
         """Share of the light on the way through the first fog of some pixels that this takes: as many."""
         extinction = self._scene.extinctions.mean(axis=1)[self.volume[at]]
-        depth = np.where(extinction > 0, extinction * (self.stretch[at, 1] - self.stretch[at, 0]), 0)
+        rays = self.rays(at)
+        column = self._columns.at(self.volume[at], rays["origin"], rays["direction"], rays["length"])
+        depth = np.where(extinction > 0, extinction * column, 0)
         return -np.expm1(-depth)
 
     def bend(self, at):

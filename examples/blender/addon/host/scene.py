@@ -99,7 +99,8 @@ class Light:
 
 @dataclass(frozen=True)
 class Volume:
-    """A medium and where it is: inside the closed meshes of its objects, or everywhere."""
+    """A medium and where it is: inside the closed meshes of its objects, or everywhere. Coefficients hold where the relative density is
+    1, its largest value."""
 
     name: str
     medium: covbeam.Medium
@@ -110,6 +111,8 @@ class Volume:
     #: Corners of what it fills [m]; infinite for the world's.
     min: np.ndarray
     max: np.ndarray
+    #: Whether the medium's density varies.
+    varies: bool = False
 
 
 @dataclass(frozen=True)
