@@ -129,6 +129,25 @@ def cloud(bounces):
     return build, bounces
 
 
+def overlapping(bounces):
+    """Two boxes of fog that overlap each other in fog of the world, one of them with a gradient, and a black ball across their faces."""
+
+    def build(scene):
+        scenes.wire(scene.world, scenes.fog((1.0, 0.8, 0.5), 0.05, 0.3))
+        scenes.cube("Even", (-0.4, 0, 0), (1.6, 1.2, 1.4), scenes.material("Even", *scenes.fog((1.0, 0.8, 0.5), 0.5, 0.3)))
+        fog = scenes.material("Varied", *scenes.fog((1.0, 0.8, 0.5), 1.0, 0.3))
+        tree = fog.node_tree
+        fade = tree.nodes.new("ShaderNodeTexGradient")
+        scatter = next(node for node in tree.nodes if node.type == "VOLUME_SCATTER")
+        tree.links.new(tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"], fade.inputs["Vector"])
+        tree.links.new(next(s for s in fade.outputs if s.identifier == "Fac"), scatter.inputs["Density"])
+        scenes.cube("Varied", (0.5, 0, 0.2), (1.5, 1.5, 1.2), fog)
+        scenes.ball("Ball", (0.2, 0, 0), 0.3, scenes.material("Black", scenes.BLACK))
+        scenes.lamp("POINT", (0.3, 0, 2.5), energy=300.0, shadow_soft_size=0.0)
+
+    return build, bounces
+
+
 def _tinted(kind, **values):
     return (f"ShaderNodeBsdf{kind}", {"Color": (0.9, 0.6, 0.3, 1), **values}, "Surface")
 
@@ -162,6 +181,8 @@ SCENES = {
     "MESH": fog_box([_shining_square], bounces=0),
     "CLOUD": cloud(0),
     "WHITE CLOUD": cloud(16),
+    "OVERLAP": overlapping(0),
+    "OVERLAPS": overlapping(8),
     "MULTIPLE": fog_box([], bounces=16, medium=scenes.fog((1, 0.9, 0.8), 0.4, -0.4)),
     "DIFFUSE": fog_box([], _tinted("Diffuse"), bounces=1),
     "METAL": fog_box([], _tinted("Glossy", Roughness=0.4), bounces=1),

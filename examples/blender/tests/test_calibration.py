@@ -23,7 +23,7 @@ class Calibration(unittest.TestCase):
         self.agree(("POINT", "BALL", "SPOT", "AREA", "DISK", "SUN", "FOCUS", "WORLD", "SKY", "MESH", "CLOUD"))
 
     def test_light_that_fog_and_surfaces_send_back(self):
-        self.agree(("MULTIPLE", "WHITE CLOUD", "DIFFUSE", "METAL"))
+        self.agree(("MULTIPLE", "WHITE CLOUD", "OVERLAPS", "DIFFUSE", "METAL"))
 
     def agree(self, names):
         for name in names:

@@ -195,11 +195,49 @@ class Volumes(unittest.TestCase):
         made, _ = scenes.exported()
         self.assertEqual((made.volumes, made.object_volumes.tolist()), ([], [-1]))
 
-    def test_volumes_that_overlap_are_named(self):
-        slab(shader("VolumeScatter"))
-        scenes.box("Inner", material=scenes.material("More", volume=shader("VolumeScatter")))
-        _, report = scenes.exported()
-        self.assertEqual([e.sources for e in report.entries], [('Volume of "Slab"', 'Volume of "Inner"')])
+    def test_where_volumes_overlap_is_their_sum(self):
+        slab(shader("VolumeScatter", {"Color": (1, 1, 1), "Density": 0.3, "Anisotropy": 0.4}))
+        more = scenes.material("More", volume=shader("VolumeScatter", {"Color": (1, 1, 1), "Density": 0.1}))
+        inner, far = scenes.box("Inner", material=more), scenes.box("Far", material=more)
+        inner.location, far.location = (0, 0, 1.5), (50, 0, 0)
+        scenes.world(None, shader("VolumeAbsorption", {"Color": (0, 0, 0), "Density": 0.01}))
+        made, report = scenes.exported()
+        self.assertIn("sum of different phase functions", str(report))
+        self.assertEqual([volume.parts for volume in made.volumes], [(), (), (), (), (0, 1)])
+        np.testing.assert_allclose([v.scattering[0] for v in made.volumes], (0.3, 0.1, 0.1, 0, 0.4))
+        # The world's is in all of them.
+        np.testing.assert_allclose([v.absorption[0] for v in made.volumes], 0.01)
+        self.assertEqual(made.world_volume, 3)
+        both = made.volumes[4]
+        self.assertAlmostEqual(both.asymmetry, 0.3, delta=1e-6)
+        np.testing.assert_allclose([both.min, both.max], [(-1, -1, 0.5), (1, 1, 1)], atol=2e-3)
+
+    def test_what_varies_is_added_up_from_place_to_place(self):
+        def volume(tree):
+            fade, fog = node(tree, "TexGradient", gradient_type="SPHERICAL"), node(tree, "VolumeScatter", {"Color": (1, 1, 1)})
+            tree.links.new(node(tree, "TexCoord").outputs["Object"], fade.inputs["Vector"])
+            tree.links.new(next(s for s in fade.outputs if s.identifier == "Fac"), fog.inputs["Density"])
+            return fog
+
+        even = scenes.material("Even", volume=shader("VolumeScatter", {"Color": (1, 1, 1), "Density": 0.5}))
+        scenes.box("Cloud", material=scenes.material("Cloud", volume=volume))
+        scenes.box("Even", material=even).location = (1, 0, 0)
+        made, report = scenes.exported()
+        self.assertEqual((str(report), [volume.varies for volume in made.volumes]), ("", [True, False, True]))
+        places = np.array([[0.4, 0, 0], [0.8, 0.5, 0.1], [0.9, 0.9, 0.9]], np.float32)
+        both = made.volumes[2]
+        found = both.medium.density_at(places) * both.scattering[0]
+        np.testing.assert_allclose(found, 0.5 + np.maximum(1 - np.linalg.norm(places, axis=1), 0), atol=0.02)
+
+    def test_volumes_that_overlap_in_too_many_ways_are_named(self):
+        for k in range(6):
+            size = 1 + 0.1 * k
+            scenes.box(f"Nested {k}", (-size,) * 3, (size,) * 3, scenes.material(f"Fog {k}", volume=shader("VolumeScatter")))
+        made, report = scenes.exported()
+        self.assertEqual(len(made.volumes), 6 + 16)
+        (entry,) = report.entries
+        self.assertEqual((entry.what, entry.in_fog), ("overlaps too many others", True))
+        self.assertIn('Volume of "Nested 5"', entry.sources)
 
     def test_a_textured_density_is_the_value_of_its_socket_and_named(self):
         def make(tree):

@@ -363,6 +363,12 @@ class Insides(unittest.TestCase):
             self.assertFalse(glass)
         self.assertTrue(interiors.at((0, 0, 1.5))[1])
 
+    def test_a_sum_of_volumes_counts_where_these_are_and_no_others(self):
+        both = replace(scenes.volume("both", 0.3, 0, low=-1, high=1), parts=(0, 1))
+        interiors = Interiors(replace(self.scene, volumes=[*self.scene.volumes, both]))
+        for point, expected in (((0, 0, 0), 2), ((1.5, 0, 0), 0), ((3, 0, 0), -1)):
+            self.assertEqual(interiors.volumes(np.array([interiors.at(point)[0]]))[0], expected)
+
     def test_an_eye_path_gets_all_pieces_of_fog_on_its_way(self):
         tracer = EyeTracer(self.scene, Interiors(self.scene), 0)
         direction = np.array([[0.01, 0.0, 1.0]], np.float32)

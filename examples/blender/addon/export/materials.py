@@ -9,7 +9,7 @@ import numpy as np
 from .lobes import Lobes
 from .nodes import Values, follow
 from .surfaces import add_surface
-from .volumes import Fog, VariedFog, fog
+from .volumes import Fog, fog
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class Translated:
     row: np.ndarray
     #: Radiance of both sides [W/(m^2 sr)], float64 (3,).
     emission: np.ndarray
-    fog: Fog | VariedFog | None
+    fog: Fog | None
 
 
 def has_nodes(block):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The objects and instances of an evaluated depsgraph -> geometry, volumes and lights."""
+"""The objects and instances of an evaluated depsgraph -> geometry, fog and lights."""
 
 import covbeam_rays
 import numpy as np
@@ -11,16 +11,16 @@ from .flags import note_instancer_flags, note_left_out, note_light_flags
 from .lights import light
 from .meshes import FARTHEST, in_world, reach
 from .shapes import TOO_FAR, Shapes
-from .volumes import Frame, VariedFog, volume
+from .volumes import Filled, Frame
 
 
 class Objects:
-    """What a depsgraph has in it. Fields as in host.scene.Scene; `geometry` is not built yet."""
+    """What a depsgraph has in it. Fields as in host.scene.Scene; `geometry` is not built yet. `filled`: volumes.Filled, by volume."""
 
     def __init__(self, depsgraph, report, poll):
         self.geometry = covbeam_rays.Geometry()
-        self.lights, self.volumes, self.object_volumes, self.object_closed = [], [], [], []
-        self._report, self._view_layer, self._poll = report, depsgraph.view_layer_eval, poll
+        self.lights, self.filled, self.object_volumes, self.object_closed = [], [], [], []
+        self._report, self._view_layer = report, depsgraph.view_layer_eval
         # Objects that make instances and have been looked at.
         self._instancers = set()
         self._shapes = Shapes(self.geometry, self._view_layer, report)
@@ -96,7 +96,7 @@ class Objects:
         if shape.fog is None:
             self.object_volumes.append(-1)
         else:
-            self.object_volumes.append(len(self.volumes))
+            self.object_volumes.append(len(self.filled))
             self._fill(shape, matrix, name, world.min(axis=0), world.max(axis=0))
         for material, corners in shape.emitting:
             self._emitting.setdefault(material, []).append(world[corners])
@@ -107,18 +107,15 @@ class Objects:
         smaller, low, high = inset(matrix, world.min(axis=0), world.max(axis=0), self._reach, number)
         material = shape.materials if isinstance(shape.materials, int) else -1
         self.geometry.add_instance(shape.number, smaller, number, material)
-        self.object_volumes.append(len(self.volumes))
+        self.object_volumes.append(len(self.filled))
         self.object_closed.append(False)
         self._fill(shape, matrix, name, low, high)
         for material, corners in shape.emitting:
             self._emitting.setdefault(material, []).append(world[corners])
 
     def _fill(self, shape, matrix, name, low, high):
-        """Adds the volume that fills a shape between two corners [m]."""
-        fog = shape.fog
-        if isinstance(fog, VariedFog):
-            fog = fog.placed(Frame(matrix, *shape.texture_space), low, high, self._poll)
-        self.volumes.append(volume(name, fog, low, high))
+        """Adds the fog that fills a shape between two corners [m]."""
+        self.filled.append(Filled(name, shape.fog, np.float64(low), np.float64(high), Frame(matrix, *shape.texture_space)))
 
 
 def _invertible(matrix):

@@ -12,7 +12,7 @@ from .objects import Objects
 from .report import Report
 from .settings import note_clipping, note_settings
 from .sky import sky
-from .volumes import note_overlaps, volume
+from .volumes import Filled, volumes
 
 
 def export(depsgraph, poll=None):
@@ -28,7 +28,7 @@ def export(depsgraph, poll=None):
     note_settings(depsgraph, camera_object, report)
     objects = Objects(depsgraph, report, poll)
     world = depsgraph.view_layer_eval.world_override or depsgraph.scene_eval.world
-    volumes, world_volume = objects.volumes, -1
+    filled, world_volume = objects.filled, -1
     fog = world_fog(world, report)
     lights = list(objects.lights)
     # Fog without end lets nothing through from infinitely far away.
@@ -36,9 +36,8 @@ def export(depsgraph, poll=None):
     if background is not None:
         lights.append(background)
     if fog is not None:
-        world_volume = len(volumes)
-        volumes.append(volume(world.name, fog, np.full(3, -np.inf), np.full(3, np.inf)))
-    note_overlaps(volumes, report)
+        world_volume = len(filled)
+        filled.append(Filled(world.name, fog, np.full(3, -np.inf), np.full(3, np.inf)))
     try:
         objects.geometry.build(poll)
     except covbeam_rays.Cancelled:
@@ -49,7 +48,7 @@ def export(depsgraph, poll=None):
         materials=objects.materials,
         object_volumes=np.array(objects.object_volumes, np.int32),
         object_closed=np.array(objects.object_closed, bool),
-        volumes=volumes,
+        volumes=volumes(filled, report, poll),
         world_volume=world_volume,
         lights=lights,
         camera=eye,

@@ -34,7 +34,8 @@ def note_clipping(depsgraph, camera_object, camera, bounds, world_fog, report):
     if np.isfinite(farthest) and farthest > data.clip_end:
         report.add(source, "objects beyond Clip End", "seen all the same")
     if world_fog is not None:
-        extinction = np.min(world_fog.scattering + world_fog.absorption)
+        total = world_fog.at()
+        extinction = np.min(total.scattering + total.absorption)
         # Beyond 7 mean free paths less than a thousandth of the light arrives.
         if extinction * data.clip_end < 7:
             report.add(source, "Clip End, which ends the fog of the world in Cycles", "the fog goes on; raise Clip End")

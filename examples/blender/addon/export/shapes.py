@@ -9,7 +9,7 @@ from ..host.scene import MATERIAL
 from .flags import note_mesh_flags
 from .materials import translate
 from .meshes import FARTHEST, Triangles, is_closed, reach, triangles
-from .volumes import Fog, VariedFog
+from .volumes import Fog
 
 #: What the report says of what is beyond meshes.FARTHEST.
 TOO_FAR = ("coordinates that are too large or no numbers", "left out")
@@ -25,7 +25,7 @@ class Shape:
     #: Number of the mesh in the geometry, whose triangles bear these materials if it is not one for all.
     number: int
     #: What it is filled with, or None.
-    fog: Fog | VariedFog | None
+    fog: Fog | None
     #: Middle and half size of the texture space, float64 (2, 3).
     texture_space: np.ndarray
     #: Whether it does nothing but bound fog; and whether it is of glass and closed.

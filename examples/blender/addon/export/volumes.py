@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Volume shader nodes -> media, by the definitions of Cycles."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import covbeam
 import numpy as np
@@ -12,46 +12,25 @@ from .density import bake
 from .nodes import Values, closures
 from .textures import Places
 
+#: Sets of objects whose fog overlaps that are told apart: each has a grid of its own.
+_MOST_SETS = 16
+
 
 @dataclass(frozen=True)
 class Fog:
-    """What a Volume socket describes, wherever it is; fields as in host.scene.Volume."""
-
-    medium: covbeam.Medium
-    scattering: np.ndarray
-    absorption: np.ndarray
-    asymmetry: float
-    varies: bool = False
-
-
-@dataclass(frozen=True)
-class VariedFog:
-    """What a Volume socket describes whose values vary from place to place: what it is depends on where it is."""
+    """What a Volume socket describes."""
 
     values: Values
     #: The bpy.types.NodeSocket, which lives as long as the depsgraph.
     socket: object
+    #: Whether it varies from place to place.
+    varies: bool
 
-    def placed(self, frame, low, high, poll):
-        """The Fog between the corners `low` and `high` [m] in an object of some Frame; poll: as for export."""
-
-        def coefficients(world):
-            total = _Sum()
-            _add(self.values.in_fog(frame.places(world)), self.socket, (), 1.0, total)
-            found.append(total)
-            return [np.nan_to_num(np.broadcast_to(of, world.shape), posinf=0.0, neginf=0.0) for of in (total.scattering, total.absorption)]
-
-        found = []
-        baked = bake(coefficients, low, high, poll)
-        if baked.error > 0.01:
-            cells = " x ".join(map(str, baked.cells))
-            self.values.note("density that varies finely", f"{cells} voxels, which are {baked.error:.1%} off on average", in_fog=True)
-        if baked.coloured > 0.01:
-            self.values.note("colour that varies in a volume", "its mean; the density varies", in_fog=True)
-        # The first places are scattered over all of it.
-        asymmetry, phase = _phase(self.values, found[0].phases)
-        medium = covbeam.Medium(tuple(baked.scattering), tuple(baked.absorption), phase, baked.density)
-        return Fog(medium, baked.scattering, baked.absorption, asymmetry, baked.density is not None)
+    def at(self, places=None):
+        """The Sum of its closures at textures.Places, or wherever it is."""
+        total = Sum()
+        _add(self.values.in_fog(places), self.socket, (), 1.0, total)
+        return total
 
 
 @dataclass(frozen=True)
@@ -72,7 +51,7 @@ class Frame:
         return Places(world, inside, 0.5 * (inside - self.middle) / half + 0.5)
 
 
-class _Sum:
+class Sum:
     """Coefficients [1/m] of the closures added so far, and the phase function of each that scatters."""
 
     def __init__(self):
@@ -92,24 +71,30 @@ class _Sum:
         self.absorption = self.absorption + np.maximum(coefficient, 0)
 
 
+@dataclass(frozen=True)
+class Filled:
+    """A Fog and what it fills between the corners `low` and `high` [m]: an object, whose Frame it is in, or the world, without one."""
+
+    name: str
+    fog: Fog
+    low: np.ndarray
+    high: np.ndarray
+    frame: Frame | None = None
+
+
 def fog(values, socket, may_vary=False):
-    """The Fog that leads to the Volume socket of an output node, or None if it neither scatters nor absorbs; a VariedFog if its values
-    vary and that is wanted."""
-    values, total = values.in_fog(), _Sum()
+    """The Fog that leads to the Volume socket of an output node, or None if it neither scatters nor absorbs.
+
+    - may_vary: whether its values may vary from place to place; if not, what does is reported.
+    """
+    values = values.in_fog()
     trial = values.quiet()
-    _add(trial, socket, (), 1.0, _Sum())
-    if may_vary and trial.varies:
-        return VariedFog(values, socket)
-    _add(values, socket, (), 1.0, total)
-    if not (total.scattering.any() or total.absorption.any()):
-        return None
-    asymmetry, phase = _phase(values, total.phases)
-    return Fog(
-        medium=covbeam.Medium(tuple(total.scattering), tuple(total.absorption), phase),
-        scattering=total.scattering,
-        absorption=total.absorption,
-        asymmetry=asymmetry,
-    )
+    _add(trial, socket, (), 1.0, Sum())
+    made = Fog(values, socket, may_vary and trial.varies)
+    if made.varies:
+        return made
+    total = made.at()
+    return made if total.scattering.any() or total.absorption.any() else None
 
 
 def _phase(values, lobes):
@@ -202,25 +187,85 @@ _CLOSURES = {
 }
 
 
-def volume(name, fog, low, high):
-    """The host.scene.Volume of a Fog between the corners `low` and `high` [m]."""
+def volumes(filled, report, poll):
+    """The host.scene.Volumes of some Filled, as many and in that order; and then, as Cycles adds up what overlaps, those of each set of
+    objects that may. The world's fog is everywhere.
+
+    - poll: as for export.
+    """
+    world = [each for each in filled if each.frame is None]
+    made = [_volume([each] if each.frame is None else [each, *world], poll) for each in filled]
+    sets, rest = _overlaps(filled)
+    for parts in sets:
+        together = _volume([*(filled[k] for k in parts), *world], poll)
+        made.append(replace(together, parts=parts))
+    for k in rest:
+        report.add(f'Volume of "{filled[k].name}"', "overlaps too many others", "only the smallest one is there", True)
+    return made
+
+
+def _overlaps(filled):
+    """Sets of objects that have a place in common, as tuples of indices, smaller sets first; and which overlap in more ways than that."""
+    bodies = [k for k, each in enumerate(filled) if each.frame is not None]
+    boxes = {(k,): (filled[k].low, filled[k].high) for k in bodies}
+    found, rest = [], set()
+    while boxes:
+        larger = {}
+        for parts, (low, high) in boxes.items():
+            for k in bodies:
+                # Boxes that overlap in pairs have a place in common.
+                both = np.maximum(low, filled[k].low), np.minimum(high, filled[k].high)
+                if k <= parts[-1] or not np.all(both[0] < both[1]):
+                    continue
+                if len(found) + len(larger) < _MOST_SETS:
+                    larger[*parts, k] = both
+                else:
+                    rest |= {*parts, k}
+        found += larger
+        boxes = larger
+    return found, sorted(rest)
+
+
+def _volume(parts, poll):
+    """The host.scene.Volume where all `parts` are, each a Filled."""
+    low = np.max([part.low for part in parts], axis=0)
+    high = np.min([part.high for part in parts], axis=0)
+    values, density = parts[0].fog.values, None
+    if any(part.fog.varies for part in parts):
+        baked, lobes = _baked(parts, low, high, poll)
+        scattering, absorption, density = baked.scattering, baked.absorption, baked.density
+    else:
+        totals = [part.fog.at() for part in parts]
+        scattering, absorption = (sum(getattr(total, name) for total in totals) for name in ("scattering", "absorption"))
+        lobes = [lobe for total in totals for lobe in total.phases]
+    asymmetry, phase = _phase(values, lobes)
     return Volume(
-        name=name,
-        medium=fog.medium,
-        scattering=fog.scattering,
-        absorption=fog.absorption,
-        asymmetry=fog.asymmetry,
-        min=np.asarray(low, np.float64),
-        max=np.asarray(high, np.float64),
-        varies=fog.varies,
+        name=parts[0].name,
+        medium=covbeam.Medium(tuple(scattering), tuple(absorption), phase, density),
+        scattering=scattering,
+        absorption=absorption,
+        asymmetry=asymmetry,
+        min=low,
+        max=high,
+        varies=density is not None,
     )
 
 
-def note_overlaps(volumes, report):
-    """Reports each of the host.scene.Volumes whose box overlaps that of another one: Cycles adds them up."""
-    low, high = (np.array([getattr(v, end) for v in volumes]).reshape(-1, 3) for end in ("min", "max"))
-    for k, one in enumerate(volumes):
-        touching = np.all((low < one.max) & (high > one.min), axis=1)
-        touching[k] = False
-        if touching.any():
-            report.add(f'Volume of "{one.name}"', "may overlap another volume", "only the smaller one is there", True)
+def _baked(parts, low, high, poll):
+    """The density.Baked of some Filled together, and their phase functions."""
+
+    def coefficients(world):
+        totals = [part.fog.at(part.frame.places(world) if part.fog.varies else None) for part in parts]
+        lobes.append([lobe for total in totals for lobe in total.phases])
+        sums = (sum(getattr(total, name) for total in totals) for name in ("scattering", "absorption"))
+        return [np.nan_to_num(np.broadcast_to(of, world.shape), posinf=0.0, neginf=0.0) for of in sums]
+
+    lobes = []
+    baked, values = bake(coefficients, low, high, poll), next(part.fog.values for part in parts if part.fog.varies)
+    if baked.error > 0.01:
+        cells = " x ".join(map(str, baked.cells))
+        values.note("density that varies finely", f"{cells} voxels, which are {baked.error:.1%} off on average", in_fog=True)
+    if baked.coloured > 0.01:
+        values.note("colour that varies in a volume", "its mean; the density varies", in_fog=True)
+    # The first places are scattered over all of it.
+    return baked, lobes[0]

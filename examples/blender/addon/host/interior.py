@@ -35,12 +35,12 @@ class Interiors:
     """Tells which medium fills the places that rays get to.
 
     A ray's `inside` is a set of volumes, one bit each (uint64), and its `glass` whether it is inside of glass, in which
-    fog goes on. Where volumes overlap the smallest one counts.
+    fog goes on. Where volumes overlap, that counts which is their sum; if the scene has none, the smallest of them.
     """
 
     def __init__(self, scene):
         self._scene = scene
-        finite = [i for i in range(len(scene.volumes)) if i != scene.world_volume]
+        finite = [i for i, volume in enumerate(scene.volumes) if i != scene.world_volume and not volume.parts]
         if len(finite) > MOST:
             raise ValueError(f"{len(finite)} volumes: at most {MOST} can be rendered; join those that touch each other")
         size = {i: float(np.prod(np.asarray(scene.volumes[i].max) - scene.volumes[i].min)) for i in finite}
@@ -50,6 +50,10 @@ class Interiors:
         for bit, volume in enumerate(finite):
             bits[volume] = np.uint64(1) << np.uint64(bit)
         self._bits = bits
+        #: Sets of volumes whose sums there are, and these.
+        self._sums = [
+            (np.bitwise_or.reduce(bits[list(volume.parts)]), i) for i, volume in enumerate(scene.volumes) if volume.parts
+        ]
         #: By object: its volume's bit, or 0.
         self._object_bits = bits[scene.object_volumes]
         self._glass = (scene.materials["glass_transmission"] > 0).any(axis=1)
@@ -61,6 +65,8 @@ class Interiors:
         current = np.full(len(inside), self._scene.world_volume, np.int32)
         for volume in self._order:
             current[(inside & self._bits[volume]) != 0] = volume
+        for together, volume in self._sums:
+            current[inside == together] = volume
         return current
 
     def crossed(self, inside, objects, fronts):

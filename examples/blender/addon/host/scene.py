@@ -113,6 +113,9 @@ class Volume:
     max: np.ndarray
     #: Whether the medium's density varies.
     varies: bool = False
+    #: Indices of the volumes whose sum this is, where all of them and no others are; empty: it is one of a scene's own. The world's is in
+    #: all of them.
+    parts: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
