@@ -50,6 +50,81 @@ def black_ball(light, place=(0.3, 0, 2.5), soft=False, **values):
     return build, 0
 
 
+def projected():
+    """The shadow of a black ball in the light of a spot with a picture in front of it that looks different from all sides."""
+
+    def build(scene):
+        black_ball("SPOT", energy=300.0, shadow_soft_size=0.0, spot_size=1.2, spot_blend=0.3)[0](scene)
+        lamp = bpy.data.objects["Spot"]
+        lamp.rotation_euler.rotate_axis("Z", 0.7)
+        cells = np.full((6, 6, 4), (0.1, 0.1, 0.2, 1.0), np.float32)
+        cells[1, 1:5, 0] = cells[2:5, 1, 1] = cells[3, 3, :3] = 4.0
+        image = bpy.data.images.new("Slide", 6, 6, float_buffer=True)
+        image.colorspace_settings.name = "Linear Rec.709"
+        image.pixels.foreach_set(cells.ravel())
+        emission, link, new = _emission_of(lamp.data)
+        parts, place, slide = (new(f"ShaderNode{kind}") for kind in ("SeparateXYZ", "CombineXYZ", "TexImage"))
+        slide.image, slide.extension = image, "CLIP"
+        link(new("ShaderNodeTexCoord").outputs["Normal"], parts.inputs[0])
+        for axis in "XY":
+            # From -.7 to .7 across the cone.
+            slope, half = new("ShaderNodeMath"), new("ShaderNodeMath")
+            slope.operation, half.operation = "DIVIDE", "MULTIPLY_ADD"
+            half.inputs[1].default_value, half.inputs[2].default_value = -1 / 1.4, 0.5
+            link(parts.outputs[axis], slope.inputs[0])
+            link(parts.outputs["Z"], slope.inputs[1])
+            link(slope.outputs[0], half.inputs[0])
+            link(half.outputs[0], place.inputs[axis])
+        link(place.outputs[0], slide.inputs["Vector"])
+        link(slide.outputs["Color"], emission.inputs["Color"])
+
+    return build, 0
+
+
+def uneven():
+    """A point whose light differs with its direction in the world, seen beside a black ball."""
+
+    def build(scene):
+        black_ball("POINT", energy=300.0, shadow_soft_size=0.0)[0](scene)
+        emission, link, new = _emission_of(bpy.data.objects["Point"].data)
+        noise, mapping = new("ShaderNodeTexNoise"), new("ShaderNodeMapping")
+        mapping.inputs["Rotation"].default_value, noise.inputs["Scale"].default_value = (0.3, 0.5, 0.7), 3.0
+        link(new("ShaderNodeNewGeometry").outputs["Incoming"], mapping.inputs["Vector"])
+        link(mapping.outputs[0], noise.inputs["Vector"])
+        link(noise.outputs[0], emission.inputs["Strength"])
+
+    return build, 0
+
+
+def measured(angles):
+    """A spot that shines as an IES file says, given all around or for half of that; unlike in all directions of those."""
+
+    def build(scene):
+        black_ball("POINT", energy=3.0, shadow_soft_size=0.0)[0](scene)
+        lamp = bpy.data.objects["Point"]
+        lamp.rotation_euler = (0.4, 0.3, 0.5)
+        vertical, horizontal = np.arange(0, 181, 15), np.arange(0, angles + 1, 30)
+        v, h = np.radians(vertical), np.radians(horizontal)[:, None]
+        values = 1000 * (1.2 + np.cos(v)) * (1.5 + 0.5 * np.cos(h) + (0.4 * np.sin(h + 2 * v) if angles == 360 else 0) * np.sin(v))
+        rows = [vertical, horizontal, *values.round(2)]
+        header = f"IESNA:LM-63-2002\nTILT=NONE\n1 -1 0.5 {len(vertical)} {len(horizontal)} 1 2 0 0 0\n1 1 100\n"
+        text = bpy.data.texts.new("Lamp")
+        text.write(header + "\n".join(" ".join(map(str, row)) for row in rows) + "\n")
+        emission, link, new = _emission_of(lamp.data)
+        ies = new("ShaderNodeTexIES")
+        ies.mode, ies.ies, ies.inputs["Strength"].default_value = "INTERNAL", text, 40.0
+        link(ies.outputs[0], emission.inputs["Strength"])
+
+    return build, 0
+
+
+def _emission_of(lamp):
+    """A lamp's Emission node, and what links and makes nodes in its tree."""
+    lamp.use_nodes = True
+    tree = lamp.node_tree
+    return next(node for node in tree.nodes if node.type == "EMISSION"), tree.links.new, tree.nodes.new
+
+
 def out_of_focus():
     """The shadow of a black ball that the lens blurs, as far as to a third of the picture, with five blades."""
 
@@ -175,6 +250,10 @@ SCENES = {
     "AREA": black_ball("AREA", energy=100.0, shape="RECTANGLE", size=1.0, size_y=0.5),
     "DISK": black_ball("AREA", energy=100.0, shape="DISK", size=1.0, spread=1.2),
     "SUN": black_ball("SUN", energy=3.0, angle=0.05, color=(0.3, 0.6, 1.0)),
+    "SLIDE": projected(),
+    "UNEVEN": uneven(),
+    "IES": measured(360),
+    "HALF AN IES": measured(180),
     "FOCUS": out_of_focus(),
     "WORLD": under_sky(),
     "SKY": under_sky(picture=True),

@@ -18,9 +18,10 @@ from addon.host.emission import Emitter
 from addon.host.emitting import Ball
 from addon.host.eyes import EyeTracer
 from addon.host.interior import Interiors
+from addon.host.pattern import PatternedDirections
 from addon.host.photons import PhotonTracer
 from addon.host.sampler import Sampler
-from addon.host.scene import MATERIAL, Aperture, Light, LightKind
+from addon.host.scene import MATERIAL, Aperture, Light, LightKind, Pattern
 from addon.host.session import Session, Settings
 from addon.host.surfaces import Lobe, follow, meet, weights
 from covbeam import Phase
@@ -193,6 +194,46 @@ class Light_(unittest.TestCase):
         # Flux: 2 pi times the integral of the smooth step over the cosine: half of the blend, and what is inside.
         np.testing.assert_allclose(out.power.mean(), 2 * np.pi * (0.5 * blend + 1 - edge - blend), rtol=1e-3)
         self.assertGreaterEqual((-out.direction[:, 2]).min(), edge - 1e-6)
+
+    def test_a_pattern_is_seen_in_the_directions_of_its_cells(self):
+        turn = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
+        turn[2] = np.cross(turn[0], turn[1])
+        cells = np.random.default_rng(6).random((6, 10, 3)).astype(np.float32)
+        cells[2:4, 3:8] = 0
+        intensity = np.array([1.0, 2, 3])
+        for kind, reach, falloff in (
+            (LightKind.POINT, np.pi, lambda c: np.ones_like(c)),
+            (LightKind.SPOT, np.arccos(0.3), lambda c: (3 - 2 * (c - 0.3) / 0.7) * ((c - 0.3) / 0.7) ** 2),
+        ):
+            pattern = Pattern(cells, turn, float(reach))
+            light = Light("", kind, axis=turn[2], intensity=intensity, cosine=0.3, blend=0.7, pattern=pattern)
+            out = self.emitted(light)
+            # The midpoint rule in cosine and angle, in cells cut into 40 x 40.
+            edges = np.cos(np.linspace(0, reach, 7))
+            cosine = np.concatenate([edges[k] + (np.arange(40) + 0.5) / 40 * (edges[k + 1] - edges[k]) for k in range(6)])
+            phi = (np.arange(400) + 0.5) * (2 * np.pi / 400)
+            area = np.repeat(-np.diff(edges) / 40, 40) * (2 * np.pi / 400) * falloff(cosine)
+            sine = np.sqrt(1 - cosine**2)[:, None]
+            local = np.stack([sine * np.cos(phi), sine * np.sin(phi), cosine[:, None] + 0 * phi], axis=-1)
+            shown = np.repeat(np.repeat(cells, 40, axis=0), 40, axis=1).astype(np.float64) * area[:, None, None]
+            power = out.power.astype(np.float64)
+            for found, moment in ((np.ones((len(power), 1)), np.ones((*local.shape[:2], 1))), (out.direction @ turn.T, local)):
+                expected = intensity[:, None] * np.einsum("ijc,ijk->ck", shown, moment)
+                scale = np.abs(intensity * shown.sum(axis=(0, 1)))[:, None]
+                # A net of 2^15 points in cells whose channels differ: 3e-3 and less.
+                np.testing.assert_allclose(np.einsum("nc,nk->ck", power, found) / len(power) / scale, expected / scale, atol=5e-3)
+
+    def test_a_pattern_is_fine_beside_its_edges(self):
+        # Light and dark halves: at an angle a from the border the picture is as fine as 1/a, to a factor.
+        cells = np.zeros((128, 256, 3), np.float32)
+        cells[:, :128] = 1
+        pattern = Pattern(cells, np.eye(3), np.pi)
+        made = PatternedDirections(pattern, np.ones_like)
+        found = []
+        for angle in (0.05, 0.1, 0.2, 0.4):
+            direction = np.array([[np.cos(angle), np.sin(angle), 0]], np.float32)
+            found.append(2 * np.pi * angle * float(np.sqrt(made.variances(direction)[0])))
+        self.assertTrue(all(0.3 < value < 3 for value in found), found)
 
     def test_an_area_lights_flux_and_cosines_are_lamberts(self):
         light = Light("", LightKind.AREA, u=np.array([2.0, 0, 0]), v=np.array([0, 3.0, 0]), radiance=np.ones(3))

@@ -17,6 +17,19 @@ def mean_colour(image):
     return np.array([*(means * 3 if len(means) == 1 else (*means, 0.0)[:3]), alpha])
 
 
+def picture(image):
+    """Linear Rec. 709 and alpha of a bpy.types.Image: float64 (h, w, 4), the bottom row first; or None if it has no pixels to read."""
+    pixels = _pixels(image)
+    if pixels is None:
+        return None
+    width, height = image.size
+    # Grey has one channel, or two with alpha.
+    chosen = (0, 1, 2) if image.channels >= 3 else (0, 0, 0)
+    alpha = pixels[:, -1:] if image.channels in (2, 4) else np.ones((len(pixels), 1))
+    found = np.concatenate([_linear(image, pixels[:, chosen]), alpha], axis=1)
+    return np.nan_to_num(found, nan=0.0, posinf=0.0, neginf=0.0).reshape(height, width, 4).astype(np.float64)
+
+
 def blocks(image, columns):
     """Linear Rec. 709 of a bpy.types.Image, the top row first, as means of blocks so that there are no more columns than that:
     float64 (h, w, 3); or None if it has no pixels to read. What is no number, or negative, is black."""

@@ -5,8 +5,12 @@ import math
 
 import numpy as np
 
-from ..host.scene import Light, LightKind
+from ..host.scene import Light, LightKind, Pattern
 from .nodes import Values, follow
+from .textures import Places
+
+#: Directions of a lamp are told apart by angles from its axis and around it.
+_CELLS = 512, 1024
 
 
 def light(lamp, name, matrix, report):
@@ -16,32 +20,39 @@ def light(lamp, name, matrix, report):
     - matrix: light -> world, float64 (4, 4).
     """
     values = Values(f'Light "{name}"', report, in_fog=True)
-    strength = _strength(lamp, values)
-    if np.any(strength < 0):
-        values.note("negative strength", "it does not shine")
-        return None
-    portal = lamp.type == "AREA" and hasattr(lamp, "cycles") and lamp.cycles.is_portal
-    if portal or not strength.any():
-        return None
     lengths = np.linalg.norm(matrix[:3, :3], axis=0)
     if not lengths.all():
         values.note("a scale of 0", "it does not shine")
         return None
     axes = (matrix[:3, :3] / lengths).T
+    strength, pattern = _strength(lamp, values, axes)
+    if np.any(strength < 0):
+        values.note("negative strength", "it does not shine")
+        return None
+    portal = lamp.type == "AREA" and hasattr(lamp, "cycles") and lamp.cycles.is_portal
+    if portal or not strength.any() or (pattern is not None and not pattern.cells.any()):
+        return None
     placed = {"name": name, "position": matrix[:3, 3].copy(), "axis": -axes[2]}
+    if pattern is not None:
+        placed["pattern"] = pattern
     return _KINDS[lamp.type](lamp, matrix, axes, strength, placed, values)
 
 
-def _strength(lamp, values):
-    """What Cycles multiplies the light's geometric factor with, (3,): colour times power, and the Emission node."""
+def _strength(lamp, values, axes):
+    """What Cycles multiplies the light's geometric factor with, (3,): colour times power, and the Emission node; and a host.scene.Pattern
+    if that differs with direction, or None."""
     strength = np.array(lamp.color, np.float64) * lamp.energy
     # Both came after Blender 4.2.
     if getattr(lamp, "use_temperature", False):
         strength = strength * np.array(lamp.temperature_color, np.float64)
     strength = strength * 2.0 ** getattr(lamp, "exposure", 0.0)
-    if lamp.use_nodes and lamp.node_tree is not None:
-        strength = strength * _emission(lamp.node_tree, values)
-    return strength
+    if not lamp.use_nodes or lamp.node_tree is None:
+        return strength, None
+    trial = values.quiet()
+    _emission(lamp.node_tree, trial)
+    if trial.varies and lamp.type in ("POINT", "SPOT"):
+        return strength, _pattern(lamp, values, axes)
+    return strength * _emission(lamp.node_tree, values), None
 
 
 def _emission(tree, values):
@@ -53,6 +64,21 @@ def _emission(tree, values):
         values.note(f"{end.node.bl_label} in a light", "the light's own strength and colour are used", in_fog=True)
         return np.ones(3)
     return values.colour(end.node, "Color", end.groups) * values.number(end.node, "Strength", end.groups)
+
+
+def _pattern(lamp, values, axes):
+    """The Emission node's light in all directions that a lamp shines in."""
+    reach = min(lamp.spot_size / 2, math.pi) if lamp.type == "SPOT" else math.pi
+    rows, columns = _CELLS
+    angle, turn = (np.arange(rows) + 0.5) * (reach / rows), (np.arange(columns) + 0.5) * (2 * math.pi / columns)
+    angle, turn = np.meshgrid(angle, turn, indexing="ij")
+    # A lamp shines along its -Z.
+    away = np.stack([np.sin(angle) * np.cos(turn), np.sin(angle) * np.sin(turn), -np.cos(angle)], axis=-1).reshape(-1, 3)
+    found = _emission(lamp.node_tree, values.at(Places(away=away, away_in_world=away @ axes)))
+    if lamp.shadow_soft_size > 0:
+        values.note("a pattern of a lamp with a size", "each place of the lamp has that of its middle")
+    cells = np.nan_to_num(np.broadcast_to(np.maximum(found, 0), away.shape), posinf=0.0)
+    return Pattern(cells.reshape(rows, columns, 3).astype(np.float32), np.stack([axes[0], axes[1], -axes[2]]), reach)
 
 
 def _point_intensity(lamp, strength):

@@ -8,7 +8,7 @@ import numpy as np
 from .arithmetic import COMPUTED, NotConstant, as_colour, as_number
 from .images import mean_colour
 from .report import Report
-from .textures import GENERATED, TEXTURES
+from .textures import TEXTURES, UNLINKED, image_at
 
 
 class End(NamedTuple):
@@ -92,6 +92,10 @@ class Values:
         """The same, for nodes of fog."""
         return Values(self.source, self.report, True, places)
 
+    def at(self, places):
+        """The same, at some textures.Places."""
+        return Values(self.source, self.report, self._in_fog, places)
+
     def quiet(self):
         """The same, without a report."""
         return Values(self.source, Report(), self._in_fog, self._places)
@@ -137,32 +141,48 @@ class Values:
             raise NotConstant("a muted node")
         if end.node is None:
             return _plain(end.socket.default_value)
-        if end.node.type == "TEX_IMAGE":
-            mean = mean_colour(end.node.image)
-            if mean is None:
-                raise NotConstant(f"{end.node.name}, whose image cannot be read")
-            self.note(f"image texture {end.node.image.name}", "its mean colour is used", self._in_fog)
-            return mean[3] if end.socket.identifier == "Alpha" else mean[:3]
-
         def argument(identifier):
             socket = find(end.node.inputs, identifier)
             if socket is None:
                 raise NotConstant(end.node.name)
-            if identifier == "Vector" and end.node.type in GENERATED and follow(socket, end.groups).node is None:
-                return self._places.generated
+            if identifier == "Vector" and end.node.type in UNLINKED and follow(socket, end.groups).node is None:
+                place = getattr(self._places, UNLINKED[end.node.type])
+                if place is None:
+                    raise NotConstant(end.node.name)
+                return place
             return self._evaluate(socket, end.groups)
 
-        texture, compute = TEXTURES.get(end.node.type), COMPUTED.get(end.node.type)
-        if texture is not None:
+        if end.node.type == "TEX_IMAGE":
+            value = self._image(end, argument)
+        elif end.node.type in TEXTURES and self._places is None:
             self.varies = True
-        if texture is not None and self._places is not None:
-            value = texture(end.node, end.socket, argument, self._places)
-        elif compute is not None:
-            value = compute(end.node, end.socket, argument, self.note)
+            raise NotConstant(end.node.name)
+        elif end.node.type in TEXTURES:
+            self.varies = True
+            value = TEXTURES[end.node.type](end.node, end.socket, argument, self._places)
+        elif end.node.type in COMPUTED:
+            value = COMPUTED[end.node.type](end.node, end.socket, argument, self.note)
         else:
             raise NotConstant(end.node.name)
         # Nodes compute with what their inputs are: a colour that is linked to a number is its luminance.
         return as_number(value, end.socket.type == "VECTOR") if socket.type in ("VALUE", "INT") else value
+
+    def _image(self, end, argument):
+        """An image texture where the places are, or its mean if they are not known."""
+        node = end.node
+        if follow(find(node.inputs, "Vector"), end.groups).node is not None:
+            self.varies = True
+            if self._places is not None:
+                try:
+                    return image_at(node, end.socket, argument)
+                except NotConstant:
+                    # Its mean then, which is said.
+                    pass
+        mean = mean_colour(node.image)
+        if mean is None:
+            raise NotConstant(f"{node.name}, whose image cannot be read")
+        self.note(f"image texture {node.image.name}", "its mean colour is used", self._in_fog)
+        return mean[3] if end.socket.identifier == "Alpha" else mean[:3]
 
 
 def _plain(value):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shader nodes that compute values from places: what varies in a volume, as Cycles computes it.
+"""Shader nodes that compute values from places: what varies in a volume or in a lamp's light, as Cycles computes it.
 
 Numbers of n places are float64 (n, 1), colours and vectors (n, 3).
 """
@@ -10,33 +10,42 @@ import numpy as np
 from mathutils import Euler
 
 from .arithmetic import NotConstant
+from .ies import Unreadable, measured
+from .images import picture
 from .noise import fractal, hashed, perlin
 
 
 @dataclass(frozen=True)
 class Places:
-    """Places in an object, each float64 (n, 3) [m]: in the world, in the object's space, and from 0 to 1 across its texture space."""
+    """Places in an object, or directions from a lamp; each float64 (n, 3), or None where it has no meaning."""
 
-    world: np.ndarray
-    object: np.ndarray
-    generated: np.ndarray
+    #: In the world, in the object's space [m], and from 0 to 1 across its texture space.
+    world: np.ndarray | None = None
+    object: np.ndarray | None = None
+    generated: np.ndarray | None = None
+    #: Unit vectors away from a lamp: in its own space, and in the world.
+    away: np.ndarray | None = None
+    away_in_world: np.ndarray | None = None
 
 
 def _coordinates(node, output, argument, places):
-    if output.identifier == "Generated":
-        return places.generated
-    if output.identifier == "Object" and node.object is None:
-        return places.object
-    if output.identifier == "Object":
+    if output.identifier == "Object" and node.object is not None and places.world is not None:
         matrix = np.linalg.inv(np.array(node.object.matrix_world, np.float64))
         return places.world @ matrix[:3, :3].T + matrix[:3, 3]
-    raise NotConstant(f"{node.name}, {output.name}")
+    found = {"Generated": places.generated, "Object": places.object if node.object is None else None, "Normal": places.away}
+    return _known(node, output, found.get(output.identifier))
 
 
 def _geometry(node, output, argument, places):
-    if output.identifier != "Position":
+    away = places.away_in_world
+    found = {"Position": places.world, "Normal": away, "True Normal": away, "Incoming": away}
+    return _known(node, output, found.get(output.identifier))
+
+
+def _known(node, output, value):
+    if value is None:
         raise NotConstant(f"{node.name}, {output.name}")
-    return places.world
+    return value
 
 
 def _mapping(node, output, argument, places):
@@ -58,7 +67,8 @@ def _separate(node, output, argument, places):
 
 
 def _combine(node, output, argument, places):
-    return np.concatenate([np.broadcast_to(argument(axis), (len(places.world), 1)) for axis in "XYZ"], axis=1)
+    # A number of one place is (1, 1), one of all places has no shape: together they are (n, 3) or (3,).
+    return np.concatenate(np.broadcast_arrays(*(np.atleast_1d(argument(axis)) for axis in "XYZ")), axis=-1)
 
 
 def _gradient(node, output, argument, places):
@@ -78,6 +88,42 @@ def _gradient(node, output, argument, places):
 
 def _smooth(t):
     return t * t * (3 - 2 * t)
+
+
+def _ies(node, output, argument, places):
+    try:
+        found = measured(node)
+    except (Unreadable, OSError) as reason:
+        raise NotConstant(f"{node.name}, whose file cannot be read ({reason})") from reason
+    x, y, z = argument("Vector").T
+    length = np.maximum(np.sqrt(x * x + y * y + z * z), 1e-30)
+    return argument("Strength") * found.at(np.arccos(np.clip(-z / length, -1, 1)), np.arctan2(x, y) + np.pi)[:, None]
+
+
+def image_at(node, output, argument):
+    """Colour or alpha of an Image Texture node; raises NotConstant for what is not flat."""
+    if node.projection != "FLAT" or node.extension not in ("REPEAT", "EXTEND", "CLIP"):
+        raise NotConstant(f"{node.name} ({node.projection}, {node.extension})".lower())
+    pixels = picture(node.image)
+    if pixels is None:
+        raise NotConstant(f"{node.name}, whose image cannot be read")
+    height, width, _ = pixels.shape
+    place = argument("Vector")[:, :2] * (width, height) - 0.5
+    steps = (0, 1) if node.interpolation != "Closest" else (0,)
+    if len(steps) == 1:
+        place = place + 0.5
+    low, found = np.floor(place), 0
+    rest = place - low
+    for dx in steps:
+        for dy in steps:
+            at, inside = low + (dx, dy), True
+            if node.extension == "CLIP":
+                inside = ((at >= 0) & (at < (width, height))).all(axis=1, keepdims=True)
+            wrapped = at % (width, height) if node.extension == "REPEAT" else np.clip(at, 0, (width - 1, height - 1))
+            x, y = wrapped.astype(int).T
+            weight = (rest[:, 0] if dx else 1 - rest[:, 0]) * (rest[:, 1] if dy else 1 - rest[:, 1])
+            found = found + (weight[:, None] if len(steps) == 2 else 1) * np.where(inside, pixels[y, x], 0)
+    return found[:, 3:] if output.identifier == "Alpha" else found[:, :3]
 
 
 def _noise(node, output, argument, places):
@@ -111,7 +157,8 @@ TEXTURES = {
     "COMBXYZ": _combine,
     "TEX_GRADIENT": _gradient,
     "TEX_NOISE": _noise,
+    "TEX_IES": _ies,
 }
 
-#: Of these an input "Vector" without a link is the place across the texture space.
-GENERATED = ("TEX_GRADIENT", "TEX_NOISE")
+#: What stands for an input "Vector" without a link: a field of Places.
+UNLINKED = {"TEX_GRADIENT": "generated", "TEX_NOISE": "generated", "TEX_IES": "away"}

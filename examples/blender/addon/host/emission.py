@@ -9,6 +9,7 @@ from covbeam import LIGHT_FIELD, light_field
 from .emitting import CURVATURE, Ball, Emitting, Starts, disk, f32
 from .far_lights import Sun, World
 from .interior import clearance, cleared
+from .pattern import PatternedDirections
 from .scene import LightKind
 from .vectors import around, basis, dot, normalized
 
@@ -102,18 +103,35 @@ class _Point(Emitting):
       Fog dims it from the plane through the centre on, across the line; Cycles' disks face each point, b^2/s farther away.
     """
 
+    #: Solid angle that _directions fill [sr].
+    _angle = 4 * np.pi
+
     def __init__(self, light, fog, scene):
-        self._light = light
-        self.flux = 4 * np.pi * light.intensity
+        self._light, self._patterned = light, None
+        self.flux = self._angle * light.intensity
+        if light.pattern is not None:
+            self._patterned = PatternedDirections(light.pattern, self._falloff)
+            self.flux = self._patterned.total * light.intensity
+
+    def _falloff(self, cosine):
+        """Factor on the intensity by the cosine from the axis."""
+        return np.ones_like(cosine)
 
     def _directions(self, u, v):
         axis = np.broadcast_to(f32((0, 0, 1)), (len(u), 3))
         return around(axis, 1 - 2 * u, v), np.ones_like(u)
 
+    def _powers(self, numbers):
+        """Directions, and the power of photons along them: float32 (n, 3) both."""
+        if self._patterned is not None:
+            direction, weight = self._patterned.draw(numbers[:, 0], numbers[:, 1])
+            return direction, f32(weight * self._light.intensity)
+        direction, weight = self._directions(numbers[:, 0], numbers[:, 1])
+        return direction, weight[:, None] * f32(self._angle * self._light.intensity)
+
     def emit(self, numbers):
         light = self._light
-        direction, weight = self._directions(numbers[:, 0], numbers[:, 1])
-        power, center = weight[:, None] * f32(self.flux), f32(cleared(light.position))
+        (direction, power), center = self._powers(numbers), f32(cleared(light.position))
         nowhere, radius = np.zeros_like(direction), f32(light.radius)
         if light.radius == 0:
             return Starts(np.broadcast_to(center, direction.shape), direction, power, nowhere)
@@ -129,6 +147,8 @@ class _Point(Emitting):
 
     def _widened(self, direction, variances):
         """A ball looks the same from all sides: a disk across the ray."""
+        if self._patterned is not None:
+            variances = np.maximum(self._patterned.variances(direction), np.float32(variances))
         return light_field.disk(direction, direction, self._light.radius, variances)
 
 
@@ -152,19 +172,22 @@ class _Within(_Point):
         self.worth = min(1.0, (1 - self._begin) * 2 / 3 * light.radius / max(fog.radius, 1e-30))
 
     def emit(self, numbers):
-        direction, weight = self._directions(numbers[:, 0], numbers[:, 1])
+        direction, power = self._powers(numbers)
         across, distance2 = _across(direction, numbers[:, 2], numbers[:, 3])
         height, radius = np.sqrt(1 - distance2), f32(self._light.radius)
         begin = f32(self._begin) * height
         origin = f32(cleared(self._light.position)) + radius * (across + begin[:, None] * direction)
-        power = weight[:, None] * f32(self.flux)
         return Starts(origin, direction, power, np.zeros_like(direction), until=radius * (height - begin))
 
 
 class _Spot(_Point):
     def __init__(self, light, fog, scene):
+        self._angle = 2 * np.pi * (1 - light.cosine)
         super().__init__(light, fog, scene)
-        self.flux = 2 * np.pi * (1 - light.cosine) * light.intensity
+
+    def _falloff(self, cosine):
+        q = np.clip((cosine - self._light.cosine) / self._light.blend, 0, 1)
+        return q * q * (3 - 2 * q)
 
     def _directions(self, u, v):
         light = self._light
@@ -191,6 +214,8 @@ class _Spot(_Point):
         towards = np.maximum(np.abs(bend - 2), slope**2)
         about = np.abs(np.where(soft, -cosine * first, 0) - 2)
         variances = np.stack([towards, about], axis=1).astype(np.float32) * np.float32(CURVATURE)
+        if self._patterned is not None:
+            variances = np.maximum(variances, self._patterned.variances(direction)[:, None])
         axes = np.where(soft[:, None], axis, basis(direction)[0]).astype(np.float32)
         spatial = 1 / (np.pi * light.radius) ** 2 if light.radius > 0 else np.inf
         return light_field.gaussian(direction, axes, (spatial, spatial), variances)

@@ -4,6 +4,7 @@
 import numpy as np
 from covbeam import light_field
 
+from .cells import Cells
 from .emitting import CURVATURE, Emitting, Starts, disk, f32
 from .vectors import basis
 
@@ -81,37 +82,19 @@ class World(Far):
     def __init__(self, light, fog, scene):
         super().__init__(fog, scene)
         sky = light.sky.astype(np.float64)
-        rows, columns, _ = sky.shape
-        #: Cosines of the rows' borders, from 1 to -1.
-        self._cosines = np.cos(np.linspace(0, np.pi, rows + 1))
-        angles = -np.diff(self._cosines) * (2 * np.pi / columns)
-        self._shape, self._turn = (rows, columns), light.turn
-        wanted = sky.max(axis=2) * angles[:, None]
-        self._bounds = np.cumsum(wanted)
-        total = max(float(self._bounds[-1]), 1e-300)
-        #: Radiance over the density of its direction.
-        self._power = (sky / np.maximum(wanted, 1e-300)[..., None] * (total * angles)[:, None, None]).reshape(-1, 3)
+        self._shape, self._turn = sky.shape[:2], light.turn
+        self._cells = Cells(sky)
+        angles = self._cells.angles
         self._variance = _sky_variance(sky.max(axis=2), angles).reshape(-1)
         self.flux = np.einsum("ijk,i->k", sky, angles) / self._density_at_best()
 
-    def _cells(self, u):
-        """The cells that some numbers choose, and what is left of these: both (n,)."""
-        at = u.astype(np.float64) * self._bounds[-1]
-        cell = np.minimum(np.searchsorted(self._bounds, at, side="right"), len(self._bounds) - 1)
-        below = np.where(cell > 0, self._bounds[cell - 1], 0.0)
-        return cell, np.clip((at - below) / np.maximum(self._bounds[cell] - below, 1e-300), 0, 1)
-
     def emit(self, numbers):
-        cell, rest = self._cells(numbers[:, 0])
-        row, column = np.divmod(cell, self._shape[1])
-        upper, lower = self._cosines[row], self._cosines[row + 1]
-        cosine = upper + numbers[:, 1] * (lower - upper)
-        sine = np.sqrt(np.maximum(1 - cosine * cosine, 0))
-        azimuth = np.pi * (1 - 2 * (column + rest) / self._shape[1])
+        cosine, turn, radiance = self._cells.draw(numbers[:, 0], numbers[:, 1])
+        sine, azimuth = np.sqrt(np.maximum(1 - cosine * cosine, 0)), np.pi * (1 - 2 * turn)
         from_ = np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), cosine], axis=1) @ self._turn
         direction = -from_ / np.linalg.norm(from_, axis=1, keepdims=True)
         origin, density = self._starts(direction, numbers[:, 2:4])
-        power = self._power[cell] / density[:, None]
+        power = radiance / density[:, None]
         return Starts(f32(origin), f32(direction), f32(power), np.zeros((len(numbers), 3), np.float32))
 
     def fields(self, direction, normal):

@@ -59,6 +59,18 @@ class LightKind(IntEnum):
 
 
 @dataclass(frozen=True)
+class Pattern:
+    """Factors on a lamp's intensity by direction: cells of equal angles."""
+
+    #: >= 0, float32 (h, w, 3): rows from the lamp's axis to the angle `reach` from it, columns from the first of `axes` towards the second.
+    cells: np.ndarray
+    #: Unit vectors, float64 (3, 3): to the right of the lamp, up, and along its axis.
+    axes: np.ndarray
+    #: [rad] in (0, pi]
+    reach: float
+
+
+@dataclass(frozen=True)
 class Light:
     """A light source. Vectors are float64 of shape (3,); radiometric values are per channel."""
 
@@ -77,6 +89,8 @@ class Light:
     #: SPOT: cosine of the half angle of the cone, and how far the cosine rises inside until the light is full, > 0.
     cosine: float = -1.0
     blend: float = 0.0
+    #: POINT, SPOT: how the intensity differs with direction; None: not at all.
+    pattern: Pattern | None = None
     #: AREA: whole edges [m].
     u: np.ndarray = field(default_factory=lambda: np.zeros(3))
     v: np.ndarray = field(default_factory=lambda: np.zeros(3))
