@@ -210,6 +210,23 @@ class Voxels(unittest.TestCase):
         _, (made, _) = self.fog(coordinates(), gradient("LINEAR"), math("MULTIPLY", float("nan")))
         self.assertTrue(np.isfinite(made.volumes[0].scattering).all())
 
+    def test_whatever_numbers_nodes_have_a_medium_comes_of_them(self):
+        nan, inf = float("nan"), float("inf")
+        for value in (nan, inf, -inf, 3e38, 1e-38, 0.0, -1.0):
+            turned = {"Location": (value, 0, 0), "Rotation": (value, 0, 0), "Scale": (value, 1, value)}
+            for nodes in (
+                (coordinates(), gradient("SPHERICAL"), math("MULTIPLY", value)),
+                (coordinates(), gradient("SPHERICAL"), math("DIVIDE", value)),
+                (coordinates(), noise(Scale=value, Distortion=value)),
+                (coordinates(), noise(Detail=value, Roughness=value, Lacunarity=value)),
+                (coordinates(), ("Mapping", turned, {"vector_type": "TEXTURE"}, "Vector", "Vector"), gradient("SPHERICAL")),
+            ):
+                _, (made, _) = self.fog(*nodes, Anisotropy=value)
+                volume = made.volumes[0]
+                self.assertTrue((np.isfinite(volume.scattering) & (volume.scattering >= 0)).all(), (value, nodes))
+                # A medium that the library takes.
+                self.assertTrue(np.isfinite(volume.medium.transmittance((0, 0, 3), (0, 0, 1), np.float32([0.1]))).all())
+
     def test_a_colour_that_varies_is_its_mean_and_named(self):
         def volume(tree):
             made = node(tree, "VolumeScatter", {"Density": 2.0})

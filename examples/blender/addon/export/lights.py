@@ -74,10 +74,12 @@ def _pattern(lamp, values, axes):
     angle, turn = np.meshgrid(angle, turn, indexing="ij")
     # A lamp shines along its -Z.
     away = np.stack([np.sin(angle) * np.cos(turn), np.sin(angle) * np.sin(turn), -np.cos(angle)], axis=-1).reshape(-1, 3)
-    found = _emission(lamp.node_tree, values.at(Places(away=away, away_in_world=away @ axes)))
+    # What is no number is dark.
+    with np.errstate(all="ignore"):
+        found = _emission(lamp.node_tree, values.at(Places(away=away, away_in_world=away @ axes)))
     if lamp.shadow_soft_size > 0:
         values.note("a pattern of a lamp with a size", "each place of the lamp has that of its middle")
-    cells = np.nan_to_num(np.broadcast_to(np.maximum(found, 0), away.shape), posinf=0.0)
+    cells = np.clip(np.nan_to_num(np.broadcast_to(found, away.shape), posinf=0.0), 0, 1e30)
     return Pattern(cells.reshape(rows, columns, 3).astype(np.float32), np.stack([axes[0], axes[1], -axes[2]]), reach)
 
 

@@ -9,6 +9,9 @@ import numpy as np
 #: What makes 3D noise fill -1 to 1.
 _SCALE = 0.982
 
+#: After so many cells noise begins anew.
+_PERIOD = 1e5
+
 #: Places that are worked on at a time: what they need stays in the processor's cache.
 _SLICE = 16384
 
@@ -39,7 +42,9 @@ def hashed(x, y):
 
 
 def perlin(places):
-    """Noise between -1 and 1 at places (n, 3): (n,)."""
+    """Noise between -1 and 1 at places (n, 3): (n,). It repeats, as Blender's does; 0 where there is no number."""
+    far = 0.5 * (np.abs(places) >= 10 * _PERIOD)
+    places = np.nan_to_num(np.fmod(np.where(np.isfinite(places), places, np.nan), _PERIOD) + far)
     return np.concatenate([_perlin(places[i : i + _SLICE]) for i in range(0, len(places), _SLICE)])
 
 
@@ -47,11 +52,12 @@ def _perlin(places):
     low = np.floor(places)
     rest = places - low
     x, y, z = rest.T
-    smooth = rest**3 * (rest * (6 * rest - 15) + 10)
+    smooth = (rest**3 * (rest * (6 * rest - 15) + 10)).T
+    shares = [(1 - of, of) for of in smooth]
     cell = low.astype(np.int64).astype(np.uint32).T
     total = 0
     for corner in np.ndindex(2, 2, 2):
-        weight = np.prod(np.where(corner, smooth, 1 - smooth), axis=1)
+        weight = shares[0][corner[0]] * shares[1][corner[1]] * shares[2][corner[2]]
         h = _hash([cell[k] + np.uint32(corner[k]) for k in range(3)]) & np.uint32(15)
         dx, dy, dz = x - corner[0], y - corner[1], z - corner[2]
         u = np.where(h < 8, dx, dy)

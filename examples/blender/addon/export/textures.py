@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from mathutils import Euler
 
-from .arithmetic import NotConstant
+from .arithmetic import NotConstant, as_colour
 from .ies import Unreadable, measured
 from .images import picture
 from .noise import fractal, hashed, perlin
@@ -30,7 +30,7 @@ class Places:
 
 def _coordinates(node, output, argument, places):
     if output.identifier == "Object" and node.object is not None and places.world is not None:
-        matrix = np.linalg.inv(np.array(node.object.matrix_world, np.float64))
+        matrix = np.linalg.pinv(np.array(node.object.matrix_world, np.float64))
         return places.world @ matrix[:3, :3].T + matrix[:3, 3]
     found = {"Generated": places.generated, "Object": places.object if node.object is None else None, "Normal": places.away}
     return _known(node, output, found.get(output.identifier))
@@ -48,10 +48,17 @@ def _known(node, output, value):
     return value
 
 
+def _vector(argument):
+    """The input Vector, (n, 3); (1, 3) if it is the same everywhere."""
+    return np.atleast_2d(as_colour(argument("Vector")))
+
+
 def _mapping(node, output, argument, places):
-    vector, scale = argument("Vector"), argument("Scale")
+    vector, scale, rotation = _vector(argument), argument("Scale"), argument("Rotation")
+    if np.ndim(rotation) > 1:
+        raise NotConstant(f"{node.name}, whose rotation varies")
     # Columns of the matrix are where the axes go.
-    turn = np.array(Euler(argument("Rotation"), "XYZ").to_matrix(), np.float64)
+    turn = np.array(Euler(rotation, "XYZ").to_matrix(), np.float64)
     if node.vector_type == "POINT":
         return (vector * scale) @ turn.T + argument("Location")
     if node.vector_type == "TEXTURE":
@@ -63,16 +70,15 @@ def _mapping(node, output, argument, places):
 
 
 def _separate(node, output, argument, places):
-    return argument("Vector")[..., ["X", "Y", "Z"].index(output.identifier), None]
+    return _vector(argument)[:, ["X", "Y", "Z"].index(output.identifier), None]
 
 
 def _combine(node, output, argument, places):
-    # A number of one place is (1, 1), one of all places has no shape: together they are (n, 3) or (3,).
-    return np.concatenate(np.broadcast_arrays(*(np.atleast_1d(argument(axis)) for axis in "XYZ")), axis=-1)
+    return np.concatenate(np.broadcast_arrays(*(np.atleast_2d(argument(axis)) for axis in "XYZ")), axis=1)
 
 
 def _gradient(node, output, argument, places):
-    x, y, z = argument("Vector").T[..., None]
+    x, y, z = _vector(argument).T[..., None]
     far = np.maximum(0.999999 - np.sqrt(x * x + y * y + z * z), 0)
     value = {
         "LINEAR": lambda: x,
@@ -95,7 +101,7 @@ def _ies(node, output, argument, places):
         found = measured(node)
     except (Unreadable, OSError) as reason:
         raise NotConstant(f"{node.name}, whose file cannot be read ({reason})") from reason
-    x, y, z = argument("Vector").T
+    x, y, z = _vector(argument).T
     length = np.maximum(np.sqrt(x * x + y * y + z * z), 1e-30)
     return argument("Strength") * found.at(np.arccos(np.clip(-z / length, -1, 1)), np.arctan2(x, y) + np.pi)[:, None]
 
@@ -108,7 +114,7 @@ def image_at(node, output, argument):
     if pixels is None:
         raise NotConstant(f"{node.name}, whose image cannot be read")
     height, width, _ = pixels.shape
-    place = argument("Vector")[:, :2] * (width, height) - 0.5
+    place = _vector(argument)[:, :2] * (width, height) - 0.5
     steps = (0, 1) if node.interpolation != "Closest" else (0,)
     if len(steps) == 1:
         place = place + 0.5
@@ -132,14 +138,15 @@ def _noise(node, output, argument, places):
         raise NotConstant(f"{node.name} ({node.noise_dimensions}, {getattr(node, 'noise_type', 'FBM')})")
     if output.identifier == "Color":
         raise NotConstant(f"{node.name}, {output.name}")
-    at = argument("Vector") * argument("Scale")
+    at = _vector(argument) * argument("Scale")
     distortion = argument("Distortion")
     if np.any(distortion):
         at = at + distortion * np.stack([perlin(at + _offset(k)) for k in range(3)], axis=-1)
-    detail, roughness = np.clip(argument("Detail"), 0, 15), np.maximum(argument("Roughness"), 0)
-    if np.ndim(detail) or np.ndim(roughness) or np.ndim(argument("Lacunarity")):
+    octaves = [argument(name) for name in ("Detail", "Roughness", "Lacunarity")]
+    if any(np.ndim(value) for value in octaves):
         raise NotConstant(f"{node.name}, whose detail varies")
-    value = fractal(at, detail, roughness, argument("Lacunarity"), getattr(node, "normalize", True))
+    detail, roughness, lacunarity = np.nan_to_num(octaves)
+    value = fractal(at, np.clip(detail, 0, 15), max(roughness, 0), lacunarity, getattr(node, "normalize", True))
     return value[:, None]
 
 

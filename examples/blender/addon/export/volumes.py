@@ -15,6 +15,9 @@ from .textures import Places
 #: Sets of objects whose fog overlaps that are told apart: each has a grid of its own.
 _MOST_SETS = 16
 
+#: No coefficient is larger [1/m]: a nanometre of it is opaque.
+_MOST = 1e9
+
 
 @dataclass(frozen=True)
 class Fog:
@@ -29,7 +32,9 @@ class Fog:
     def at(self, places=None):
         """The Sum of its closures at textures.Places, or wherever it is."""
         total = Sum()
-        _add(self.values.in_fog(places), self.socket, (), 1.0, total)
+        # Whatever nodes make of hostile numbers is brought to sound coefficients.
+        with np.errstate(all="ignore"):
+            _add(self.values.in_fog(places), self.socket, (), 1.0, total)
         return total
 
 
@@ -60,15 +65,15 @@ class Sum:
         self.phases = []
 
     def scatter(self, coefficient, asymmetry, rayleigh=False):
-        coefficient = np.maximum(coefficient, 0)
+        coefficient = _sound(coefficient)
         self.scattering = self.scattering + coefficient
         if coefficient.any():
             # Cycles leaves out the last thousandth before +-1 too.
-            cosine = min(max(float(np.mean(asymmetry)), -0.999), 0.999)
+            cosine = min(max(float(np.nan_to_num(np.mean(asymmetry))), -0.999), 0.999)
             self.phases.append((float(coefficient.sum()) / coefficient.size, cosine, rayleigh))
 
     def absorb(self, coefficient):
-        self.absorption = self.absorption + np.maximum(coefficient, 0)
+        self.absorption = self.absorption + _sound(coefficient)
 
 
 @dataclass(frozen=True)
@@ -82,6 +87,11 @@ class Filled:
     frame: Frame | None = None
 
 
+def _sound(coefficient):
+    """Coefficients [1/m] without what is negative or no number; none is above _MOST."""
+    return np.clip(np.nan_to_num(coefficient), 0, _MOST)
+
+
 def fog(values, socket, may_vary=False):
     """The Fog that leads to the Volume socket of an output node, or None if it neither scatters nor absorbs.
 
@@ -89,7 +99,8 @@ def fog(values, socket, may_vary=False):
     """
     values = values.in_fog()
     trial = values.quiet()
-    _add(trial, socket, (), 1.0, Sum())
+    with np.errstate(all="ignore"):
+        _add(trial, socket, (), 1.0, Sum())
     made = Fog(values, socket, may_vary and trial.varies)
     if made.varies:
         return made
@@ -258,13 +269,13 @@ def _baked(parts, low, high, poll):
         totals = [part.fog.at(part.frame.places(world) if part.fog.varies else None) for part in parts]
         lobes.append([lobe for total in totals for lobe in total.phases])
         sums = (sum(getattr(total, name) for total in totals) for name in ("scattering", "absorption"))
-        return [np.nan_to_num(np.broadcast_to(of, world.shape), posinf=0.0, neginf=0.0) for of in sums]
+        return [np.broadcast_to(of, world.shape) for of in sums]
 
     lobes = []
     baked, values = bake(coefficients, low, high, poll), next(part.fog.values for part in parts if part.fog.varies)
     if baked.error > 0.01:
         cells = " x ".join(map(str, baked.cells))
-        values.note("density that varies finely", f"{cells} voxels, which are {baked.error:.1%} off on average", in_fog=True)
+        values.note("density that varies finely", f"{cells} voxels, which are {baked.error:.1%} off on average")
     if baked.coloured > 0.01:
         values.note("colour that varies in a volume", "its mean; the density varies", in_fog=True)
     # The first places are scattered over all of it.
