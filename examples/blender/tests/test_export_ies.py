@@ -14,7 +14,7 @@ import scenes_export as scenes  # noqa: E402
 
 from addon.export.ies import Measured, Unreadable  # noqa: E402
 
-GOOD = "IESNA:LM-63-2002\n[TEST] none\nTILT=NONE\n1 -1 2.0 3 2 1 2 0 0 0\n1 1 100\n0 90 180\n0 90\n100 50 0\n200, 100, 0\n"
+GOOD = "IESNA:LM-63-2002\n[TEST] none\nTILT=NONE\n1 -1 2.0 3 2 1 2 0 0 0\n0.8 1.25 100\n0 90 180\n0 90\n100 50 0\n200, 100, 0\n"
 
 #: Blender's watts of a candela.
 WATTS = 4 * np.pi / 177.83
@@ -27,6 +27,10 @@ class Ies(unittest.TestCase):
     def test_values_are_candela_by_angle_and_quarters_are_mirrored(self):
         for vertical, horizontal, expected in ((0, 0, 200), (0, 90, 400), (90, 0, 100), (90, 180, 100), (90, 270, 200), (90, 90, 200)):
             self.assertAlmostEqual(self.at(GOOD, vertical, horizontal), expected * WATTS, delta=1e-9 * expected)
+
+    def test_both_factors_of_the_ballast_count(self):
+        for text in (GOOD.replace("0.8 1.25", "0.8 2.5"), GOOD.replace("0.8 1.25", "1.6 1.25")):
+            self.assertAlmostEqual(self.at(text, 0), 2 * self.at(GOOD, 0))
 
     def test_tilt_that_is_included_is_passed_over(self):
         tilted = GOOD.replace("TILT=NONE", "TILT=INCLUDE\n1\n3\n0 45 90\n1 1 1")
