@@ -125,6 +125,32 @@ def _emission_of(lamp):
     return next(node for node in tree.nodes if node.type == "EMISSION"), tree.links.new, tree.nodes.new
 
 
+def computed_sky():
+    """A ball of fog under a sky that nodes compute: a gradient from below to above, and to one side another colour."""
+
+    def build(scene):
+        under_sky()[0](scene)
+        tree = scene.world.node_tree
+        new, link = tree.nodes.new, tree.links.new
+        first = next(node for node in tree.nodes if node.type == "BACKGROUND")
+        second, mix, parts, rise = (new(f"ShaderNode{kind}") for kind in ("Background", "MixShader", "SeparateXYZ", "MapRange"))
+        side, ramp = new("ShaderNodeMapRange"), new("ShaderNodeValToRGB")
+        link(new("ShaderNodeTexCoord").outputs["Generated"], parts.inputs[0])
+        for range_, axis in ((rise, "Z"), (side, "X")):
+            range_.inputs["From Min"].default_value = -1.0
+            link(parts.outputs[axis], range_.inputs["Value"])
+        ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = (0.1, 0.1, 0.05, 1), (1.0, 1.5, 3.0, 1)
+        link(rise.outputs[0], ramp.inputs[0])
+        link(ramp.outputs[0], first.inputs["Color"])
+        second.inputs["Color"].default_value = (3.0, 0.6, 0.2, 1)
+        link(side.outputs[0], mix.inputs[0])
+        link(first.outputs[0], mix.inputs[1])
+        link(second.outputs[0], mix.inputs[2])
+        link(mix.outputs[0], tree.nodes["World Output"].inputs["Surface"])
+
+    return build, 0
+
+
 def out_of_focus():
     """The shadow of a black ball that the lens blurs, as far as to a third of the picture, with five blades."""
 
@@ -257,6 +283,7 @@ SCENES = {
     "FOCUS": out_of_focus(),
     "WORLD": under_sky(),
     "SKY": under_sky(picture=True),
+    "COMPUTED SKY": computed_sky(),
     "MESH": fog_box([_shining_square], bounces=0),
     "CLOUD": cloud(0),
     "WHITE CLOUD": cloud(16),

@@ -8,6 +8,7 @@ from ..host.scene import Light, LightKind
 from .images import blocks
 from .materials import has_nodes
 from .nodes import Values, closures, find, follow
+from .textures import Places
 
 #: A sky has no more columns than this: a third of a degree each.
 _COLUMNS = 1024
@@ -16,7 +17,7 @@ _COLUMNS = 1024
 def sky(world, report):
     """The light that comes from a bpy.types.World's background, or None if it is black.
 
-    Colours that are constant, and pictures of the whole sky, which may be turned. In the world's own fog the caller must not ask: that has
+    Colours, pictures of the whole sky, which may be turned, and what nodes compute from directions. In the world's own fog the caller must not ask: that has
     no end, and nothing gets through.
     """
     if world is None:
@@ -27,13 +28,23 @@ def sky(world, report):
     output = world.node_tree.get_output_node("CYCLES")
     if output is None:
         return None
+    surface, trial = output.inputs["Surface"], values.quiet()
+    _parts(trial, surface)
+    if trial.varies:
+        light = _light(world, _varied(values, surface), None)
+    else:
+        light = _light(world, *_parts(values, surface))
+    if light is not None and not (world.cycles_visibility.scatter and world.cycles_visibility.diffuse):
+        values.note("Ray Visibility of the background", "it lights fog and surfaces all the same", in_fog=True)
+    return light
+
+
+def _parts(values, surface):
+    """Radiance of the constant parts of a background, (3,), and one picture: its cells and how it is turned, or None."""
     constant, picture = np.zeros(3), None
-    for node, groups, share in closures(values, output.inputs["Surface"], (), 1.0):
-        if node.type != "BACKGROUND":
-            _left_out(values, f"{node.bl_label} as a background")
-            continue
+    for node, groups, share in _backgrounds(values, surface):
         strength = share * values.number(node, "Strength", groups)
-        if not strength > 0:
+        if not np.any(strength > 0):
             continue
         end = follow(find(node.inputs, "Color"), groups)
         if end.node is not None and end.node.type == "TEX_ENVIRONMENT":
@@ -46,15 +57,43 @@ def sky(world, report):
             cells, turn = found
             picture = strength * cells, turn
             continue
-        colour = values.known(node, "Color", groups)
-        if isinstance(colour, str):
-            _left_out(values, f"light of the background, which comes from {colour}")
+        constant += strength * _colour(values, node, groups)
+    return constant, picture
+
+
+def _varied(values, surface):
+    """Radiance of a background that nodes compute for each direction: cells of equal angles, (h, w, 3)."""
+    rows, columns = _COLUMNS // 2, _COLUMNS
+    angle, azimuth = (np.arange(rows) + 0.5) * (np.pi / rows), np.pi - (np.arange(columns) + 0.5) * (2 * np.pi / columns)
+    angle, azimuth = np.meshgrid(angle, azimuth, indexing="ij")
+    towards = np.stack([np.sin(angle) * np.cos(azimuth), np.sin(angle) * np.sin(azimuth), np.cos(angle)], axis=-1).reshape(-1, 3)
+    # In Cycles the sky is a place in each direction, whose normal points back.
+    values = values.at(Places(towards, towards, towards, away=-towards, away_in_world=-towards))
+    total = np.zeros((rows * columns, 3))
+    # What is no number is dark.
+    with np.errstate(all="ignore"):
+        for node, groups, share in _backgrounds(values, surface):
+            strength = share * values.number(node, "Strength", groups)
+            total += np.nan_to_num(np.maximum(strength, 0) * _colour(values, node, groups), posinf=0.0)
+    return np.minimum(total, 1e30).reshape(rows, columns, 3)
+
+
+def _backgrounds(values, surface):
+    """The Background nodes of a world, as nodes.closures."""
+    for node, groups, share in closures(values, surface, (), 1.0):
+        if node.type == "BACKGROUND":
+            yield node, groups, share
         else:
-            constant += strength * np.maximum(colour, 0)
-    light = _light(world, constant, picture)
-    if light is not None and not (world.cycles_visibility.scatter and world.cycles_visibility.diffuse):
-        values.note("Ray Visibility of the background", "it lights fog and surfaces all the same", in_fog=True)
-    return light
+            _left_out(values, f"{node.bl_label} as a background")
+
+
+def _colour(values, node, groups):
+    """Colour of a Background node, 0 if it is not known, which is said."""
+    colour = values.known(node, "Color", groups)
+    if isinstance(colour, str):
+        _left_out(values, f"light of the background, which comes from {colour}")
+        return np.zeros(3)
+    return np.maximum(colour, 0)
 
 
 def _left_out(values, what):
@@ -76,8 +115,12 @@ def _picture(values, node, groups):
         return None
     turn = _turn(values, follow(find(node.inputs, "Vector"), groups))
     cells = blocks(node.image, _COLUMNS)
-    if turn is None or cells is None:
-        _left_out(values, f"light of {node.name}, whose {'image' if cells is None else 'vector'} cannot be read")
+    if cells is None:
+        _left_out(values, f"light of {node.name}, whose image cannot be read")
+        return None
+    if turn is None:
+        # More than turned: looked up direction by direction.
+        values.varies = True
         return None
     return cells, turn
 

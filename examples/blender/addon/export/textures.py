@@ -11,8 +11,11 @@ from mathutils import Euler
 
 from .arithmetic import NotConstant, as_colour
 from .ies import Unreadable, measured
-from .images import picture
+from .images import blocks, picture
 from .noise import fractal, hashed, perlin
+
+#: Columns of a picture of the sky that is part of what nodes compute.
+_COLUMNS = 1024
 
 
 @dataclass(frozen=True)
@@ -106,6 +109,18 @@ def _ies(node, output, argument, places):
     return argument("Strength") * found.at(np.arccos(np.clip(-z / length, -1, 1)), np.arctan2(x, y) + np.pi)[:, None]
 
 
+def _environment(node, output, argument, places):
+    cells = blocks(node.image, _COLUMNS) if node.projection == "EQUIRECTANGULAR" else None
+    if cells is None:
+        raise NotConstant(f"{node.name}, whose image cannot be read" if node.projection == "EQUIRECTANGULAR" else node.name)
+    x, y, z = _vector(argument).T
+    rows, columns, _ = cells.shape
+    far = np.maximum(np.sqrt(x * x + y * y + z * z), 1e-30)
+    row = np.clip(np.arccos(np.clip(z / far, -1, 1)) * (rows / np.pi), 0, rows - 1).astype(int)
+    column = np.clip((1 - np.arctan2(y, x) / np.pi) * (0.5 * columns), 0, columns - 1).astype(int)
+    return cells[row, column]
+
+
 def image_at(node, output, argument):
     """Colour or alpha of an Image Texture node; raises NotConstant for what is not flat."""
     if node.projection != "FLAT" or node.extension not in ("REPEAT", "EXTEND", "CLIP"):
@@ -165,7 +180,8 @@ TEXTURES = {
     "TEX_GRADIENT": _gradient,
     "TEX_NOISE": _noise,
     "TEX_IES": _ies,
+    "TEX_ENVIRONMENT": _environment,
 }
 
 #: What stands for an input "Vector" without a link: a field of Places.
-UNLINKED = {"TEX_GRADIENT": "generated", "TEX_NOISE": "generated", "TEX_IES": "away"}
+UNLINKED = {"TEX_GRADIENT": "generated", "TEX_NOISE": "generated", "TEX_IES": "away", "TEX_ENVIRONMENT": "world"}
