@@ -26,11 +26,22 @@ def chain(tree, *nodes):
     last output."""
     output = None
     for kind, inputs, settings, out, into in nodes:
-        made = node(tree, kind, inputs, **settings)
+        # Images go with each new file.
+        images = {"image": checkers()} if "image" in settings else {}
+        made = node(tree, kind, inputs, **{**settings, **images})
         if output is not None:
             tree.links.new(output, next(s for s in made.inputs if s.identifier == into))
         output = next(s for s in made.outputs if s.name == out or s.identifier == out)
     return output
+
+
+def checkers():
+    """An image of 5 x 3 pixels of all kinds."""
+    image = bpy.data.images.new("Checkers", 5, 3, alpha=True, float_buffer=True)
+    image.colorspace_settings.name = "Linear Rec.709"
+    image.pixels.foreach_set(np.random.default_rng(4).random(60).astype(np.float32))
+    image.update()
+    return image
 
 
 def coordinates(name="Object"):
@@ -120,6 +131,14 @@ GRAPHS = {
         )
         for kind in ("LINEAR", "SMOOTHSTEP", "SMOOTHERSTEP")
     },
+    **{
+        f"image {extension} {interpolation}": linear(
+            coordinates(), ("TexImage", {}, {"image": ..., "extension": extension, "interpolation": interpolation}, "Color", "Vector")
+        )
+        for extension in ("REPEAT", "EXTEND", "CLIP")
+        for interpolation in ("Linear", "Closest")
+    },
+    "alpha of an image": linear(coordinates(), ("TexImage", {}, {"image": ...}, "Alpha", "Vector")),
     "clamp": linear(coordinates(), gradient("LINEAR"), ("Clamp", {"Min": 0.3, "Max": 0.6}, {}, "Result", "Value")),
     "ramp": ramp("LINEAR"),
     "ramp of steps": ramp("CONSTANT"),
@@ -220,6 +239,8 @@ class Voxels(unittest.TestCase):
                 (coordinates(), noise(Scale=value, Distortion=value)),
                 (coordinates(), noise(Detail=value, Roughness=value, Lacunarity=value)),
                 (coordinates(), ("Mapping", turned, {"vector_type": "TEXTURE"}, "Vector", "Vector"), gradient("SPHERICAL")),
+                (coordinates(), ("Mapping", turned, {}, "Vector", "Vector"), ("TexImage", {}, {"image": ...}, "Color", "Vector")),
+                (coordinates(), gradient("LINEAR"), math("MULTIPLY", value), ("ValToRGB", {}, {}, "Color", "Fac")),
             ):
                 _, (made, _) = self.fog(*nodes, Anisotropy=value)
                 volume = made.volumes[0]

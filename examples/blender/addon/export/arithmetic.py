@@ -199,7 +199,7 @@ def _ramp(node, output, argument, note):
         colour = np.array(ramp.evaluate(at), np.float64)
     else:
         table = np.array([ramp.evaluate(i / (_RAMP - 1)) for i in range(_RAMP)], np.float64)
-        place = np.clip(at[:, 0], 0, 1) * (_RAMP - 1)
+        place = np.clip(np.nan_to_num(at[:, 0]), 0, 1) * (_RAMP - 1)
         low = place.astype(int)
         rest = np.float64(0) if ramp.interpolation == "CONSTANT" else (place - low)[:, None]
         colour = (1 - rest) * table[low] + rest * table[np.minimum(low + 1, _RAMP - 1)]

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .arithmetic import COMPUTED, NotConstant, as_colour, as_number
-from .images import mean_colour
+from .images import mean_colour, picture
 from .report import Report
 from .textures import TEXTURES, UNLINKED, image_at
 
@@ -79,26 +79,27 @@ class Values:
     Numbers are floats and colours float64 (3,); where they vary over the n places that they are asked for, (n, 1) and (n, 3).
     """
 
-    def __init__(self, source, report, in_fog=False, places=None):
+    def __init__(self, source, report, in_fog=False, places=None, pictures=None):
         """in_fog: whether the values are those of fog or of a lamp, so that what is not known is missing in fog.
 
-        places: textures.Places; None: what varies from place to place is not known.
+        places: textures.Places; None: what varies from place to place is not known. pictures: of images that have been read.
         """
         self.source, self.report, self._in_fog, self._places = source, report, in_fog, places
+        self._pictures = {} if pictures is None else pictures
         #: Whether a value has been asked for that varies from place to place.
         self.varies = False
 
     def in_fog(self, places=None):
         """The same, for nodes of fog."""
-        return Values(self.source, self.report, True, places)
+        return Values(self.source, self.report, True, places, self._pictures)
 
     def at(self, places):
         """The same, at some textures.Places."""
-        return Values(self.source, self.report, self._in_fog, places)
+        return Values(self.source, self.report, self._in_fog, places, self._pictures)
 
     def quiet(self):
         """The same, without a report."""
-        return Values(self.source, Report(), self._in_fog, self._places)
+        return Values(self.source, Report(), self._in_fog, self._places, self._pictures)
 
     def number(self, node, identifier, groups, missing=0.0):
         """A number. `missing`: what it is if this version of Blender has no such input."""
@@ -172,9 +173,10 @@ class Values:
         node = end.node
         if follow(find(node.inputs, "Vector"), end.groups).node is not None:
             self.varies = True
-            if self._places is not None:
+            pixels = self._picture(node.image) if self._places is not None else None
+            if pixels is not None:
                 try:
-                    return image_at(node, end.socket, argument)
+                    return image_at(node, end.socket, argument, pixels)
                 except NotConstant:
                     # Its mean then, which is said.
                     pass
@@ -183,6 +185,13 @@ class Values:
             raise NotConstant(f"{node.name}, whose image cannot be read")
         self.note(f"image texture {node.image.name}", "its mean colour is used", self._in_fog)
         return mean[3] if end.socket.identifier == "Alpha" else mean[:3]
+
+    def _picture(self, image):
+        """images.picture, read once for all places of the source."""
+        key = image.as_pointer() if image is not None else None
+        if key not in self._pictures:
+            self._pictures[key] = picture(image)
+        return self._pictures[key]
 
 
 def _plain(value):

@@ -11,11 +11,14 @@ from mathutils import Euler
 
 from .arithmetic import NotConstant, as_colour
 from .ies import Unreadable, measured
-from .images import blocks, picture
+from .images import blocks
 from .noise import fractal, hashed, perlin
 
 #: Columns of a picture of the sky that is part of what nodes compute.
 _COLUMNS = 1024
+
+#: Vectors are not larger.
+_FAR = 1e12
 
 
 @dataclass(frozen=True)
@@ -52,8 +55,8 @@ def _known(node, output, value):
 
 
 def _vector(argument):
-    """The input Vector, (n, 3); (1, 3) if it is the same everywhere."""
-    return np.atleast_2d(as_colour(argument("Vector")))
+    """The input Vector, (n, 3); (1, 3) if it is the same everywhere. What is no number is 0, and nothing is beyond _FAR."""
+    return np.clip(np.nan_to_num(np.atleast_2d(as_colour(argument("Vector")))), -_FAR, _FAR)
 
 
 def _mapping(node, output, argument, places):
@@ -110,9 +113,11 @@ def _ies(node, output, argument, places):
 
 
 def _environment(node, output, argument, places):
-    cells = blocks(node.image, _COLUMNS) if node.projection == "EQUIRECTANGULAR" else None
+    if node.projection != "EQUIRECTANGULAR":
+        raise NotConstant(f"{node.name}, which is no equirectangular picture")
+    cells = blocks(node.image, _COLUMNS)
     if cells is None:
-        raise NotConstant(f"{node.name}, whose image cannot be read" if node.projection == "EQUIRECTANGULAR" else node.name)
+        raise NotConstant(f"{node.name}, whose image cannot be read")
     x, y, z = _vector(argument).T
     rows, columns, _ = cells.shape
     far = np.maximum(np.sqrt(x * x + y * y + z * z), 1e-30)
@@ -121,13 +126,10 @@ def _environment(node, output, argument, places):
     return cells[row, column]
 
 
-def image_at(node, output, argument):
-    """Colour or alpha of an Image Texture node; raises NotConstant for what is not flat."""
+def image_at(node, output, argument, pixels):
+    """Colour or alpha of an Image Texture node whose image has these pixels, (h, w, 4); raises NotConstant for what is not flat."""
     if node.projection != "FLAT" or node.extension not in ("REPEAT", "EXTEND", "CLIP"):
         raise NotConstant(f"{node.name} ({node.projection}, {node.extension})".lower())
-    pixels = picture(node.image)
-    if pixels is None:
-        raise NotConstant(f"{node.name}, whose image cannot be read")
     height, width, _ = pixels.shape
     place = _vector(argument)[:, :2] * (width, height) - 0.5
     steps = (0, 1) if node.interpolation != "Closest" else (0,)
