@@ -24,6 +24,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import cycles_scenes as scenes
 from addon.export.scene import export
 from addon.host.session import Session, Settings
+from measure_glass_ball import save
 
 #: Scatterings and reflections of light in both.
 BOUNCES = 8
@@ -171,16 +172,6 @@ def blocks(pictures):
     return cut.reshape(*cut.shape[:-2], height // 16, 16, width // 16, 16).mean(axis=(-3, -1))
 
 
-def save(path, picture):
-    """An sRGB PNG, 1.0 at the 99.5th percentile."""
-    height, width, _ = picture.shape
-    scaled = np.clip(picture / np.percentile(picture, 99.5), 0, 1) ** (1 / 2.2)
-    image = bpy.data.images.new(path.stem, width, height)
-    image.pixels.foreach_set(np.concatenate([scaled, np.ones_like(scaled[..., :1])], 2)[::-1].astype(np.float32).ravel())
-    image.filepath_raw, image.file_format = str(path), "PNG"
-    image.save()
-
-
 def main(words):
     """Runs the measurement."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -201,7 +192,7 @@ def main(words):
     agree = np.abs(first / second - 1) < 0.03
     ratio = (blocks(ours).mean(axis=0) / (0.5 * (first + second)))[agree]
     print(f"{agree.sum()} of {agree.size} blocks: covbeam / Cycles {np.quantile(ratio, 0.05):.3f} to {np.quantile(ratio, 0.95):.3f} (90 %)")
-    save(arguments.folder / "stage.png", np.concatenate([ours[0], cycles[0]]))
+    save(arguments.folder / "stage", np.concatenate([ours[0], cycles[0]]))
 
 
 if __name__ == "__main__":
