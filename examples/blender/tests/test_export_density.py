@@ -231,7 +231,7 @@ class Voxels(unittest.TestCase):
 
     def test_whatever_numbers_nodes_have_a_medium_comes_of_them(self):
         nan, inf = float("nan"), float("inf")
-        for value in (nan, inf, -inf, 3e38, 1e-38, 0.0, -1.0):
+        for value in (nan, inf, 3e38, -1.0):
             turned = {"Location": (value, 0, 0), "Rotation": (value, 0, 0), "Scale": (value, 1, value)}
             for nodes in (
                 (coordinates(), gradient("SPHERICAL"), math("MULTIPLY", value)),
