@@ -195,6 +195,15 @@ class Volumes(unittest.TestCase):
         made, _ = scenes.exported()
         self.assertEqual((made.volumes, made.object_volumes.tolist()), ([], [-1]))
 
+    def test_densities_that_are_no_numbers_are_none_and_none_is_too_large(self):
+        slab(shader("VolumeScatter", {"Density": float("nan")}))
+        self.assertEqual(scenes.exported()[0].volumes, [])
+        for value in (float("inf"), 3e38):
+            self.setUp()
+            slab(shader("VolumeScatter", {"Density": value, "Anisotropy": float("nan")}))
+            (volume,) = scenes.exported()[0].volumes
+            self.assertEqual((volume.scattering.max(), volume.asymmetry), (1e9, 0))
+
     def test_where_volumes_overlap_is_their_sum(self):
         slab(shader("VolumeScatter", {"Color": (1, 1, 1), "Density": 0.3, "Anisotropy": 0.4}))
         more = scenes.material("More", volume=shader("VolumeScatter", {"Color": (1, 1, 1), "Density": 0.1}))
