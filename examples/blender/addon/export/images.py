@@ -3,6 +3,9 @@
 
 import numpy as np
 
+#: A sky has no more columns than this: a third of a degree each.
+SKY_COLUMNS = 1024
+
 
 def mean_colour(image):
     """Mean of linear Rec. 709 and alpha of a bpy.types.Image, float64 (4,), or None if it has no pixels to read."""

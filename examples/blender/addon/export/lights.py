@@ -49,10 +49,11 @@ def _strength(lamp, values, axes):
     if not lamp.use_nodes or lamp.node_tree is None:
         return strength, None
     trial = values.quiet()
-    _emission(lamp.node_tree, trial)
+    emission = _emission(lamp.node_tree, trial)
     if trial.varies and lamp.type in ("POINT", "SPOT"):
         return strength, _pattern(lamp, values, axes)
-    return strength * _emission(lamp.node_tree, values), None
+    values.report.extend(trial.report)
+    return strength * emission, None
 
 
 def _emission(tree, values):

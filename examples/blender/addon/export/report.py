@@ -35,6 +35,12 @@ class Report:
         """Notes that `what` of `source` is not honoured, and what is done `instead`; in_fog as in Entry."""
         self._sources.setdefault((what, instead, in_fog), {})[source] = None
 
+    def extend(self, other):
+        """Adds what another Report says."""
+        for entry in other.entries:
+            for source in entry.sources:
+                self.add(source, entry.what, entry.instead, entry.in_fog)
+
     @property
     def entries(self):
         """The entries so far: list of Entry."""

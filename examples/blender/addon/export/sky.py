@@ -5,20 +5,16 @@ import numpy as np
 from mathutils import Euler
 
 from ..host.scene import Light, LightKind
-from .images import blocks
+from .images import SKY_COLUMNS, blocks
 from .materials import has_nodes
 from .nodes import Values, closures, find, follow
 from .textures import Places
 
-#: A sky has no more columns than this: a third of a degree each.
-_COLUMNS = 1024
-
-
 def sky(world, report):
     """The light that comes from a bpy.types.World's background, or None if it is black.
 
-    Colours, pictures of the whole sky, which may be turned, and what nodes compute from directions. In the world's own fog the caller must not ask: that has
-    no end, and nothing gets through.
+    Colours, pictures of the whole sky, which may be turned, and what nodes compute from directions. In the world's own fog the caller must
+    not ask: that has no end, and nothing gets through.
     """
     if world is None:
         return None
@@ -29,11 +25,12 @@ def sky(world, report):
     if output is None:
         return None
     surface, trial = output.inputs["Surface"], values.quiet()
-    _parts(trial, surface)
+    constant, picture = _parts(trial, surface)
     if trial.varies:
-        light = _light(world, _varied(values, surface), None)
+        constant, picture = _varied(values, surface), None
     else:
-        light = _light(world, *_parts(values, surface))
+        report.extend(trial.report)
+    light = _light(world, constant, picture)
     if light is not None and not (world.cycles_visibility.scatter and world.cycles_visibility.diffuse):
         values.note("Ray Visibility of the background", "it lights fog and surfaces all the same", in_fog=True)
     return light
@@ -63,7 +60,7 @@ def _parts(values, surface):
 
 def _varied(values, surface):
     """Radiance of a background that nodes compute for each direction: cells of equal angles, (h, w, 3)."""
-    rows, columns = _COLUMNS // 2, _COLUMNS
+    rows, columns = SKY_COLUMNS // 2, SKY_COLUMNS
     angle, azimuth = (np.arange(rows) + 0.5) * (np.pi / rows), np.pi - (np.arange(columns) + 0.5) * (2 * np.pi / columns)
     angle, azimuth = np.meshgrid(angle, azimuth, indexing="ij")
     towards = np.stack([np.sin(angle) * np.cos(azimuth), np.sin(angle) * np.sin(azimuth), np.cos(angle)], axis=-1).reshape(-1, 3)
@@ -114,7 +111,7 @@ def _picture(values, node, groups):
         _left_out(values, f"{node.name}, which is no equirectangular picture")
         return None
     turn = _turn(values, follow(find(node.inputs, "Vector"), groups))
-    cells = blocks(node.image, _COLUMNS)
+    cells = blocks(node.image, SKY_COLUMNS)
     if cells is None:
         _left_out(values, f"light of {node.name}, whose image cannot be read")
         return None

@@ -9,13 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 from mathutils import Euler
 
+from ..host.cells import sky_cells
 from .arithmetic import NotConstant, as_colour
 from .ies import Unreadable, measured
-from .images import blocks
+from .images import SKY_COLUMNS, blocks
 from .noise import fractal, hashed, perlin
-
-#: Columns of a picture of the sky that is part of what nodes compute.
-_COLUMNS = 1024
 
 #: Vectors are not larger.
 _FAR = 1e12
@@ -115,15 +113,12 @@ def _ies(node, output, argument, places):
 def _environment(node, output, argument, places):
     if node.projection != "EQUIRECTANGULAR":
         raise NotConstant(f"{node.name}, which is no equirectangular picture")
-    cells = blocks(node.image, _COLUMNS)
+    cells = blocks(node.image, SKY_COLUMNS)
     if cells is None:
         raise NotConstant(f"{node.name}, whose image cannot be read")
-    x, y, z = _vector(argument).T
-    rows, columns, _ = cells.shape
-    far = np.maximum(np.sqrt(x * x + y * y + z * z), 1e-30)
-    row = np.clip(np.arccos(np.clip(z / far, -1, 1)) * (rows / np.pi), 0, rows - 1).astype(int)
-    column = np.clip((1 - np.arctan2(y, x) / np.pi) * (0.5 * columns), 0, columns - 1).astype(int)
-    return cells[row, column]
+    vector = _vector(argument)
+    far = np.maximum(np.linalg.norm(vector, axis=1, keepdims=True), 1e-30)
+    return cells[sky_cells(vector / far, *cells.shape[:2])]
 
 
 def image_at(node, output, argument, pixels):

@@ -246,9 +246,7 @@ def _volume(parts, poll):
         baked, lobes = _baked(parts, low, high, poll)
         scattering, absorption, density = baked.scattering, baked.absorption, baked.density
     else:
-        totals = [part.fog.at() for part in parts]
-        scattering, absorption = (sum(getattr(total, name) for total in totals) for name in ("scattering", "absorption"))
-        lobes = [lobe for total in totals for lobe in total.phases]
+        scattering, absorption, lobes = _added(parts)
     asymmetry, phase = _phase(values, lobes)
     return Volume(
         name=parts[0].name,
@@ -262,13 +260,19 @@ def _volume(parts, poll):
     )
 
 
+def _added(parts, world=None):
+    """Scattering and absorption coefficients of some Filled together, and their phase functions; world: places, where they vary [m]."""
+    totals = [part.fog.at(part.frame.places(world) if part.fog.varies else None) for part in parts]
+    lobes = [lobe for total in totals for lobe in total.phases]
+    return sum(total.scattering for total in totals), sum(total.absorption for total in totals), lobes
+
+
 def _baked(parts, low, high, poll):
     """The density.Baked of some Filled together, and their phase functions."""
 
     def coefficients(world):
-        totals = [part.fog.at(part.frame.places(world) if part.fog.varies else None) for part in parts]
-        lobes.append([lobe for total in totals for lobe in total.phases])
-        sums = (sum(getattr(total, name) for total in totals) for name in ("scattering", "absorption"))
+        *sums, phases = _added(parts, world)
+        lobes.append(phases)
         return [np.broadcast_to(of, world.shape) for of in sums]
 
     lobes = []

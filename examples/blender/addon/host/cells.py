@@ -4,6 +4,13 @@
 import numpy as np
 
 
+def sky_cells(direction, rows, columns):
+    """Rows and columns of a sky (scene.Light) that lie in unit directions (n, 3): int (n,) both."""
+    row = np.clip(np.arccos(np.clip(direction[:, 2], -1, 1)) * (rows / np.pi), 0, rows - 1).astype(int)
+    azimuth = np.arctan2(direction[:, 1], direction[:, 0])
+    return row, np.clip((1 - azimuth / np.pi) * (0.5 * columns), 0, columns - 1).astype(int)
+
+
 class Cells:
     """Directions of a picture, drawn in proportion to its brightest channel.
 

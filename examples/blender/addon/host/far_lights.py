@@ -4,7 +4,7 @@
 import numpy as np
 from covbeam import light_field
 
-from .cells import Cells
+from .cells import Cells, sky_cells
 from .emitting import CURVATURE, Emitting, Starts, disk, f32
 from .vectors import basis
 
@@ -103,10 +103,7 @@ class World(Far):
 
     def _cell_of(self, direction):
         rows, columns = self._shape
-        from_ = -direction.astype(np.float64) @ self._turn.T
-        row = np.clip(np.arccos(np.clip(from_[:, 2], -1, 1)) * (rows / np.pi), 0, rows - 1).astype(int)
-        azimuth = np.arctan2(from_[:, 1], from_[:, 0])
-        column = np.clip((1 - azimuth / np.pi) * (0.5 * columns), 0, columns - 1).astype(int)
+        row, column = sky_cells(-direction.astype(np.float64) @ self._turn.T, rows, columns)
         return row * columns + column
 
 

@@ -54,6 +54,7 @@ class View:
         #: Where the lens blurs what is beside a border: a pixel may see fog where its middle does not, bool (n,).
         self.blurred = self._blurred(depth * along, poll)
         self.regions = np.where(self.blurred, np.uint32(0), self.regions)
+
     def _blurred(self, depth, poll):
         """Which pixels are no farther from a border than the lens blurs what is beside it: bool (n,).
 
