@@ -10,6 +10,7 @@ from .materials import has_nodes
 from .nodes import Values, closures, find, follow
 from .textures import Places
 
+
 def sky(world, report):
     """The light that comes from a bpy.types.World's background, or None if it is black.
 
