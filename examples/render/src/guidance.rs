@@ -10,13 +10,16 @@ mod look;
 
 pub(crate) use branches::share_of_branches;
 
-use crate::optics::Interior;
+use crate::optics::{Boundary, Interior};
 use crate::scene::{Material, Scene};
 use covbeam::{
     Column, EmissionGuide, GridLayout, Importance, ImportanceCell, ImportanceGrid, ImportanceSums, Medium,
 };
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
+
+/// Segments of a ray between boundaries that do not bend it: those of fog in a vacuum.
+const MOST_SEGMENTS: u32 = 4;
 
 const FITS: &str = "as many cells as the layout has";
 
@@ -33,10 +36,11 @@ impl Guidance {
     /// - `fogs`: the scene's media. Cost: 50 to 90 core-milliseconds in the scenes of the repository.
     pub(crate) fn new(scene: &Scene, fogs: &[Medium]) -> Option<Self> {
         let pixels = look::pixels(scene, fogs)?;
-        let layout = scene.grid;
+        let found = importons::walk(scene, fogs, &pixels);
+        let layout = found.layout(scene.grid.min, scene.grid.max);
         let mut sums = vec![ImportanceSums::default(); layout.cell_count()];
         let mut grid = ImportanceGrid::new(layout, &mut sums).expect("the scene's grid was validated");
-        importons::walk(scene, fogs, &pixels, &mut grid);
+        found.add_to(&mut grid, fogs);
         let mut cells = vec![ImportanceCell::default(); layout.cell_count()];
         grid.resolve(&mut cells).expect(FITS);
         let importance = Importance::new(layout, &cells).expect(FITS);
@@ -78,16 +82,35 @@ impl Guidance {
         direction: Vec3,
         interior: &Interior,
     ) -> f32 {
-        let hit = scene.intersect(origin, direction, f32::INFINITY);
-        let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
         let importance = self.importance();
+        let (mut origin, mut interior) = (origin, *interior);
         let [mut worth, mut left] = [0.0, 1.0];
-        if let Some(id) = interior.medium(scene) {
-            let found = importance.of_segment(&fogs[id as usize], origin, direction, reach);
-            (worth, left) = (found.beam + found.scattered, found.transmittance);
+        for segment in 1..=MOST_SEGMENTS {
+            let hit = scene.intersect(origin, direction, f32::INFINITY);
+            let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
+            if let Some(id) = interior.medium(scene) {
+                let found = importance.of_segment(&fogs[id as usize], origin, direction, reach);
+                worth += left * (found.beam + found.scattered);
+                left *= found.transmittance;
+            }
+            let Some(hit) = hit else { break };
+            let beyond =
+                (segment < MOST_SEGMENTS).then(|| matched(scene, &hit, direction, &interior)).flatten();
+            let Some(beyond) = beyond else {
+                worth += left * of_arrival(scene, &importance, &hit);
+                break;
+            };
+            (origin, interior) = (hit.leave(direction), beyond);
         }
-        worth + left * hit.map_or(0.0, |hit| of_arrival(scene, &importance, &hit))
+        worth
     }
+}
+
+/// What a ray is inside of behind a boundary of glass that does not bend it.
+fn matched(scene: &Scene, hit: &Hit, direction: Vec3, interior: &Interior) -> Option<Interior> {
+    let Material::Dielectric { .. } = scene.objects[hit.object as usize].material else { return None };
+    let boundary = Boundary::new(scene, hit, direction, interior);
+    boundary.is_matched().then_some(boundary.beyond)
 }
 
 /// What a watt that arrives on a surface is worth. What mirrors and glass make of it is not known here.
@@ -118,4 +141,33 @@ pub(crate) fn mean(color: Vec3) -> f32 {
 /// What is left of the mean channel's light on the way to a surface; in a tabulated column, to 5e-4.
 fn left(fog: &Medium, column: &Column, reach: f32) -> f32 {
     (-fog.mean_extinction() * column.at(reach)).exp()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::media;
+    use std::path::Path;
+
+    /// A floor below a ball of fog is worth something where the camera sees it, through a boundary that bends nothing; the sky is not. Fog as
+    /// thin as this scatters a twentieth.
+    #[test]
+    fn light_that_leaves_a_ball_of_fog_is_worth_what_it_meets() {
+        let scene = "[camera]\nposition = [0, 1, -6]\nlook_at = [0, 0.8, 0]\nvertical_fov = 40\nwidth = 48\nheight = 32\n\
+            [[medium]]\nname = \"fog\"\nscattering = 0.1\nabsorption = 0\n\
+            [[object]]\nshape = \"sphere\"\ncenter = [0, 2, 0]\nradius = 0.5\n\
+            material = { dielectric = { index = 1.0 } }\ninside = \"fog\"\n\
+            [[object]]\nshape = \"rectangle\"\ncorner = [-9, 0, -9]\nedge_u = [0, 0, 18]\nedge_v = [18, 0, 0]\n\
+            material = { lambert = { albedo = 0.5 } }\n\
+            [[light]]\nkind = \"spot\"\nposition = [0, 6, 0]\nlook_at = [0, 2, 0]\nintensity = 60\ninner_angle = 4\nouter_angle = 5\n";
+        let scene = Scene::parse(scene, "ball of fog", Path::new("")).expect("a valid scene");
+        let fogs = media::all(&scene);
+        let guidance = Guidance::new(&scene, &fogs).expect("light");
+        let center = Vec3::new(0.0, 2.0, 0.0);
+        let interior = Interior::at(&scene, center);
+        let of_ray = |direction| guidance.of_ray(&scene, &fogs, center, direction, &interior);
+        let [floor, sky] = [Vec3::new(0.0, -2.0, -2.0).normalize(), Vec3::Y].map(of_ray);
+        println!("{floor} {sky}");
+        assert!(sky > 0.0 && floor > 5.0 * sky, "{floor} {sky}");
+    }
 }

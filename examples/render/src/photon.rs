@@ -414,32 +414,38 @@ impl<'a> PhotonTracer<'a> {
             }
             Material::Dielectric { .. } => {
                 let boundary = Boundary::new(self.scene, hit, photon.direction, &photon.interior);
-                stays_straight = boundary.is_matched();
-                let curvature = self.curvature(hit, boundary.normal);
                 let through =
                     (sampler.uniform() >= boundary.reflectance).then_some(boundary.refracted).flatten();
-                photon.normal = boundary.normal;
-                photon.direction = match through {
-                    Some(refracted) => {
-                        if let Some(field) = &mut photon.field {
-                            field.refract(boundary.normal, &curvature, boundary.eta);
-                        }
-                        photon.interior = boundary.beyond;
-                        photon.normal = -boundary.normal;
-                        refracted
-                    }
-                    None => {
-                        if let Some(field) = &mut photon.field {
-                            field.reflect(boundary.normal, &curvature);
-                        }
-                        boundary.reflected
-                    }
-                };
+                self.cross(photon, hit, &boundary, through);
+                return true;
             }
         }
         photon.direct &= stays_straight;
         photon.origin = hit.leave(photon.direction);
         true
+    }
+
+    /// Sends a photon on from glass or water.
+    ///
+    /// - `through`: the direction behind the boundary; None: it is reflected.
+    fn cross(&self, photon: &mut Photon, hit: &Hit, boundary: &Boundary, through: Option<Vec3>) {
+        let curvature = self.curvature(hit, boundary.normal);
+        if let Some(refracted) = through {
+            if let Some(field) = &mut photon.field {
+                field.refract(boundary.normal, &curvature, boundary.eta);
+            }
+            photon.interior = boundary.beyond;
+            photon.normal = -boundary.normal;
+            photon.direction = refracted;
+        } else {
+            if let Some(field) = &mut photon.field {
+                field.reflect(boundary.normal, &curvature);
+            }
+            photon.normal = boundary.normal;
+            photon.direction = boundary.reflected;
+        }
+        photon.direct &= boundary.is_matched();
+        photon.origin = hit.leave(photon.direction);
     }
 
     /// Connects light on a surface of lobes with the pinhole, on either side of it.

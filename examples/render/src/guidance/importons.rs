@@ -2,13 +2,14 @@
 
 use super::look::Pixel;
 use super::{left, mean};
+use crate::defaults::divide;
 use crate::light::cosine_direction;
 use crate::material::Encounter;
 use crate::media;
 use crate::optics::{Boundary, Interior, facing_normal, reflect};
 use crate::random::Random;
 use crate::scene::{Material, Scene};
-use covbeam::{ImportanceGrid, Knot, Medium};
+use covbeam::{GridLayout, ImportanceGrid, Knot, Medium};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::f32::consts::FRAC_1_PI;
@@ -32,6 +33,15 @@ enum Deposit {
     Surface { position: Vec3, weight: f32 },
 }
 
+impl Deposit {
+    fn surface(&self) -> Option<(Vec3, f64)> {
+        match *self {
+            Self::Surface { position, weight } => Some((position, f64::from(weight))),
+            _ => None,
+        }
+    }
+}
+
 /// A segment in a medium.
 struct Flight {
     /// None: vacuum.
@@ -46,8 +56,17 @@ struct Flight {
 /// that see no medium and no light leave none to those that do.
 const EVEN: f64 = 0.5;
 
-/// Follows paths from all pixels, and adds what they cross.
-pub(super) fn walk(scene: &Scene, fogs: &[Medium], pixels: &[Pixel], grid: &mut ImportanceGrid) {
+/// Voxels of their grid.
+const CELLS: u32 = 24 * 24 * 24;
+
+/// Share of what is seen on surfaces that the grid's box may leave out at each end of an axis: floors go on to the horizon.
+const LEFT_OUT: f64 = 0.005;
+
+/// What paths from all pixels cross and find.
+pub(super) struct Found(Vec<Vec<Deposit>>);
+
+/// Follows paths from all pixels.
+pub(super) fn walk(scene: &Scene, fogs: &[Medium], pixels: &[Pixel]) -> Found {
     let total: f64 = pixels.iter().map(|pixel| f64::from(pixel.weight)).sum();
     let mut starts = Vec::new();
     let mut sum = 0.0;
@@ -61,7 +80,7 @@ pub(super) fn walk(scene: &Scene, fogs: &[Medium], pixels: &[Pixel], grid: &mut 
         }
     }
     let walker = Walker { scene, fogs, interior: Interior::at(scene, scene.camera.position) };
-    let chunks: Vec<Vec<Deposit>> = starts
+    let chunks = starts
         .par_chunks(CHUNK)
         .enumerate()
         .map(|(chunk, starts)| {
@@ -73,16 +92,47 @@ pub(super) fn walk(scene: &Scene, fogs: &[Medium], pixels: &[Pixel], grid: &mut 
             out
         })
         .collect();
-    let vacuum = Medium::default();
-    let medium = |flight: &Flight| flight.medium.map_or(&vacuum, |id| &fogs[id as usize]);
-    for deposit in chunks.iter().flatten() {
-        match deposit {
-            Deposit::EyeRay(at) => {
-                grid.add_eye_ray(medium(at), at.origin, at.direction, at.length, at.weight)
+    Found(chunks)
+}
+
+impl Found {
+    /// That of a grid that holds a box and the surfaces that the camera sees. What light is worth on a floor around a ball of fog is not
+    /// what it is worth at the ball's border.
+    pub(super) fn layout(&self, mut min: Vec3, mut max: Vec3) -> GridLayout {
+        let mut seen: Vec<(Vec3, f64)> = self.all().filter_map(Deposit::surface).collect();
+        let total: f64 = seen.iter().map(|(_, weight)| weight).sum();
+        for axis in 0..3 {
+            seen.sort_by(|(a, _), (b, _)| a[axis].total_cmp(&b[axis]));
+            let mut sum = 0.0;
+            for &(position, weight) in &seen {
+                let before = sum;
+                sum += weight;
+                if sum >= LEFT_OUT * total && before <= (1.0 - LEFT_OUT) * total {
+                    min[axis] = min[axis].min(position[axis]);
+                    max[axis] = max[axis].max(position[axis]);
+                }
             }
-            Deposit::Path(at) => grid.add_path(medium(at), at.origin, at.direction, at.length, at.weight),
-            Deposit::Surface { position, weight } => grid.add_surface(*position, *weight),
         }
+        GridLayout { min, max, cells: divide(max - min, CELLS) }
+    }
+
+    /// Adds what was found to a grid.
+    pub(super) fn add_to(&self, grid: &mut ImportanceGrid, fogs: &[Medium]) {
+        let vacuum = Medium::default();
+        let medium = |flight: &Flight| flight.medium.map_or(&vacuum, |id| &fogs[id as usize]);
+        for deposit in self.all() {
+            match deposit {
+                Deposit::EyeRay(at) => {
+                    grid.add_eye_ray(medium(at), at.origin, at.direction, at.length, at.weight)
+                }
+                Deposit::Path(at) => grid.add_path(medium(at), at.origin, at.direction, at.length, at.weight),
+                Deposit::Surface { position, weight } => grid.add_surface(*position, *weight),
+            }
+        }
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Deposit> {
+        self.0.iter().flatten()
     }
 }
 

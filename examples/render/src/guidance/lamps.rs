@@ -10,6 +10,7 @@ use crate::straight::is_left_to_beams;
 use covbeam::{EmissionGuide, Importance, Knot, Medium};
 use glam::Vec3;
 use rayon::prelude::*;
+use smallvec::{SmallVec, smallvec};
 
 /// Cells across the square in which a lamp's emission is drawn: as many as all lamps together may have, and as one may.
 const CELLS: f32 = 2048.0;
@@ -20,6 +21,9 @@ const RAYS_ACROSS: u32 = 2;
 
 /// Mirrors and glass in a row that a ray follows.
 const LONGEST: u32 = 16;
+
+/// Of what glass reflects and what goes through both are followed if either has more than this share of the ray's power.
+const LEAST_SHARE: f32 = 0.01;
 
 /// Share of the light paths that go where their power goes, whatever that is worth: no path has more than five times the power that all
 /// would have if they shared it evenly.
@@ -127,58 +131,91 @@ impl<'a> Lamp<'a> {
     fn of_place(&self, place: [f32; 2], index: u32, random: &mut Random, knots: &mut Vec<Knot>) -> f32 {
         let mut sampler = PathSampler::new(Emission::Independent, 0, KEY, index);
         let emitted = self.light.emit_at(place, &mut sampler);
-        let mut power = mean(emitted.power);
-        let (mut origin, mut direction, mut interior) = (emitted.origin, emitted.direction, self.interior);
-        let (mut worth, mut is_straight) = (0.0, true);
-        for _ in 0..LONGEST {
-            let hit = self.scene.intersect(origin, direction, f32::INFINITY);
+        let all = mean(emitted.power);
+        let start = Ray {
+            origin: emitted.origin,
+            direction: emitted.direction,
+            interior: self.interior,
+            power: all,
+            is_straight: true,
+            met: 0,
+        };
+        let mut waiting: SmallVec<[Ray; 8]> = smallvec![start];
+        let mut worth = 0.0;
+        while let Some(mut ray) = waiting.pop() {
+            let hit = self.scene.intersect(ray.origin, ray.direction, f32::INFINITY);
             let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
-            if let Some(id) = interior.medium(self.scene) {
+            if let Some(id) = ray.interior.medium(self.scene) {
                 let fog = &self.fogs[id as usize];
-                let found = self.importance.of_segment(fog, origin, direction, reach);
-                let is_seen = !is_straight || is_left_to_beams(self.scene, id);
-                worth += power * (found.scattered + if is_seen { found.beam } else { 0.0 });
-                power *= left(fog, &media::column(fog, origin, direction, reach, knots), reach);
+                let found = self.importance.of_segment(fog, ray.origin, ray.direction, reach);
+                let is_seen = !ray.is_straight || is_left_to_beams(self.scene, id);
+                worth += ray.power * (found.scattered + if is_seen { found.beam } else { 0.0 });
+                ray.power *= left(fog, &media::column(fog, ray.origin, ray.direction, reach, knots), reach);
             }
-            let Some(hit) = hit else { break };
+            let Some(hit) = hit else { continue };
+            ray.met += 1;
+            let here = || self.importance.at(hit.position);
             match self.scene.objects[hit.object as usize].material {
-                Material::Black => break,
+                Material::Black => continue,
                 Material::Lambert { albedo } => {
-                    worth += power * of_diffuse(albedo, &self.importance.at(hit.position), is_straight);
-                    break;
+                    worth += ray.power * of_diffuse(albedo, &here(), ray.is_straight);
+                    continue;
                 }
                 Material::Lobes(ref lobes) => {
                     let mut pair = || [random.uniform(), random.uniform()];
                     let (facet, xi) = (pair(), pair());
-                    let met = Encounter::new(self.scene, &hit, direction, &interior, lobes, facet);
+                    let met = Encounter::new(self.scene, &hit, ray.direction, &ray.interior, lobes, facet);
                     let albedo = lobes.diffuse + lobes.translucent;
-                    worth += power * of_diffuse(albedo, &self.importance.at(hit.position), is_straight);
+                    worth += ray.power * of_diffuse(albedo, &here(), ray.is_straight);
                     let way = met.draw(Vec3::ONE, random.uniform(), xi);
-                    let Some(way) = way.filter(|way| !way.lobe.is_diffuse()) else { break };
-                    power *= mean(way.factor);
-                    (direction, interior) = (way.direction, way.interior);
-                    is_straight &= way.lobe == Lobe::Transparent;
+                    let Some(way) = way.filter(|way| !way.lobe.is_diffuse()) else { continue };
+                    ray.power *= mean(way.factor);
+                    (ray.direction, ray.interior) = (way.direction, way.interior);
+                    ray.is_straight &= way.lobe == Lobe::Transparent;
                 }
                 Material::Mirror { reflectance } => {
-                    power *= mean(reflectance);
-                    direction = reflect(direction, facing_normal(&hit, direction));
-                    is_straight = false;
+                    ray.power *= mean(reflectance);
+                    ray.direction = reflect(ray.direction, facing_normal(&hit, ray.direction));
+                    ray.is_straight = false;
                 }
                 Material::Dielectric { .. } => {
-                    let boundary = Boundary::new(self.scene, &hit, direction, &interior);
-                    is_straight &= boundary.is_matched();
-                    let through = random.uniform() >= boundary.reflectance;
-                    direction = match boundary.refracted.filter(|_| through) {
-                        Some(refracted) => {
-                            interior = boundary.beyond;
-                            refracted
+                    let boundary = Boundary::new(self.scene, &hit, ray.direction, &ray.interior);
+                    ray.is_straight &= boundary.is_matched();
+                    let [back, through] = [boundary.reflectance, 1.0 - boundary.reflectance];
+                    let reflected = Ray { direction: boundary.reflected, ..ray.clone() };
+                    let refracted = boundary.refracted.map(|direction| Ray {
+                        direction,
+                        interior: boundary.beyond,
+                        ..ray.clone()
+                    });
+                    // A mean of few rays would miss most of what is reflected.
+                    if back.min(through) * ray.power > LEAST_SHARE * all {
+                        let reflected = Ray { power: back * ray.power, ..reflected };
+                        let refracted = refracted.map(|way| Ray { power: through * ray.power, ..way });
+                        for mut way in [Some(reflected), refracted].into_iter().flatten() {
+                            way.origin = hit.leave(way.direction);
+                            waiting.extend((way.met < LONGEST).then_some(way));
                         }
-                        None => boundary.reflected,
-                    };
+                        continue;
+                    }
+                    ray = refracted.filter(|_| random.uniform() < through).unwrap_or(reflected);
                 }
             }
-            origin = hit.leave(direction);
+            ray.origin = hit.leave(ray.direction);
+            waiting.extend((ray.met < LONGEST).then_some(ray));
         }
         worth
     }
+}
+
+/// On its way from a lamp.
+#[derive(Clone)]
+struct Ray {
+    origin: Vec3,
+    direction: Vec3,
+    interior: Interior,
+    power: f32,
+    is_straight: bool,
+    /// Surfaces.
+    met: u32,
 }

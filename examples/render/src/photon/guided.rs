@@ -8,7 +8,7 @@ use crate::guidance::{Guidance, mean};
 use crate::light::cosine_direction;
 use crate::media;
 use crate::operators::Operator;
-use crate::optics::facing_normal;
+use crate::optics::{Boundary, facing_normal};
 use crate::random::{PathSampler, spread};
 use crate::record::{FieldSegment, PhotonRecord, Record, add};
 use crate::scene::Material;
@@ -158,6 +158,8 @@ impl Tree<'_, '_> {
         };
         if let Material::Lambert { albedo } = scene.objects[hit.object as usize].material {
             self.reflect(photon, albedo, &hit, &mut sampler, depth, out);
+        } else if let Material::Dielectric { .. } = scene.objects[hit.object as usize].material {
+            self.cross(photon, &hit, sampler, depth);
         } else if tracer.interact(&mut photon, &hit, &mut sampler, self.record, out) {
             self.waiting.push((photon, sampler, depth + 1));
         }
@@ -294,6 +296,41 @@ impl Tree<'_, '_> {
         });
     }
 
+    /// Glass and water: what is reflected and what goes through, both of them where both are worth it. Neither is less likely than its share.
+    fn cross(&mut self, photon: Photon, hit: &Hit, mut sampler: PathSampler, depth: u32) {
+        let tracer = self.tracer;
+        let boundary = Boundary::new(tracer.scene, hit, photon.direction, &photon.interior);
+        let Some(refracted) = boundary.refracted.filter(|_| boundary.reflectance > 0.0) else {
+            let mut photon = photon;
+            tracer.cross(&mut photon, hit, &boundary, boundary.refracted);
+            self.waiting.push((photon, sampler, depth + 1));
+            return;
+        };
+        let [unit, most_power] = self.limits(depth);
+        let ways = [
+            (boundary.reflectance, None, boundary.reflected, photon.interior),
+            (1.0 - boundary.reflectance, Some(refracted), refracted, boundary.beyond),
+        ];
+        let mut factors = ways.map(|(share, _, direction, interior)| {
+            let worth =
+                self.guidance.of_ray(tracer.scene, &tracer.fogs, hit.leave(direction), direction, &interior);
+            let power = share * mean(photon.power);
+            (power * worth / unit).max(power / most_power).clamp(share, 1.0)
+        });
+        weight_window(&mut factors, sampler.uniform());
+        let branch = sampler.branch();
+        // The low-discrepancy numbers are for the larger share.
+        let samplers = if boundary.reflectance < 0.5 { [branch, sampler] } else { [sampler, branch] };
+        for (((share, through, ..), factor), sampler) in ways.into_iter().zip(factors).zip(samplers) {
+            if factor > 0.0 {
+                let mut child = photon.clone();
+                child.power *= share * factor;
+                tracer.cross(&mut child, hit, &boundary, through);
+                self.waiting.push((child, sampler, depth + 1));
+            }
+        }
+    }
+
     /// Draws directions for a photon that is scattered, and keeps those that are worth it: `turn` turns its light field into one.
     fn go_on(
         &mut self,
@@ -427,5 +464,30 @@ mod tests {
             assert!(mean < bound, "{name}: {mean}");
             assert!(most < 64 * LARGE_TREE as usize, "{name}: {most}");
         }
+    }
+
+    /// All that the camera sees is what water reflects at 45°: by Fresnel's equations .0502 of the lamp's light (R_s = .0920, R_p = R_s²). It is
+    /// in photons of a twentieth of the lamp's, as many as there are paths, and none of it is lost.
+    #[test]
+    fn what_glass_reflects_is_followed_where_that_is_all_there_is_to_see() {
+        let scene = "[camera]\nposition = [0, 3, 0]\nlook_at = [4, 3, 0]\nvertical_fov = 60\nwidth = 48\nheight = 48\n\
+            [[object]]\nshape = \"box\"\nmin = [-9, -9, -9]\nmax = [9, 0, 9]\nmaterial = { dielectric = { index = 1.5 } }\n\
+            [[object]]\nshape = \"rectangle\"\ncorner = [-8, -1, -8]\nedge_u = [0, 0, 16]\nedge_v = [16, 0, 0]\nmaterial = \"black\"\n\
+            [[object]]\nshape = \"rectangle\"\ncorner = [4, 0.5, -6]\nedge_u = [0, 6, 0]\nedge_v = [0, 0, 12]\n\
+            material = { lambert = { albedo = 0.5 } }\n\
+            [[light]]\nkind = \"spot\"\nposition = [-2, 2, 0]\nlook_at = [0, 0, 0]\nintensity = 100\ninner_angle = 1\nouter_angle = 2\n";
+        let scene = Scene::parse(scene, "water", Path::new("")).expect("a valid scene");
+        let fogs = media::all(&scene);
+        let mut tracer = PhotonTracer::new(&scene, 0, Emission::LowDiscrepancy);
+        tracer.guide(Guidance::new(&scene, &fogs).expect("light"));
+        let mut record = PhotonRecord::default();
+        (0..PATHS).for_each(|index| tracer.trace(0, index, PATHS, Record::Beams, &mut record));
+        let caustic: Vec<f32> =
+            record.surface.iter().filter(|photon| photon.caustic).map(|photon| mean(photon.power)).collect();
+        let flux = caustic.iter().sum::<f32>() / record.energy.emitted[0] as f32;
+        println!("{} photons, {flux}", caustic.len());
+        assert!(caustic.len() > PATHS as usize * 3 / 4, "{}", caustic.len());
+        // Within the cone R is within a fifth of that at its middle, on average as much: 2000 paths say it to half a percent.
+        assert!((flux / 0.0502 - 1.0).abs() < 0.02, "{flux}");
     }
 }
