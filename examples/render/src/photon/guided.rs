@@ -159,7 +159,7 @@ impl Tree<'_, '_> {
         if let Material::Lambert { albedo } = scene.objects[hit.object as usize].material {
             self.reflect(photon, albedo, &hit, &mut sampler, depth, out);
         } else if let Material::Dielectric { .. } = scene.objects[hit.object as usize].material {
-            self.cross(photon, &hit, sampler, depth);
+            self.cross(photon, &hit, sampler, depth, out);
         } else if tracer.interact(&mut photon, &hit, &mut sampler, self.record, out) {
             self.waiting.push((photon, sampler, depth + 1));
         }
@@ -297,7 +297,14 @@ impl Tree<'_, '_> {
     }
 
     /// Glass and water: what is reflected and what goes through, both of them where both are worth it. Neither is less likely than its share.
-    fn cross(&mut self, photon: Photon, hit: &Hit, mut sampler: PathSampler, depth: u32) {
+    fn cross(
+        &mut self,
+        photon: Photon,
+        hit: &Hit,
+        mut sampler: PathSampler,
+        depth: u32,
+        out: &mut PhotonRecord,
+    ) {
         let tracer = self.tracer;
         let boundary = Boundary::new(tracer.scene, hit, photon.direction, &photon.interior);
         let Some(refracted) = boundary.refracted.filter(|_| boundary.reflectance > 0.0) else {
@@ -321,10 +328,12 @@ impl Tree<'_, '_> {
         let branch = sampler.branch();
         // The low-discrepancy numbers are for the larger share.
         let samplers = if boundary.reflectance < 0.5 { [branch, sampler] } else { [sampler, branch] };
+        add(&mut out.energy.roulette, photon.power);
         for (((share, through, ..), factor), sampler) in ways.into_iter().zip(factors).zip(samplers) {
             if factor > 0.0 {
                 let mut child = photon.clone();
                 child.power *= share * factor;
+                add(&mut out.energy.roulette, -child.power);
                 tracer.cross(&mut child, hit, &boundary, through);
                 self.waiting.push((child, sampler, depth + 1));
             }
