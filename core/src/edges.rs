@@ -6,7 +6,7 @@
 //! makes w jump.
 
 use core::f32::consts::TAU;
-use core::ops::Deref;
+use core::ops::{Deref, DerefMut};
 use glam::Vec3;
 use libm::{sincosf, sqrtf};
 
@@ -93,6 +93,13 @@ impl Deref for Edges {
     }
 }
 
+/// To move them along the ray, as for a segment that begins later.
+impl DerefMut for Edges {
+    fn deref_mut(&mut self) -> &mut [Edge] {
+        &mut self.0
+    }
+}
+
 /// Edges beside a ray along `direction` that ends at `hit`, sorted by depth: those up to four that mask the
 /// light most.
 ///
@@ -170,6 +177,12 @@ impl<T, const N: usize> Deref for Few<T, N> {
 
     fn deref(&self) -> &[T] {
         &self.values[..self.count]
+    }
+}
+
+impl<T, const N: usize> DerefMut for Few<T, N> {
+    fn deref_mut(&mut self) -> &mut [T] {
+        &mut self.values[..self.count]
     }
 }
 

@@ -15,9 +15,9 @@ pub fn taken_by_chance(scene: &Scene, seeds: u32) -> [Sample; 3] {
         .map(|seed| {
             let mut renderer = Renderer::new(scene, Method::Ppb, 20_000, seed);
             renderer.pass(1, &|| false).expect("not cancelled");
-            let Energy { emitted, medium, surfaces, escaped, roulette } = renderer.energy();
+            let Energy { emitted, medium, surfaces, escaped, spent, roulette } = renderer.energy();
             std::array::from_fn(|c| {
-                let balance = medium[c] + surfaces[c] + escaped[c] + roulette[c] - emitted[c];
+                let balance = medium[c] + surfaces[c] + escaped[c] + spent[c] + roulette[c] - emitted[c];
                 // f32 powers, f64 sums: rounding of 6e-8 at each of a few events a path.
                 assert!(balance.abs() < 1e-6 * emitted[c], "balance {balance} of {}", emitted[c]);
                 assert_eq!(escaped[c], 0.0, "the room is closed");

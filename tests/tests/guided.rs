@@ -386,9 +386,9 @@ fn no_energy_is_lost_or_made() {
             .map(|seed| {
                 let mut renderer = renderer(&scene, Estimator::Guided, 3000, seed);
                 renderer.pass(1, &|| false).expect("not cancelled");
-                let Energy { emitted, medium, surfaces, escaped, roulette } = renderer.energy();
+                let Energy { emitted, medium, surfaces, escaped, spent, roulette } = renderer.energy();
                 std::array::from_fn(|c| {
-                    let balance = medium[c] + surfaces[c] + escaped[c] + roulette[c] - emitted[c];
+                    let balance = medium[c] + surfaces[c] + escaped[c] + spent[c] + roulette[c] - emitted[c];
                     assert!(balance.abs() < 1e-5 * emitted[c], "balance {balance} of {}", emitted[c]);
                     assert_eq!(escaped[c], 0.0, "the room is closed");
                     [roulette[c] / flux, emitted[c] / flux - 1.0]

@@ -217,3 +217,59 @@ fn a_camera_outside_all_media_still_sees_what_is_inside_glass() {
     // With wide kernels in the glass, too.
     assert!(planned == picture(&scene, false, 2000, 1, 1..=2));
 }
+
+/// What is before the first surface alone is what a whole picture keeps of it, and it is kept where no eye rays need planning, too.
+#[test]
+fn what_is_beyond_the_first_surface_is_left_out_and_what_is_before_it_kept_apart() {
+    let render = |scene: &Scene, change: fn(&mut Renderer)| {
+        let mut renderer = Renderer::new(scene, Method::Adaptive, 2000, 1);
+        renderer.plan_eye_rays();
+        change(&mut renderer);
+        let mut film = Film::of_scene(scene);
+        for index in 1..=3 {
+            film.add(&renderer.pass(index, &|| false).expect("not cancelled").0).expect("finite");
+        }
+        film.picture()
+    };
+    let fog = scene(GLASS, 32, 32);
+    let (whole, first) = (render(&fog, |_| {}), render(&fog, |renderer| renderer.leave_out_beyond()));
+    let volume = &whole.maps.as_ref().expect("planned").volume;
+    assert!(first.radiance == *volume && volume[5 * 32 + 16].x > 0.0);
+    assert!(whole.radiance[16 * 32 + 16].x > 1.05 * first.radiance[16 * 32 + 16].x, "glass shows more");
+
+    let inside =
+        GLASS.replace("outside_medium = \"fog\"", "").replace("# inside = \"fog\"", "inside = \"fog\"");
+    let inside = scene(&inside, 32, 32);
+    let (plain, apart) = (render(&inside, |_| {}), render(&inside, |renderer| renderer.keep_first_apart()));
+    assert!(plain.maps.is_none());
+    assert!(apart.maps.expect("kept").volume.iter().all(|light| *light == Vec3::ZERO));
+    let mean = |picture: &[Vec3]| picture.iter().map(|light| f64::from(light.x)).sum::<f64>();
+    let ratio = mean(&apart.radiance) / mean(&plain.radiance);
+    assert!((ratio - 1.0).abs() < 0.05, "{ratio}");
+}
+
+/// A picture can be given up wherever it has got to, and asked for again.
+#[test]
+fn a_picture_that_was_given_up_leaves_no_trace() {
+    let scene = scene(GLASS, 40, 40);
+    let mut renderer = Renderer::new(&scene, Method::Adaptive, 500, 1);
+    let split = renderer.keep_kinds();
+    renderer.plan_eye_rays();
+    let mut film = Film::of_scene(&scene);
+    film.keep_kinds(split);
+    for index in 1..=3 {
+        film.add(&renderer.pass(index, &|| false).expect("not cancelled").0).expect("finite");
+    }
+    let (before, mut given_up) = (film.picture(), 0);
+    for polls in (0..).step_by(97) {
+        let left = std::sync::atomic::AtomicI32::new(polls);
+        let cancelled = || left.fetch_sub(1, std::sync::atomic::Ordering::Relaxed) <= 0;
+        if let Some(picture) = film.picture_unless(&cancelled) {
+            assert!(picture == before);
+            break;
+        }
+        given_up += 1;
+    }
+    assert!(given_up > 20, "{given_up}");
+    assert!(film.picture() == before);
+}

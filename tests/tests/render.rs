@@ -122,8 +122,8 @@ fn paths_end_in_a_medium_that_never_does() {
             .map(|seed| {
                 let mut renderer = Renderer::new(&scene, Method::Adaptive, 2000, seed);
                 renderer.pass(1, &|| false).expect("not cancelled");
-                let Energy { emitted, medium, surfaces, escaped, roulette } = renderer.energy();
-                let balance = medium[0] + surfaces[0] + escaped[0] + roulette[0] - emitted[0];
+                let Energy { emitted, medium, surfaces, escaped, spent, roulette } = renderer.energy();
+                let balance = medium[0] + surfaces[0] + escaped[0] + spent[0] + roulette[0] - emitted[0];
                 assert!(balance.abs() < 1e-6 * emitted[0], "balance {balance}");
                 // What is neither absorbed nor escapes is taken by chance: all of it where the fog is everywhere.
                 (escaped[0] + roulette[0]) / emitted[0]

@@ -1,5 +1,6 @@
 //! Sunlight in fog, by closed forms: a box of fog, and fog that thins with height.
 
+use covbeam_render::camera::Frame;
 use covbeam_render::pass::Method;
 use covbeam_render::scene::Scene;
 use covbeam_tests::rows::{check, rows, runs};
@@ -87,17 +88,16 @@ fn fog_that_thins_with_height_is_the_closed_form() {
         "[[object]]\nshape = \"box\"\nmin = [-1.5, -1.5, 1]\nmax = [1.5, 1.5, 1.1]\nmaterial = \"black\"";
     let mut scene = scene("outside_medium = \"fog\"", &density, objects, "direction = [0, -1, 0]");
     scene.camera.position = glam::Vec3::new(0.0, 0.0, -1.0);
-    scene.camera.tan_half_height = 0.4;
+    let half_height = 0.4;
+    scene.camera.frame = Frame::Middle { half_height };
     let extinction = SCATTERING + ABSORPTION;
-    let camera = scene.camera;
     let steps = 400;
     check_all("thinning", &scene, |middle| {
         // Along the row's eye rays, at the heights that they have at the depth 1 + s.
-        let slope = middle / 0.8 * f64::from(camera.tan_half_height);
+        let slope = middle / 0.8 * f64::from(half_height);
         let mut sum = 0.0;
         for x in 0..SIZE {
-            let across =
-                (2.0 * (f64::from(x) + 0.5) / f64::from(SIZE) - 1.0) * f64::from(camera.tan_half_height);
+            let across = (2.0 * (f64::from(x) + 0.5) / f64::from(SIZE) - 1.0) * f64::from(half_height);
             let length = (1.0 + slope * slope + across * across).sqrt();
             let (mut column, step) = (0.0, 2.0 / f64::from(steps));
             for k in 0..steps {

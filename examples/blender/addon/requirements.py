@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the add-on needs to run: Blender's version, numpy, and the two libraries in its wheels."""
+"""What the add-on needs to run: Blender's version, numpy, and the library in its wheel."""
 
 import importlib
 import platform
@@ -58,7 +58,7 @@ def _problem():
             f"This is Blender {_dotted(bpy.app.version)}. "
             f"Covbeam needs Blender {_dotted(OLDEST_BLENDER[:2])} or newer; get it from blender.org."
         )
-    problems = map(_module_problem, ("numpy", "covbeam", "covbeam_rays"))
+    problems = map(_module_problem, ("numpy", "covbeam_rays"))
     return next((problem for problem in problems if problem is not None), None)
 
 

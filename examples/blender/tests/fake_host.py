@@ -69,7 +69,9 @@ class Session:
     times = {"photons": 0.0, "gather": 0.0}
 
     def __init__(self, scene, settings, poll=None):
-        self.scene, self.passes, self.photons = scene, 0, settings.photons
+        # Nobody's choice is the scene's own.
+        self.scene, self.passes, self._most = scene, 0, settings.photons or 5000
+        self.photons = self._most
         Session.open += 1
         Session.settings.append(settings)
 
@@ -84,7 +86,7 @@ class Session:
         self.passes += 1
 
     def restart(self, photons):
-        self.passes, self.photons = 0, min(photons, Session.settings[-1].photons)
+        self.passes, self.photons = 0, min(photons, self._most)
 
     def picture(self, poll=None):
         return picture(self.scene.camera.width, self.scene.camera.height, self.passes)
@@ -112,6 +114,12 @@ def export(depsgraph, poll=None):
     return Scene(Camera(width, height), Geometry()), report
 
 
+def export_view(depsgraph, space):
+    from addon.export.report import Report
+
+    return Scene(None, Geometry()), Report()
+
+
 def install():
     """Puts the fakes in the place of the add-on's modules, which must not have been imported yet."""
     import addon.export
@@ -119,7 +127,11 @@ def install():
 
     for package, name, contents in (
         (addon.host, "session", {"Session": Session, "Settings": Settings}),
-        (addon.export, "scene", {"export": lambda *given, **named: export(*given, **named)}),
+        (
+            addon.export,
+            "scene",
+            {"export": lambda *given, **named: export(*given, **named), "export_view": lambda *given: export_view(*given)},
+        ),
     ):
         module = types.ModuleType(f"{package.__name__}.{name}")
         vars(module).update(contents)

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes for tests of the host, made without Blender."""
 
-import covbeam
 import covbeam_rays
 import numpy as np
-from addon.host.extent import inset
-from addon.host.scene import MATERIAL, Camera, Light, LightKind, Scene, Volume
+from addon.export.meshes import inset
+from addon.host.scene import MATERIAL, Camera, Density, Light, LightKind, Phase, Scene, Volume
 
 
 def icosphere(radius, center=(0, 0, 0), levels=5):
@@ -54,12 +53,11 @@ BLACK = material()
 BOUND = material(transparent=1)
 
 
-def volume(name, scattering, absorption, phase=None, low=-np.inf, high=np.inf, density=None):
-    """A Volume, grey or of three channels; density: a covbeam.Density, or None for 1 everywhere."""
-    s, a = (np.broadcast_to(np.asarray(v, np.float64), 3).copy() for v in (scattering, absorption))
-    medium = covbeam.Medium(tuple(s), tuple(a), phase, density)
-    bounds = (np.broadcast_to(np.asarray(v, np.float64), 3).copy() for v in (low, high))
-    return Volume(name, medium, s, a, medium.phase._struct.asymmetry, *bounds, density is not None)
+def volume(name, scattering, absorption, asymmetry=0.0, low=-np.inf, high=np.inf, density=None):
+    """A Volume, grey or of three channels; asymmetry: of Henyey-Greenstein; density: a Density, or None for 1 everywhere."""
+    s, a, low, high = (np.broadcast_to(np.asarray(v, np.float64), 3).copy() for v in (scattering, absorption, low, high))
+    phase = Phase.HENYEY_GREENSTEIN if asymmetry else Phase.ISOTROPIC
+    return Volume(name, s, a, low, high, phase, asymmetry, density)
 
 
 _CELLS = 12
@@ -74,20 +72,27 @@ def _cloud():
 
 
 def cloud():
-    """The same as a covbeam.Density."""
-    return covbeam.Density(covbeam.GridLayout((-1, -1, -1), (1, 1, 1), (_CELLS,) * 3), _cloud())
+    """The same as a Density."""
+    return Density(np.full(3, -1.0), np.full(3, 1.0), _cloud())
 
 
 def density(places):
-    """That cloud's density at places (..., 3): trilinear between the middles of voxels, held beyond the outermost."""
-    values, found = _cloud().astype(np.float64), 0
-    at = np.clip((places + 1) * (_CELLS / 2) - 0.5, 0, _CELLS - 1)
-    low = np.minimum(at.astype(int), _CELLS - 2)
+    """That cloud's density at places (..., 3)."""
+    return density_at(cloud(), places)
+
+
+def density_at(density, places):
+    """A Density at places (..., 3): trilinear between the middles of voxels, held beyond the outermost; 0 outside of its box."""
+    values, found = density.values.astype(np.float64), 0
+    cells = np.array(values.shape[::-1])
+    at = np.clip((places - density.min) / (density.max - density.min) * cells - 0.5, 0, cells - 1)
+    low = np.minimum(at.astype(int), np.maximum(cells - 2, 0))
     rest = at - low
     for corner in np.ndindex(2, 2, 2):
         weight = np.prod(np.where(corner, rest, 1 - rest), axis=-1)
-        found = found + weight * values[tuple((low[..., k] + corner[k]) for k in (2, 1, 0))]
-    return np.where((np.abs(places) <= 1).all(axis=-1), found, 0)
+        place = (np.minimum(low[..., k] + corner[k], cells[k] - 1) for k in (2, 1, 0))
+        found = found + weight * values[tuple(place)]
+    return np.where(((places >= density.min) & (places <= density.max)).all(axis=-1), found, 0)
 
 
 def camera(position, look_at, vertical_fov, width, height, up=(0, 1, 0)):
@@ -100,6 +105,13 @@ def camera(position, look_at, vertical_fov, width, height, up=(0, 1, 0)):
     pixel = 2 * np.tan(np.radians(vertical_fov) / 2) / height
     left, top = -0.5 * width * pixel, 0.5 * height * pixel
     return Camera(position, right, np.cross(right, forward), forward, left, top, (pixel, pixel), width, height)
+
+
+def directions(view, x, y):
+    """Unit directions of a Camera's eye rays through places of its picture (n,) [pixels]: float64 (n, 3)."""
+    across, up = view.left + np.asarray(x) * view.step[0], view.top - np.asarray(y) * view.step[1]
+    d = view.forward + across[:, None] * view.right + up[:, None] * view.up
+    return d / np.linalg.norm(d, axis=1, keepdims=True)
 
 
 def point(position, intensity, radius=0.0):
@@ -172,7 +184,7 @@ def mixed(scale=1.0, at=(0, 0, 0), power=1.0, size=16):
     ]
     low, high = place(-1, -1, -1), place(1, 1, 1)
     scattering, absorption = np.array([0.3, 0.2, 0.1]) / scale, np.array([0.1, 0.05, 0.02]) / scale
-    fog = volume("fog", scattering, absorption, covbeam.Phase.henyey_greenstein(0.4), low, high)
+    fog = volume("fog", scattering, absorption, 0.4, low, high)
     meshes = [
         (box(low, high), BOUND, 0),
         (icosphere(0.4 * scale, place(0.2, 0.1, -0.3), 3), GLASS, -1),
@@ -203,8 +215,7 @@ def in_cone(size):
     """Pixels through whose middle some of the spot's cone is seen: (h, w)."""
     view = _spot_camera(size)
     y, x = np.mgrid[0:size, 0:size] + 0.5
-    across, up = view.left + x.ravel() * view.step[0], view.top - y.ravel() * view.step[1]
-    d = view.forward + across[:, None] * view.right + up[:, None] * view.up
+    d = directions(view, x.ravel(), y.ravel())
     axis, seen = -_SPOT / np.linalg.norm(_SPOT), np.zeros(len(d), bool)
     for far in np.linspace(0.1, 12, 600):
         point = view.position + far * d

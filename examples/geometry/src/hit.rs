@@ -18,6 +18,8 @@ pub struct Hit {
     pub curvature: Curvature,
     /// Number of the object that was hit, as its host counts.
     pub object: u32,
+    /// Number of the material that was hit, as its host counts.
+    pub material: u32,
     /// How far [`Hit::leave`] moves off the surface \[scene unit\]: more than rounding can have moved `position`.
     pub offset: f32,
 }

@@ -185,6 +185,13 @@ impl Mesh {
         self.triangles.count()
     }
 
+    /// Corners of the triangles that can be hit, as they are placed.
+    pub fn placed_corners(&self) -> Vec<[Vec3; 3]> {
+        let frame = self.triangles.frame();
+        let placed = |corner: Vec3| frame.outside(corner).as_vec3();
+        self.triangles.all_corners().iter().map(|corners| corners.map(placed)).collect()
+    }
+
     /// Lower and upper corner of the bounding box.
     pub fn bounds(&self) -> (Vec3, Vec3) {
         (self.min, self.max)

@@ -79,6 +79,9 @@ pub trait Hierarchy {
     /// Tests the elements in the ray's way: `test` gets the ray up to the nearest hit so far and a place in the order
     /// of the leaves, and returns the distance of a hit, or one beyond the ray's end.
     fn nearest(&self, ray: Ray, test: impl FnMut(&Ray, usize) -> f32);
+
+    /// Whether the ray meets any of the elements in its way: `test` says so of one.
+    fn any(&self, ray: Ray, test: impl FnMut(&Ray, usize) -> bool) -> bool;
 }
 
 /// Triangles with their hierarchy, smooth or flat.
@@ -160,6 +163,15 @@ impl<H: Hierarchy> Triangles<H> {
         })
     }
 
+    /// True if anything is hit with distance in (0, max_distance).
+    pub fn occluded(&self, origin: DVec3, direction: DVec3, max_distance: f64) -> bool {
+        let Some((ray, _)) = self.frame.ray(origin, direction, max_distance) else { return false };
+        let shear = Shear::new(direction.as_vec3());
+        self.hierarchy.any(ray, |ray, index| {
+            shear.intersect(ray, &self.corners[index]).is_some_and(|(distance, _)| distance < ray.tmax)
+        })
+    }
+
     /// Which of the triangles given to [`Triangles::new`] was hit.
     pub fn index(&self, hit: &TriangleHit) -> usize {
         self.hierarchy.order()[hit.triangle as usize] as usize
@@ -170,6 +182,11 @@ impl<H: Hierarchy> Triangles<H> {
         &self.corners[hit.triangle as usize]
     }
 
+    /// Corners of all triangles in the frame, in the order of the leaves.
+    pub fn all_corners(&self) -> &[[Vec3; 3]] {
+        &self.corners
+    }
+
     /// Normals at the corners of the hit's triangle; None = flat shading.
     pub fn normals(&self, hit: &TriangleHit) -> Option<&[Vec3; 3]> {
         self.normals.get(hit.triangle as usize)
@@ -178,17 +195,6 @@ impl<H: Hierarchy> Triangles<H> {
     /// The hit point, on the triangle.
     pub fn position(&self, hit: &TriangleHit) -> DVec3 {
         self.frame.outside(interpolate(self.corners(hit), hit.weights))
-    }
-}
-
-impl Triangles<Bvh2> {
-    /// True if anything is hit with distance in (0, max_distance).
-    pub fn occluded(&self, origin: DVec3, direction: DVec3, max_distance: f64) -> bool {
-        let Some((ray, _)) = self.frame.ray(origin, direction, max_distance) else { return false };
-        let shear = Shear::new(direction.as_vec3());
-        !self.hierarchy.ray_traverse_miss(ray, |ray, index| {
-            shear.intersect(ray, &self.corners[index]).map_or(f32::INFINITY, |(distance, _)| distance)
-        })
     }
 }
 
@@ -208,6 +214,12 @@ impl Hierarchy for Bvh2 {
     #[inline(always)]
     fn nearest(&self, ray: Ray, test: impl FnMut(&Ray, usize) -> f32) {
         self.ray_traverse(ray, &mut RayHit::none(), test);
+    }
+
+    #[inline(always)]
+    fn any(&self, ray: Ray, mut test: impl FnMut(&Ray, usize) -> bool) -> bool {
+        // A distance of 0 lies before any ray's end.
+        !self.ray_traverse_miss(ray, |ray, index| if test(ray, index) { 0.0 } else { f32::INFINITY })
     }
 }
 

@@ -25,7 +25,7 @@ pub(crate) fn clearance(scene: &Scene, start: Vec3, normal: Vec3, reach: f32, ra
     let mut clear = reach;
     for _ in 0..CONTACT_RAYS {
         let direction = cosine_direction(normal, [random.uniform(), random.uniform()]);
-        if let Some(hit) = scene.intersect(start, direction, clear) {
+        if let Some(hit) = scene.intersect_solid(start, direction, clear) {
             clear = hit.distance;
         }
     }
@@ -51,10 +51,10 @@ fn goes_on(scene: &Scene, start: Vec3, normal: Vec3, step: Vec3) -> bool {
     let height = 0.5 * step.length();
     let over = step + height * normal;
     let length = over.length();
-    if scene.intersect(start, over / length, length).is_some() {
+    if scene.intersect_solid(start, over / length, length).is_some() {
         return false;
     }
-    let below = scene.intersect(start + over, -normal, 2.0 * height);
+    let below = scene.intersect_solid(start + over, -normal, 2.0 * height);
     below.is_some_and(|hit| facing_normal(&hit, -normal).dot(normal) > FLAT)
 }
 

@@ -1,4 +1,4 @@
-//! What a scene file need not say: cells of the covariance grid, radii of kernels, light paths a pass.
+//! What nobody need say of a scene: cells of the covariance grid, radii of kernels, light paths a pass.
 //!
 //! All of it follows from a [`Survey`], a function of the scene alone, never of a clock or of the machine's threads: a scene without numbers
 //! gives the same picture everywhere. Scaled with the scene's unit of length (and the media's coefficients with its inverse), all lengths
@@ -66,20 +66,15 @@ pub(crate) fn divide(size: Vec3, budget: u32) -> [u32; 3] {
     cells
 }
 
-/// Cells of the grid in a box.
-pub(crate) fn cells(min: Vec3, max: Vec3) -> [u32; 3] {
-    divide(max - min, CELLS)
-}
-
 /// Radius of the first pass' kernels. The larger the space that the light fills, the wider the gaps between its beams; but a kernel is never
 /// small or large in the picture.
-pub(crate) fn radius(survey: &Survey) -> f32 {
+fn radius(survey: &Survey) -> f32 {
     let [least, most] = RADIUS_IN_PICTURE.map(|share| share * survey.view);
     (RADIUS_IN_SPACE * survey.space).clamp(least, most).clamp(1.0 / MAX_COORDINATE, MAX_COORDINATE)
 }
 
 /// Largest radius, which follows from the voxels: [`MOST_IN_VOXEL`] of them.
-pub(crate) fn max_radius(grid: &GridLayout) -> f32 {
+fn max_radius(grid: &GridLayout) -> f32 {
     let cells = Vec3::from(grid.cells.map(|n| n as f32));
     MOST_IN_VOXEL * ((grid.max - grid.min) / cells).min_element()
 }
@@ -87,7 +82,7 @@ pub(crate) fn max_radius(grid: &GridLayout) -> f32 {
 /// Light paths a pass: as many as let a pixel meet [`MEETINGS`] beams, so that the eye rays of a pass cost as much in any scene; more in
 /// large pictures, whose passes have much to do that no photon costs: in proportion to the root of their pixels, which shares the growth
 /// between photons and pixels.
-pub(crate) fn photons(scene: &Scene, survey: &Survey, radius: f32) -> u32 {
+fn photons(scene: &Scene, survey: &Survey, radius: f32) -> u32 {
     let for_meetings = |meetings| MEETINGS / (2.0 * f64::from(radius) * meetings);
     let [fewest, most] = PATHS_OF_SMALL;
     let paths = survey.meetings.map_or(PATHS_OF_SURFACES, for_meetings).clamp(fewest, most);
@@ -95,7 +90,7 @@ pub(crate) fn photons(scene: &Scene, survey: &Survey, radius: f32) -> u32 {
 }
 
 /// Guided light paths a pass, of a scene that has `photons` others.
-pub(crate) fn guided_photons(scene: &Scene, photons: u32) -> u32 {
+fn guided_photons(scene: &Scene, photons: u32) -> u32 {
     photons.min(two_digits(MOST_GUIDED * for_size(scene)))
 }
 
@@ -111,8 +106,73 @@ fn two_digits(number: f64) -> u32 {
     ((number / step).round() * step).round() as u32
 }
 
+/// What is said of a scene's grid and render. All else follows from the scene.
+#[derive(Clone, Copy, Debug)]
+pub struct Given {
+    /// Corners of the grid's box.
+    pub corners: Option<(Vec3, Vec3)>,
+    /// How it is divided.
+    pub cells: Option<Cells>,
+    /// Settings; the four below replace theirs.
+    pub settings: Settings,
+    /// Light paths a pass, of all kinds of paths alike.
+    pub photons: Option<u32>,
+    /// Radius of the first pass' kernels \[scene unit\], > 0.
+    pub radius: Option<f32>,
+    /// Their largest radius \[scene unit\], > 0.
+    pub max_radius: Option<f32>,
+}
+
+/// How the grid's box is divided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cells {
+    /// Along x, y and z.
+    Counts([u32; 3]),
+    /// Into cubes, so many along the longest side.
+    Longest(u32),
+}
+
+impl Default for Given {
+    /// Nothing is said.
+    fn default() -> Self {
+        let settings = settings();
+        Self { corners: None, cells: None, settings, photons: None, radius: None, max_radius: None }
+    }
+}
+
+impl Scene {
+    /// Gives the scene its grid and settings: what is given, and for the rest what the scene asks for. Looks at neither before.
+    pub fn complete(&mut self, given: &Given) {
+        let is_complete = given.corners.is_some() && given.radius.is_some() && given.photons.is_some();
+        let survey = (!is_complete).then(|| Survey::new(self));
+        let survey = || survey.expect("made where a number is missing");
+        let (min, max) = given.corners.unwrap_or_else(|| (survey().min, survey().max));
+        let cells = match given.cells {
+            Some(Cells::Counts(counts)) => counts,
+            Some(Cells::Longest(count)) => cubes(max - min, count),
+            None => divide(max - min, CELLS),
+        };
+        self.grid = GridLayout { min, max, cells };
+        let radius = given.radius.unwrap_or_else(|| radius(&survey()));
+        let max_radius = given.max_radius.unwrap_or_else(|| max_radius(&self.grid));
+        let photons = given.photons.unwrap_or_else(|| photons(self, &survey(), radius));
+        let guided_photons = given.photons.unwrap_or_else(|| guided_photons(self, photons));
+        let schedule = Schedule { radius, max_radius, ..given.settings.schedule };
+        self.settings = Settings { photons, guided_photons, schedule, ..given.settings };
+    }
+}
+
+/// The grid of a scene before it has one.
+pub const NO_GRID: GridLayout = GridLayout { min: Vec3::ZERO, max: Vec3::ONE, cells: [1; 3] };
+
+/// Numbers of cubes in a box of this size, `count` along its longest side.
+fn cubes(size: Vec3, count: u32) -> [u32; 3] {
+    let side = size.as_dvec3().max_element() / f64::from(count);
+    size.to_array().map(|length| ((f64::from(length) / side - 1e-6).ceil() as u32).max(1))
+}
+
 /// Settings that depend on nothing.
-pub(crate) fn settings() -> Settings {
+fn settings() -> Settings {
     Settings {
         passes: 64,
         photons: 5000,
@@ -126,6 +186,7 @@ pub(crate) fn settings() -> Settings {
             error: 0.01,
         },
         light_field_share: 0.1,
+        bounces: None,
     }
 }
 

@@ -1,16 +1,18 @@
 //! Eye paths: from the camera through specular surfaces to the first diffuse or black one.
 
 use crate::clearance::clearance;
+use crate::geometry::MOST_BOUNDS;
 use crate::kind::{ByKind, Kind};
 use crate::material::{Encounter, Lobe, Way};
 use crate::media;
 use crate::optics::{Boundary, Interior, facing_normal, reflect};
-use crate::passage::passage;
+use crate::passage::{clear, passage};
 use crate::photon::{GOING_ON, LONG_PATH};
 use crate::random::{Random, mix};
 use crate::scene::{Light, Material, Scene};
+use crate::starts::{EyeStart, EyeStarts};
 use crate::surface::SurfaceMap;
-use covbeam::{EyeRay, Medium};
+use covbeam::{EyeRay, Knot, Medium};
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
@@ -37,12 +39,12 @@ pub struct EyeSegment {
     pub pixel: u32,
     /// What it is inside of.
     pub interior: Interior,
-    /// Equal for paths that have met the same surfaces in the same way.
+    /// Equal for paths that have met the same surfaces in the same way; those that only bound media do not count.
     pub signature: u64,
 }
 
 impl EyeSegment {
-    /// Whether it is the piece that starts at the camera.
+    /// Whether it lies before the first surface that is more than a bound of media.
     pub fn is_first(&self) -> bool {
         self.signature == FIRST
     }
@@ -55,8 +57,8 @@ pub struct EyeTracer<'a> {
     pub scene: &'a Scene,
     /// Its media.
     pub fogs: &'a [Medium<'a>],
-    /// What the camera is inside of.
-    pub interior: Interior,
+    /// Where eye paths start.
+    pub starts: EyeStarts<'a>,
     /// Light on diffuse surfaces.
     pub surfaces: &'a SurfaceMap,
 }
@@ -67,50 +69,76 @@ struct Branch {
     direction: Vec3,
     throughput: Vec3,
     interior: Interior,
+    /// Surfaces met, but for those that only bound media.
     depth: u32,
+    /// Surfaces met.
+    met: u32,
     signature: u64,
     /// Whether it has come through rough glass since a surface where shadow rays looked for lamps: only it can find them there.
     sees_lamps: bool,
 }
 
 impl EyeTracer<'_> {
-    /// [`EyeTracer::trace`], of what is wanted from the eye ray only: the fog before the first surface, and what is beyond it.
+    /// [`EyeTracer::trace`], of what is wanted from the eye ray only: the fog before the first surface that is more than a bound of media, and
+    /// what is beyond it.
     pub fn trace_wanted(
         &self,
-        direction: Vec3,
+        start: &EyeStart,
         pixel: u32,
         [fog, surfaces]: [bool; 2],
         random: &mut Random,
         segments: &mut Vec<EyeSegment>,
     ) -> ByKind {
         if !surfaces {
-            segments.extend(self.first_segment(direction, pixel));
+            self.trace_first(start, pixel, segments);
             return ByKind::default();
         }
-        let first = segments.len();
-        let radiance = self.trace(direction, pixel, random, segments);
-        if !fog && segments.get(first).is_some_and(EyeSegment::is_first) {
-            segments.swap_remove(first);
+        let mut place = segments.len();
+        let radiance = self.trace(start, pixel, random, segments);
+        while !fog && place < segments.len() {
+            if segments[place].is_first() {
+                segments.swap_remove(place);
+            } else {
+                place += 1;
+            }
         }
         radiance
     }
 
-    /// The piece of the path along `direction` that starts at the camera, if that is in a medium.
-    fn first_segment(&self, direction: Vec3, pixel: u32) -> Option<EyeSegment> {
-        let medium = self.interior.medium(self.scene)?;
-        let origin = self.scene.camera.position;
-        let hit = self.scene.intersect(origin, direction, f32::INFINITY);
-        let length = hit.map_or(f32::INFINITY, |hit| hit.distance);
-        let ray = EyeRay { origin, direction, length };
-        let interior = self.interior;
-        Some(EyeSegment { ray, medium, throughput: Vec3::ONE, pixel, interior, signature: FIRST })
+    /// The pieces of the path in media before the first surface that is more than a bound of these.
+    fn trace_first(&self, start: &EyeStart, pixel: u32, segments: &mut Vec<EyeSegment>) {
+        let scene = self.scene;
+        let mut branch = Branch::new(start);
+        let mut knots = Vec::new();
+        for _ in 0..=MOST_BOUNDS {
+            let hit = scene.intersect_flat(branch.origin, branch.direction, f32::INFINITY);
+            let beyond = hit
+                .as_ref()
+                .and_then(|hit| Some((hit, clear(scene, hit, branch.direction, &branch.interior)?)));
+            let length = hit.as_ref().map_or(f32::INFINITY, |hit| hit.distance);
+            if let Some(segment) = branch.segment(scene, length, pixel) {
+                segments.push(segment);
+                if beyond.is_some() {
+                    branch.throughput *= self.left(&segment, &mut knots);
+                }
+            }
+            let Some((hit, interior)) = beyond.filter(|_| branch.throughput != Vec3::ZERO) else { return };
+            branch = branch.straight_on(hit, interior);
+        }
     }
 
-    /// Follows the path that starts along `direction`, appends its pieces in media to `segments` and returns the
+    /// What a piece of a path leaves of light.
+    fn left(&self, segment: &EyeSegment, knots: &mut Vec<Knot>) -> Vec3 {
+        let (fog, ray) = (&self.fogs[segment.medium as usize], &segment.ray);
+        let column = media::column(fog, ray.origin, ray.direction, ray.length, knots);
+        fog.transmittance(column.at(ray.length))
+    }
+
+    /// Follows the path from its start, appends its pieces in media to `segments` and returns the
     /// radiance that it sees on surfaces.
     pub fn trace(
         &self,
-        direction: Vec3,
+        start: &EyeStart,
         pixel: u32,
         random: &mut Random,
         segments: &mut Vec<EyeSegment>,
@@ -119,15 +147,7 @@ impl EyeTracer<'_> {
         let mut radiance = ByKind::default();
         let mut knots = Vec::new();
         let mut branches = smallvec::SmallVec::<[Branch; 8]>::new();
-        branches.push(Branch {
-            origin: scene.camera.position,
-            direction,
-            throughput: Vec3::ONE,
-            interior: self.interior,
-            depth: 0,
-            signature: FIRST,
-            sees_lamps: false,
-        });
+        branches.push(Branch::new(start));
         while let Some(mut branch) = branches.pop() {
             let weight = branch.throughput.max_element();
             if weight < LIGHT_PATH {
@@ -137,7 +157,7 @@ impl EyeTracer<'_> {
                 branch.throughput *= LIGHT_PATH / weight;
             }
             // Total reflection can hold a path inside clear glass for ever.
-            if branch.depth > LONG_PATH {
+            if branch.met > LONG_PATH {
                 if random.uniform() >= GOING_ON {
                     continue;
                 }
@@ -145,20 +165,11 @@ impl EyeTracer<'_> {
             }
             let hit = scene.intersect(branch.origin, branch.direction, f32::INFINITY);
             let length = hit.map_or(f32::INFINITY, |hit| hit.distance);
-            if let Some(id) = branch.interior.medium(scene) {
-                let fog = &self.fogs[id as usize];
-                segments.push(EyeSegment {
-                    ray: EyeRay { origin: branch.origin, direction: branch.direction, length },
-                    medium: id,
-                    throughput: branch.throughput,
-                    pixel,
-                    interior: branch.interior,
-                    signature: branch.signature,
-                });
-                let column = media::column(fog, branch.origin, branch.direction, length, &mut knots);
-                branch.throughput *= fog.transmittance(column.at(length));
+            if let Some(segment) = branch.segment(scene, length, pixel) {
+                segments.push(segment);
+                branch.throughput *= self.left(&segment, &mut knots);
             }
-            if branch.sees_lamps {
+            if branch.sees_lamps && scene.shows_surfaces() {
                 let seen = |light: &Light| light.seen_along(branch.origin, branch.direction, length);
                 let lamps: Vec3 = scene.lights.iter().map(seen).sum();
                 radiance[Kind::Focused as usize] += branch.throughput * lamps;
@@ -167,8 +178,13 @@ impl EyeTracer<'_> {
             if branch.throughput == Vec3::ZERO {
                 continue;
             }
-            match scene.objects[hit.object as usize].material {
-                Material::Black => {}
+            if let Some(interior) = clear(scene, &hit, branch.direction, &branch.interior) {
+                branches.push(branch.straight_on(&hit, interior));
+                continue;
+            }
+            match *scene.material(&hit) {
+                Material::Black | Material::Clear => {}
+                Material::Lambert { .. } if !scene.shows_surfaces() => {}
                 Material::Lambert { albedo } => {
                     let reflected = self.reflected(&hit, &branch, albedo, random);
                     for (sum, reflected) in radiance.iter_mut().zip(reflected) {
@@ -178,16 +194,18 @@ impl EyeTracer<'_> {
                 Material::Lobes(ref lobes) => {
                     let xi = [random.uniform(), random.uniform()];
                     let met = Encounter::new(scene, &hit, branch.direction, &branch.interior, lobes, xi);
-                    let seen = self.seen(&hit, &branch, &met, random);
-                    for (sum, seen) in radiance.iter_mut().zip(seen) {
-                        *sum += branch.throughput * seen;
+                    if scene.shows_surfaces() {
+                        let seen = self.seen(&hit, &branch, &met, random);
+                        for (sum, seen) in radiance.iter_mut().zip(seen) {
+                            *sum += branch.throughput * seen;
+                        }
                     }
                     if branch.depth < SPLITS {
                         let ways = met.sharp_ways();
-                        branches.extend(ways.map(|way| branch.follow(scene, &hit, &met, &way)));
+                        branches.extend(ways.map(|way| branch.follow(&hit, &met, &way)));
                     } else {
                         let way = met.draw_sharp(branch.throughput, random.uniform());
-                        branches.extend(way.map(|way| branch.follow(scene, &hit, &met, &way)));
+                        branches.extend(way.map(|way| branch.follow(&hit, &met, &way)));
                     }
                 }
                 Material::Mirror { reflectance } => {
@@ -294,17 +312,41 @@ pub(crate) fn straight_irradiance(
 }
 
 impl Branch {
+    fn new(start: &EyeStart) -> Self {
+        Self {
+            origin: start.origin,
+            direction: start.direction,
+            throughput: Vec3::ONE,
+            interior: start.interior,
+            depth: 0,
+            met: 0,
+            signature: FIRST,
+            sees_lamps: false,
+        }
+    }
+
+    /// The way on through what only bounds media, into `interior`: as if nothing had been met.
+    fn straight_on(self, hit: &Hit, interior: Interior) -> Self {
+        Self { origin: hit.leave(self.direction), interior, met: self.met + 1, ..self }
+    }
+
+    /// The piece up to what is met, if it is in a medium.
+    fn segment(&self, scene: &Scene, length: f32, pixel: u32) -> Option<EyeSegment> {
+        let Self { origin, direction, throughput, interior, signature, .. } = *self;
+        let ray = EyeRay { origin, direction, length };
+        let medium = interior.medium(scene)?;
+        Some(EyeSegment { ray, medium, throughput, pixel, interior, signature })
+    }
+
     /// A way on from a surface of lobes.
-    fn follow(&self, scene: &Scene, hit: &Hit, met: &Encounter, way: &Way) -> Self {
-        // Radiance over the squared index is what refraction keeps.
-        let eta = self.interior.index(scene) / way.interior.index(scene);
+    fn follow(&self, hit: &Hit, met: &Encounter, way: &Way) -> Self {
         let kind = (way.lobe as u64 + 1) << 40;
         let sees_lamps = match way.lobe {
             Lobe::Transparent => self.sees_lamps,
             lobe if met.is_rough() => lobe == Lobe::GlassTransmission,
             _ => self.sees_lamps,
         };
-        let next = self.next(hit, way.direction, way.factor * (eta * eta), way.interior, kind);
+        let next = self.next(hit, way.direction, way.factor * met.narrowing(way.lobe), way.interior, kind);
         Self { sees_lamps, ..next }
     }
 
@@ -315,6 +357,7 @@ impl Branch {
             throughput: self.throughput * weight,
             interior,
             depth: self.depth + 1,
+            met: self.met + 1,
             signature: mix(self.signature ^ (u64::from(hit.object) << 2) ^ kind),
             sees_lamps: self.sees_lamps,
         }
@@ -334,10 +377,9 @@ mod tests {
              [[light]]\nkind = \"point\"\nposition = [0, 5, 0]\nintensity = 1\n";
         let scene = Scene::parse(text, "glass", Path::new("")).unwrap();
         let surfaces = SurfaceMap::empty();
-        let interior = Interior::at(&scene, scene.camera.position);
-        let tracer = EyeTracer { scene: &scene, fogs: &[], interior, surfaces: &surfaces };
-        let direction = Vec3::ONE.normalize();
-        let seen = tracer.trace(direction, 0, &mut Random::new([0; 4]), &mut Vec::new());
+        let starts = EyeStarts::new(&scene);
+        let tracer = EyeTracer { scene: &scene, fogs: &[], starts, surfaces: &surfaces };
+        let seen = tracer.trace(&starts.middle(0, 0), 0, &mut Random::new([0; 4]), &mut Vec::new());
         assert_eq!(seen, ByKind::default());
     }
 }

@@ -1,7 +1,7 @@
 //! How far light gets from a light in each direction: coarse maps, to expect the visibility of a place by,
 //! never to decide it. (The grid's voxels would say so too, but are wider than tracery.)
 
-use crate::random::Random;
+use crate::random::{Random, spread};
 use crate::scene::{Light, Scene};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -12,6 +12,9 @@ const DISK_POINTS: usize = 16;
 
 /// And of a rectangle, along each edge.
 const RECTANGLE_SIDE: usize = 4;
+
+/// And of an area or a mesh.
+const SPREAD_POINTS: usize = 16;
 
 /// Weight of not knowing, in rays: half of it says lit, half dark.
 const DOUBT: f32 = 0.25;
@@ -38,8 +41,14 @@ impl FirstHits {
             Light::Rectangle { edge_u, edge_v, .. } => {
                 (edge_u.cross(edge_v).normalize(), 1.0, RECTANGLE_SIDE * RECTANGLE_SIDE)
             }
+            Light::Lamp(ref lamp) => match lamp.cone {
+                Some(cone) => (cone.axis, cone.height(), 1),
+                None => (Vec3::Y, 2.0, 1),
+            },
+            Light::Area(area) => (area.normal(), 1.0, SPREAD_POINTS),
+            Light::Mesh(_) => (Vec3::Y, 2.0, SPREAD_POINTS),
             // From everywhere.
-            Light::Sun(_) => (Vec3::Y, 2.0, 0),
+            Light::Sun(_) | Light::Sky(_) => (Vec3::Y, 2.0, 0),
         };
         let (across, aside) = axis.any_orthonormal_pair();
         let side = ((rays as f32 / (points.max(1) as f32 * FRAC_PI_4)).sqrt() as u32).max(1);
@@ -58,6 +67,11 @@ impl FirstHits {
                         + share(point % RECTANGLE_SIDE) * edge_u
                         + share(point / RECTANGLE_SIDE) * edge_v
                 }
+                Light::Area(area) => area.start(spread([0.5; 2], point)),
+                Light::Mesh(ref mesh) => {
+                    let (place, normal) = mesh.place(spread([0.5; 2], point));
+                    mesh.off(place, if point % 2 == 0 { normal } else { -normal })
+                }
                 _ => light.position(),
             };
             let distances = (0..side * side).into_par_iter().map(|texel| {
@@ -66,7 +80,7 @@ impl FirstHits {
                 all.direction(corner + Vec2::new(random.uniform(), random.uniform())).map_or(
                     -1.0,
                     |direction| {
-                        let hit = scene.intersect(origin, direction, f32::INFINITY);
+                        let hit = scene.intersect_solid(origin, direction, f32::INFINITY);
                         hit.map_or(f32::INFINITY, |hit| hit.distance)
                     },
                 )
@@ -97,7 +111,7 @@ impl FirstHits {
         })
     }
 
-    /// Expected share of the light that gets to a place, in (0, 1). Of a sun it is not known.
+    /// Expected share of the light that gets to a place, in (0, 1). Of a sun and of a sky it is not known.
     pub(crate) fn visibility(&self, place: Vec3) -> f32 {
         if self.maps.is_empty() {
             return 0.5;

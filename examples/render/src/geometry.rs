@@ -5,15 +5,34 @@
 
 use covbeam::{Curvature, Edges, ProbeHit, find_edges};
 use covbeam_geometry::hit::Hit;
+use covbeam_geometry::instances::{InstanceHit, Instances};
 use covbeam_geometry::triangles::TriangleHit;
 use glam::{DVec3, Vec3};
 
-use crate::scene::{Material, Object, Scene, Shape};
+use crate::scene::{Material, Object, Placed, Scene, Shape};
+
+/// Bounds of fog that a straight way crosses at most.
+pub(crate) const MOST_BOUNDS: u32 = 64;
 
 impl Scene {
     /// Nearest hit with distance in (0, max_distance). Self-intersection is avoided by the caller starting at
     /// [`Hit::leave`]. `direction` is unit.
     pub fn intersect(&self, origin: Vec3, direction: Vec3, max_distance: f32) -> Option<Hit> {
+        self.nearest(origin, direction, max_distance, Instances::describe)
+    }
+
+    /// The same, of placed geometry as if it were shaded flat: cheaper.
+    pub(crate) fn intersect_flat(&self, origin: Vec3, direction: Vec3, max_distance: f32) -> Option<Hit> {
+        self.nearest(origin, direction, max_distance, Instances::describe_flat)
+    }
+
+    fn nearest(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        max_distance: f32,
+        describe_placed: impl Fn(&Instances, &InstanceHit) -> Hit,
+    ) -> Option<Hit> {
         let (from, along) = (origin.as_dvec3(), direction.as_dvec3());
         let mut nearest = f64::from(max_distance);
         let mut found = None;
@@ -33,6 +52,12 @@ impl Scene {
                 found = Some((object, index, mesh_hit));
             }
         }
+        if let Some(placed) = &self.placed
+            && let Some(hit) = placed.instances().intersect(from, along, nearest)
+        {
+            let hit = describe_placed(placed.instances(), &hit);
+            return Some(Hit { object: self.objects.len() as u32 + hit.object, ..hit });
+        }
         found.map(|(object, index, mesh_hit)| {
             describe(object, index, from + along * nearest, nearest, mesh_hit)
         })
@@ -48,15 +73,20 @@ impl Scene {
         }
         let along = (end - start) / distance;
         let direction = along.as_vec3();
-        self.objects.iter().any(|object| match &object.shape {
+        let is_met = |object: &Object| match &object.shape {
             Shape::Mesh(mesh) => mesh.occluded(start, direction, distance),
             shape => intersect_simple(shape, start, along, distance).is_some(),
-        })
+        };
+        self.objects.iter().any(is_met)
+            || self.placed.as_ref().is_some_and(|placed| placed.instances().occluded(start, along, distance))
     }
 
     /// Whether something may let light go straight on: it is transparent in part, or a dielectric that has the index of what is around all, or
     /// of another one.
     pub(crate) fn may_be_seen_through(&self) -> bool {
+        if self.placed.as_ref().is_some_and(Placed::shows_through) {
+            return true;
+        }
         let mut indices = self.objects.iter().filter_map(|object| match object.material {
             Material::Dielectric { index } => Some(index),
             _ => None,
@@ -66,12 +96,31 @@ impl Scene {
         self.objects.iter().any(is_transparent) || is_matched()
     }
 
-    /// Edges beside the ray from `origin` along `direction` (unit) that ends at `hit`.
+    /// The nearest hit of what does not let all light go straight on, of placed geometry as if it were shaded flat. A ray that has passed
+    /// [`MOST_BOUNDS`] bounds is taken to meet nothing.
+    pub(crate) fn intersect_solid(&self, origin: Vec3, direction: Vec3, max_distance: f32) -> Option<Hit> {
+        let (mut start, mut passed) = (origin, 0.0);
+        for _ in 0..MOST_BOUNDS {
+            let hit = self.intersect_flat(start, direction, max_distance - passed)?;
+            let distance = if passed > 0.0 { (hit.position - origin).dot(direction) } else { hit.distance };
+            if !self.material(&hit).is_clear() {
+                return Some(Hit { distance, ..hit });
+            }
+            (start, passed) = (hit.leave(direction), distance);
+        }
+        None
+    }
+
+    /// Edges beside the ray from `origin` along `direction` (unit) that ends at `hit`. What lets all light go straight on has none, and hides
+    /// none.
     pub fn edges_beside(&self, origin: Vec3, direction: Vec3, hit: Option<&Hit>) -> Edges {
-        let nearest = |towards: Vec3| self.intersect(origin, towards, f32::INFINITY);
-        find_edges(direction, hit.map(ProbeHit::from), |towards| {
-            nearest(towards).as_ref().map(ProbeHit::from)
-        })
+        let nearest =
+            |towards: Vec3| self.intersect_solid(origin, towards, f32::INFINITY).as_ref().map(ProbeHit::from);
+        let end = match hit {
+            Some(hit) if self.material(hit).is_clear() => nearest(direction),
+            hit => hit.map(ProbeHit::from),
+        };
+        find_edges(direction, end, nearest)
     }
 
     /// The closed dielectric objects that contain `point`, outermost (largest) first.
@@ -291,5 +340,5 @@ fn describe(object: &Object, index: u32, point: DVec3, distance: f64, mesh_hit: 
         },
     };
     let (distance, position) = (distance as f32, position.as_vec3());
-    Hit { distance, position, geometric_normal, normal, curvature, object: index, offset }
+    Hit { distance, position, geometric_normal, normal, curvature, object: index, material: 0, offset }
 }

@@ -131,11 +131,16 @@ impl Grids {
     }
 
     /// The spectrum of a layer of the picture's fog.
-    pub(crate) fn image(&mut self, layer: usize, surfaces: &FirstSurfaces, fog: &Medium) -> &[ImageSpectrum] {
+    pub(crate) fn image(
+        &mut self,
+        layer: usize,
+        surfaces: &FirstSurfaces,
+        fogs: &[Medium],
+    ) -> &[ImageSpectrum] {
         let grid = &mut self.layers[layer];
         grid.image.get_or_insert_with(|| {
             let cells = FluenceGrid::new(self.layout, &grid.resolved).expect(FITS);
-            surfaces.spectra(&cells, fog)
+            surfaces.spectra(&cells, fogs)
         })
     }
 }

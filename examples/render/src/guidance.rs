@@ -8,8 +8,9 @@ mod importons;
 mod lamps;
 mod look;
 
-pub(crate) use branches::share_of_branches;
+pub(crate) use branches::Spread;
 
+use crate::geometry::MOST_BOUNDS;
 use crate::optics::{Boundary, Interior};
 use crate::scene::{Material, Scene};
 use covbeam::{
@@ -28,6 +29,8 @@ pub(crate) struct Guidance {
     layout: GridLayout,
     cells: Vec<ImportanceCell>,
     lamps: lamps::Lamps,
+    /// On power x importance of all paths: one over the share of their branches that is left.
+    factor: f32,
 }
 
 impl Guidance {
@@ -45,17 +48,22 @@ impl Guidance {
         grid.resolve(&mut cells).expect(FITS);
         let importance = Importance::new(layout, &cells).expect(FITS);
         let lamps = lamps::Lamps::new(scene, fogs, &importance)?;
-        Some(Self { layout, cells, lamps })
+        Some(Self { layout, cells, lamps, factor: 1.0 })
     }
 
     /// Power x importance of all light, its straight part left out.
     pub(crate) fn total(&self) -> f32 {
-        self.lamps.total
+        self.lamps.total * self.factor
     }
 
     /// Makes power x importance of all paths larger by a factor, and so their branches fewer.
     pub(crate) fn coarsen(&mut self, factor: f32) {
         self.lamps.total *= factor;
+    }
+
+    /// Leaves paths this share of their branches, about, whatever share it was before.
+    pub(crate) fn leave(&mut self, share: f32) {
+        self.factor = 1.0 / share;
     }
 
     /// Cumulative shares of the light paths that start from each lamp.
@@ -73,7 +81,7 @@ impl Guidance {
         Importance::new(self.layout, &self.cells).expect(FITS)
     }
 
-    /// What a watt is worth that starts along a ray.
+    /// What a watt is worth that starts along a ray, having bounced so often.
     pub(crate) fn of_ray(
         &self,
         scene: &Scene,
@@ -81,23 +89,25 @@ impl Guidance {
         origin: Vec3,
         direction: Vec3,
         interior: &Interior,
+        bounces: u32,
     ) -> f32 {
         let importance = self.importance();
         let (mut origin, mut interior) = (origin, *interior);
         let [mut worth, mut left] = [0.0, 1.0];
-        for segment in 1..=MOST_SEGMENTS {
-            let hit = scene.intersect(origin, direction, f32::INFINITY);
+        let may_bounce = scene.allows(bounces + 1);
+        for segment in 1..=MOST_BOUNDS {
+            let hit = scene.intersect_flat(origin, direction, f32::INFINITY);
             let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
             if let Some(id) = interior.medium(scene) {
                 let found = importance.of_segment(&fogs[id as usize], origin, direction, reach);
-                worth += left * (found.beam + found.scattered);
+                worth += left * (found.beam + if may_bounce { found.scattered } else { 0.0 });
                 left *= found.transmittance;
             }
             let Some(hit) = hit else { break };
-            let beyond =
-                (segment < MOST_SEGMENTS).then(|| matched(scene, &hit, direction, &interior)).flatten();
+            let most = if scene.material(&hit).is_clear() { MOST_BOUNDS } else { MOST_SEGMENTS };
+            let beyond = (segment < most).then(|| matched(scene, &hit, direction, &interior)).flatten();
             let Some(beyond) = beyond else {
-                worth += left * of_arrival(scene, &importance, &hit);
+                worth += left * of_arrival(scene, &importance, &hit, may_bounce);
                 break;
             };
             (origin, interior) = (hit.leave(direction), beyond);
@@ -106,31 +116,39 @@ impl Guidance {
     }
 }
 
-/// What a ray is inside of behind a boundary of glass that does not bend it.
+/// What a ray is inside of behind a boundary that does not bend it.
 fn matched(scene: &Scene, hit: &Hit, direction: Vec3, interior: &Interior) -> Option<Interior> {
-    let Material::Dielectric { .. } = scene.objects[hit.object as usize].material else { return None };
-    let boundary = Boundary::new(scene, hit, direction, interior);
-    boundary.is_matched().then_some(boundary.beyond)
+    match scene.material(hit) {
+        Material::Clear => Some(interior.through(scene, hit, direction)),
+        Material::Dielectric { .. } => {
+            let boundary = Boundary::new(scene, hit, direction, interior);
+            boundary.is_matched().then_some(boundary.beyond)
+        }
+        _ => None,
+    }
 }
 
 /// What a watt that arrives on a surface is worth. What mirrors and glass make of it is not known here.
-fn of_arrival(scene: &Scene, importance: &Importance, hit: &Hit) -> f32 {
+fn of_arrival(scene: &Scene, importance: &Importance, hit: &Hit, may_bounce: bool) -> f32 {
     let here = importance.at(hit.position);
-    match scene.objects[hit.object as usize].material {
+    let beyond = if may_bounce { here.scattered } else { 0.0 };
+    match *scene.material(hit) {
         Material::Black => 0.0,
-        Material::Lambert { albedo } => of_diffuse(albedo, &here, false),
+        Material::Clear => beyond,
+        Material::Lambert { albedo } => of_diffuse(albedo, &here, false, may_bounce),
         Material::Lobes(lobes) => {
             let sharp = mean((lobes.most() - lobes.diffuse - lobes.translucent).max(Vec3::ZERO));
-            of_diffuse(lobes.diffuse + lobes.translucent, &here, false) + sharp * here.scattered
+            of_diffuse(lobes.diffuse + lobes.translucent, &here, false, may_bounce) + sharp * beyond
         }
-        Material::Mirror { .. } | Material::Dielectric { .. } => here.scattered,
+        Material::Mirror { .. } | Material::Dielectric { .. } => beyond,
     }
 }
 
 /// What a watt is worth that arrives on a surface and leaves it diffusely. Straight light on surfaces is looked up by shadow rays.
-fn of_diffuse(albedo: Vec3, here: &ImportanceCell, is_straight: bool) -> f32 {
+fn of_diffuse(albedo: Vec3, here: &ImportanceCell, is_straight: bool, may_bounce: bool) -> f32 {
     let is_seen = !is_straight && albedo != Vec3::ZERO;
-    mean(albedo) * here.scattered + if is_seen { here.surface } else { 0.0 }
+    let reflected = if may_bounce { mean(albedo) * here.scattered } else { 0.0 };
+    reflected + if is_seen { here.surface } else { 0.0 }
 }
 
 /// Of the channels.
@@ -165,9 +183,39 @@ mod tests {
         let guidance = Guidance::new(&scene, &fogs).expect("light");
         let center = Vec3::new(0.0, 2.0, 0.0);
         let interior = Interior::at(&scene, center);
-        let of_ray = |direction| guidance.of_ray(&scene, &fogs, center, direction, &interior);
+        let of_ray = |direction| guidance.of_ray(&scene, &fogs, center, direction, &interior, 0);
         let [floor, sky] = [Vec3::new(0.0, -2.0, -2.0).normalize(), Vec3::Y].map(of_ray);
         println!("{floor} {sky}");
         assert!(sky > 0.0 && floor > 5.0 * sky, "{floor} {sky}");
+    }
+
+    /// The same of a cube in larger ones: through any number of bounds, and of nothing but fog, no surface.
+    #[test]
+    fn light_that_leaves_cubes_of_fog_is_worth_what_it_meets() {
+        let text = "[camera]\nposition = [0, 1, -6]\nlook_at = [0, 0.8, 0]\nvertical_fov = 40\nwidth = 48\nheight = 32\n\
+            [[medium]]\nname = \"fog\"\nscattering = 0.1\nabsorption = 0\n\
+            [[object]]\nshape = \"rectangle\"\ncorner = [-9, 0, -9]\nedge_u = [0, 0, 18]\nedge_v = [18, 0, 0]\n\
+            material = { lambert = { albedo = 0.5 } }\n\
+            [[light]]\nkind = \"spot\"\nposition = [0, 6, 0]\nlook_at = [0, 2, 0]\nintensity = 60\ninner_angle = 4\nouter_angle = 5\n";
+        let mut scene = Scene::parse(text, "cubes of fog", Path::new("")).expect("a valid scene");
+        let center = Vec3::new(0.0, 2.0, 0.0);
+        let cubes: Vec<(Vec3, f32)> = (0..6).map(|i| (center, 0.4 + 0.02 * i as f32)).collect();
+        scene.media = vec![scene.media[0].clone(); 6];
+        scene.placed = Some(crate::placed::tests::fogs(&cubes));
+        let worth = |scene: &Scene| {
+            let fogs = media::all(scene);
+            let guidance = Guidance::new(scene, &fogs).expect("light");
+            let interior = Interior::at(scene, center);
+            let of_ray = |direction: Vec3| guidance.of_ray(scene, &fogs, center, direction, &interior, 0);
+            [Vec3::new(0.0, -2.0, -2.0).normalize(), Vec3::Y].map(of_ray)
+        };
+        let [floor, sky] = worth(&scene);
+        println!("{floor} {sky}");
+        assert!(sky > 0.0 && floor > 5.0 * sky, "{floor} {sky}");
+        scene.sees = crate::scene::Sees::FogAlone;
+        let [floor, sky] = worth(&scene);
+        println!("{floor} {sky}");
+        // The floor is black; what it scatters back into the fog is little.
+        assert!(sky > 0.0 && floor < 2.0 * sky, "{floor} {sky}");
     }
 }

@@ -2,11 +2,10 @@
 
 use crate::scene::Scene;
 use glam::Vec3;
-use serde::{Deserialize, Serialize};
 
 /// What light has met before it reaches the fog or the surface that sends it to the camera.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "files", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Kind {
     /// Nothing: it comes straight from a lamp.
     Straight,
@@ -37,8 +36,8 @@ pub(crate) const MOST_LAYERS: usize = 3;
 pub type ByKind = [Vec3; 3];
 
 /// Which kinds of light have a layer of their own: spectra, beam maps, eye rays and filters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(transparent)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "files", derive(serde::Serialize, serde::Deserialize), serde(transparent))]
 pub struct Split {
     /// By kind.
     of: [u8; 3],
@@ -56,7 +55,7 @@ impl Split {
 
     /// A layer for each kind that a scene can have: without mirrors and glass no light is focused.
     pub fn of_each_kind(scene: &Scene) -> Self {
-        let has_focused = scene.objects.iter().any(|object| object.material.bends_light());
+        let has_focused = scene.materials().any(|material| material.bends_light());
         if has_focused { Self::EACH } else { Self::STRAIGHT_APART }
     }
 

@@ -5,12 +5,12 @@ use crate::eye::{EyeSegment, EyeTracer};
 use crate::first_hits::FirstHits;
 use crate::kind::{ByKind, Kind};
 use crate::media;
-use crate::optics::Interior;
 use crate::passage::passage;
 use crate::plan::Plan;
 use crate::random::{Random, spread};
 use crate::samples::{PassImage, Room, Seen, SparseSample};
 use crate::scene::{Light, MediumDensity, Scene};
+use crate::starts::EyeStarts;
 use crate::surface::SurfaceMap;
 use covbeam::{Column, FluenceGrid, Knot, MARCH_KNOTS, March, MarchCell, MarchKnot, MarchSample, Medium};
 use glam::Vec3;
@@ -88,7 +88,7 @@ impl<'a> Guide<'a> {
 pub(crate) struct Marcher<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) fogs: &'a [Medium<'a>],
-    pub(crate) interior: Interior,
+    pub(crate) starts: EyeStarts<'a>,
     pub(crate) marching: Marching,
     /// Eye rays where the plan wants them; None: one through every pixel.
     pub(crate) plan: Option<Plan>,
@@ -98,12 +98,14 @@ pub(crate) struct Marcher<'a> {
     pub(crate) key: [u32; 2],
     /// Place of the eye ray in the pixel.
     pub(crate) offset: [f32; 2],
+    /// Whether anything is wanted from the first surface on.
+    pub(crate) beyond: bool,
 }
 
 /// A stretch of an eye ray that a light may reach.
-struct Stretch {
+struct Stretch<'a> {
     segment: EyeSegment,
-    light: Light,
+    light: &'a Light,
     from: f32,
     to: f32,
     knots: Vec<MarchKnot>,
@@ -139,22 +141,22 @@ struct Scratch {
 }
 
 /// What a pixel's stretches are expected to need.
-struct Pieces {
+struct Pieces<'a> {
     /// Of surfaces.
     radiance: Vec3,
-    stretches: Vec<Stretch>,
+    stretches: Vec<Stretch<'a>>,
     /// Expected luminance.
     expected: f32,
 }
 
-impl Marcher<'_> {
+impl<'a> Marcher<'a> {
     /// The picture, the core-seconds it took, and the rays: the shadow rays, whose number the gather sums hold by pixel, and those of
     /// the guide.
     pub(crate) fn image(&self, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<(PassImage, f64, u64)> {
         let (width, height) = (self.scene.camera.width, self.scene.camera.height);
         let surfaces = SurfaceMap::empty();
-        let (scene, fogs, interior) = (self.scene, self.fogs, self.interior);
-        let tracer = EyeTracer { scene, fogs, interior, surfaces: &surfaces };
+        let (scene, fogs, starts) = (self.scene, self.fogs, self.starts);
+        let tracer = EyeTracer { scene, fogs, starts, surfaces: &surfaces };
         let start = Instant::now();
         let spread = self.spread(&tracer);
         let mut seconds = start.elapsed().as_secs_f64();
@@ -198,23 +200,30 @@ impl Marcher<'_> {
         let [seed, pass] = self.key;
         (0..self.scene.camera.width).filter_map(move |x| {
             let Some(plan) = &self.plan else {
-                return Some(Wanted { x, fog: true, surfaces: true });
+                return Some(Wanted { x, fog: true, surfaces: self.beyond });
             };
             let fog = plan.wants(x, y, seed);
-            let surfaces = plan.surfaces().are_wanted(x, y, pass, seed);
+            let surfaces = self.beyond && plan.surfaces().are_wanted(x, y, pass, seed);
             (fog || surfaces).then_some(Wanted { x, fog, surfaces })
         })
     }
 
     /// The eye path through a pixel, and for the adaptive placement what it is expected to need.
-    fn look(&self, [x, y]: [u32; 2], asked: [bool; 2], tracer: &EyeTracer, scratch: &mut Scratch) -> Pieces {
+    fn look(
+        &self,
+        [x, y]: [u32; 2],
+        asked: [bool; 2],
+        tracer: &EyeTracer,
+        scratch: &mut Scratch,
+    ) -> Pieces<'a> {
         let camera = &self.scene.camera;
         let number = y * camera.width + x;
         let [seed, pass] = if self.marching.centred { [0, 0] } else { self.key };
         let mut random = Random::new([seed, pass, number, 0xe7e]);
-        let direction = camera.direction(x as f32 + self.offset[0], y as f32 + self.offset[1]);
+        let point = [x as f32 + self.offset[0], y as f32 + self.offset[1]];
+        let start = self.starts.at(point, self.starts.place_in_lens(seed, number, pass.saturating_sub(1)));
         scratch.segments.clear();
-        let light = tracer.trace_wanted(direction, number, asked, &mut random, &mut scratch.segments);
+        let light = tracer.trace_wanted(&start, number, asked, &mut random, &mut scratch.segments);
         let radiance = light.iter().sum();
         let mut seen = Pieces { radiance, stretches: Vec::new(), expected: luminance(radiance) };
         for segment in std::mem::take(&mut scratch.segments) {
@@ -236,8 +245,8 @@ impl Marcher<'_> {
     }
 
     /// The part of a piece of an eye path that a light may reach; with a table for the adaptive placement.
-    fn stretch(&self, segment: EyeSegment, number: usize, scratch: &mut Scratch) -> Option<Stretch> {
-        let light = self.scene.lights[number];
+    fn stretch(&self, segment: EyeSegment, number: usize, scratch: &mut Scratch) -> Option<Stretch<'a>> {
+        let light = &self.scene.lights[number];
         let fog = &self.fogs[segment.medium as usize];
         let ray = segment.ray;
         let column = media::column(fog, ray.origin, ray.direction, ray.length, &mut scratch.column);
@@ -467,7 +476,7 @@ impl Marcher<'_> {
     /// The greatest density along a stretch.
     fn greatest_density(&self, stretch: &Stretch) -> f32 {
         let ray = &stretch.segment.ray;
-        match &self.scene.media[stretch.segment.medium as usize].density {
+        match &self.scene.medium_of(stretch.segment.medium).density {
             MediumDensity::Uniform => 1.0,
             MediumDensity::Exponential(_) => {
                 let at = |t: f32| {

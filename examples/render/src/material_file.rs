@@ -3,10 +3,8 @@
 use glam::Vec3;
 
 use crate::fields::{Field, SceneError, Table};
+use crate::material::SMOOTH;
 use crate::scene::{Lobes, Material};
-
-/// GGX's α below which a surface is smooth: it turns light by less than half a pixel of most pictures.
-const SMOOTH: f32 = 1e-3;
 
 pub(crate) fn read_material(field: &Field<'_>) -> Result<Material, SceneError> {
     let expected = "\"black\", { lambert = { albedo } }, { mirror = { reflectance } }, { dielectric = { index, roughness } }, \
@@ -86,6 +84,7 @@ fn read_lobes(field: &Field<'_>, table: &Table<'_>) -> Result<Lobes, SceneError>
         transparent: factor("transparent")?,
         index: table.optional("index").map_or(Ok(Lobes::NONE.index), |field| read_index(&field))?,
         alpha: read_alpha(table)?,
+        ..Lobes::NONE
     };
     // A mixture's shares add up to 1, but for rounding.
     let most = lobes.most();

@@ -4,9 +4,9 @@ use crate::scene::{MediumDensity, Scene, SceneMedium};
 use covbeam::{Column, Density, DensityGrid, Knot, Medium};
 use glam::Vec3;
 
-/// The media of a scene, by their index.
+/// The media of a scene's regions, by the regions' number.
 pub fn all(scene: &Scene) -> Vec<Medium<'_>> {
-    scene.media.iter().map(of).collect()
+    (0..scene.region_count()).map(|region| of(scene.medium_of(region as u32))).collect()
 }
 
 fn of(SceneMedium { medium, density }: &SceneMedium) -> Medium<'_> {
@@ -48,8 +48,33 @@ pub fn transmittance(medium: &Medium, from: Vec3, to: Vec3) -> Vec3 {
     medium.transmittance(column.at(distance))
 }
 
-/// Distance beyond which nothing is left of light that starts at `origin`; `column` is the one along this ray.
+/// Distance beyond which nothing is left to see of light that starts at `origin`, in any channel that the medium scatters: what it does not
+/// scatter shows nothing, however far it gets; `column` is the one along this ray.
 pub fn opaque_distance(medium: &Medium, origin: Vec3, direction: Vec3, column: &Column) -> f32 {
     let knots = if let Column::Knots(knots) = *column { knots } else { &[] };
-    medium.density.opaque_distance(origin, direction, medium.opaque_column(), knots)
+    let shows = medium.scattering.cmpgt(Vec3::ZERO);
+    // A channel that ends at once ends no other one early.
+    let hidden = if shows.any() { Vec3::select(shows, Vec3::ZERO, Vec3::MAX) } else { Vec3::ZERO };
+    let shown = Medium { absorption: medium.absorption + hidden, ..*medium };
+    medium.density.opaque_distance(origin, direction, shown.opaque_column(), knots)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_is_followed_as_far_as_any_channel_shows() {
+        let of = |scattering: Vec3, absorption: Vec3| {
+            let medium = Medium { scattering, absorption, ..Medium::default() };
+            opaque_distance(&medium, Vec3::ZERO, Vec3::X, &Column::Uniform)
+        };
+        let (blue, thin) = (Vec3::new(0.0, 0.0, 0.25), Vec3::new(0.5, 0.25, 1.0));
+        // e^-17 is left: of the thinnest channel, or of the only one that scatters.
+        assert_eq!(of(thin, Vec3::ZERO), 17.0 / 0.25);
+        assert_eq!(of(blue, Vec3::ZERO), 17.0 / 0.25);
+        assert_eq!(of(blue, Vec3::new(0.01, 0.0, 0.75)), 17.0);
+        assert_eq!(of(Vec3::ZERO, thin), 17.0 / 0.25);
+        assert_eq!(of(Vec3::ZERO, Vec3::ZERO), f32::INFINITY);
+    }
 }

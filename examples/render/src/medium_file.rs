@@ -124,7 +124,8 @@ pub(crate) fn check_exponential(
         Some(corners) => vec![corners],
         None => objects.iter().map(|object| object.shape.bounds()).collect(),
     };
-    let points = lights.iter().map(Light::position).chain(boxes.into_iter().map(below));
+    let points =
+        lights.iter().map(Light::position).chain(boxes.into_iter().map(below)).chain(camera.corners());
     let lowest = points.fold(camera.position, |a, b| if height(b) < height(a) { b } else { a });
     let logarithm = -height(lowest) / f64::from(exponential.scale_height);
     let limit = f64::from(MAX_DENSITY) / largest_extinction(medium).max(1.0);

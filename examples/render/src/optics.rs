@@ -1,15 +1,22 @@
 //! What a smooth surface does to a ray: reflection, refraction, Fresnel, and which media a ray is in.
 
-use crate::scene::{MediumId, Scene};
+use crate::geometry::MOST_BOUNDS;
+use crate::light::EmittedPhoton;
+use crate::scene::{Light, MediumId, Object, Placed, Scene};
 use covbeam::Curvature;
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 
-/// The closed dielectric objects that a ray is inside of, innermost last.
+/// What a ray is inside of: of a scene's shapes the closed dielectric ones, innermost last; of placed objects the volumes of fog, and whether
+/// it is in glass, in which fog goes on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Interior {
     objects: [u32; Interior::DEEPEST],
     depth: usize,
+    /// A set of volumes.
+    pub(crate) fogs: u64,
+    /// Whether it is inside of placed glass.
+    pub(crate) glass: bool,
 }
 
 impl Interior {
@@ -22,7 +29,50 @@ impl Interior {
         for object in scene.containing(point) {
             interior.enter(object);
         }
+        if let Some(placed) = &scene.placed {
+            (interior.fogs, interior.glass) = placed.insides_at(point);
+        }
         interior
+    }
+
+    /// What a light's place is inside of. Light from infinitely far away starts ahead of all that is placed.
+    pub(crate) fn of_light(scene: &Scene, light: &Light) -> Self {
+        let interior = Self::at(scene, light.position());
+        if light.is_far() { Self { fogs: 0, glass: false, ..interior } } else { interior }
+    }
+
+    /// Where a photon of a light starts whose place is inside of this, and what it is inside of there.
+    pub(crate) fn start_of(self, scene: &Scene, light: &Light, emitted: &EmittedPhoton) -> (Vec3, Self) {
+        if light.is_far() {
+            return (emitted.origin, self);
+        }
+        // What leaves no surface starts on the side of bounds that it is taken to be on.
+        let origin = if emitted.normal == Vec3::ZERO { scene.beside(emitted.origin) } else { emitted.origin };
+        let may_reach_through_bounds = scene.placed.as_ref().is_some_and(Placed::has_insides)
+            || matches!(light, Light::Lamp(_) | Light::Area(_) | Light::Mesh(_));
+        (origin, if may_reach_through_bounds { self.moved(scene, light.position(), origin) } else { self })
+    }
+
+    /// What a ray that starts at `to` is inside of, from what places at `from` are inside of: across all that is between the two, as
+    /// where some of a lamp sticks out of fog. Costs nothing where nothing has an inside.
+    pub fn moved(mut self, scene: &Scene, from: Vec3, to: Vec3) -> Self {
+        if let Some(placed) = &scene.placed {
+            (self.fogs, self.glass) = placed.insides_moved((self.fogs, self.glass), from, to);
+        }
+        let is_filled = |object: &Object| object.material.index().is_some();
+        if !scene.objects.iter().any(is_filled) {
+            return self;
+        }
+        let mut start = from;
+        for _ in 0..MOST_BOUNDS {
+            let Some(direction) = (to - start).try_normalize() else { break };
+            let Some(hit) = scene.intersect(start, direction, (to - start).length()) else { break };
+            if scene.objects.get(hit.object as usize).is_some_and(is_filled) {
+                self = self.beyond(scene, &hit, direction);
+            }
+            start = hit.leave(direction);
+        }
+        self
     }
 
     /// Steps into an object.
@@ -41,12 +91,14 @@ impl Interior {
         }
     }
 
-    /// The medium here; None = nothing scatters or absorbs.
+    /// The region here, a medium and on which side of glass; None = nothing scatters or absorbs.
     pub fn medium(&self, scene: &Scene) -> Option<MediumId> {
-        match self.objects[..self.depth].last() {
-            Some(&object) => scene.objects[object as usize].inside,
-            None => scene.outside,
-        }
+        let medium = match (self.objects[..self.depth].last(), &scene.placed) {
+            (Some(&object), _) => scene.objects[object as usize].inside,
+            (None, Some(placed)) => placed.fogs().medium(self.fogs).or(scene.outside),
+            (None, None) => scene.outside,
+        };
+        medium.map(|medium| scene.region(medium, self.glass))
     }
 
     /// The index of refraction here.
@@ -55,15 +107,42 @@ impl Interior {
         innermost.and_then(|&object| scene.objects[object as usize].material.index()).unwrap_or(1.0)
     }
 
-    /// What a ray along `direction` is inside of once it has gone through the dielectric boundary that it hits.
-    pub(crate) fn beyond(&self, hit: &Hit, direction: Vec3) -> Self {
+    /// What a ray along `direction` is inside of once it has gone through what it hits: straight on, or diffusely.
+    pub(crate) fn through(&self, scene: &Scene, hit: &Hit, direction: Vec3) -> Self {
+        let is_front = hit.geometric_normal.dot(direction) < 0.0;
         let mut beyond = *self;
-        if hit.geometric_normal.dot(direction) < 0.0 {
+        if let Some((placed, object)) = scene.placed_hit(hit) {
+            let volumes = placed.volumes_of(object);
+            beyond.fogs = if is_front { self.fogs | volumes } else { self.fogs & !volumes };
+        } else if scene.material(hit).index().is_none() {
+            // No more than a surface.
+        } else if is_front {
             beyond.enter(hit.object);
         } else {
             beyond.leave(hit.object);
         }
         beyond
+    }
+
+    /// The same, once it has gone through a boundary of glass.
+    pub(crate) fn beyond(&self, scene: &Scene, hit: &Hit, direction: Vec3) -> Self {
+        let mut beyond = self.through(scene, hit, direction);
+        if let Some((placed, object)) = scene.placed_hit(hit)
+            && placed.objects()[object as usize].is_closed
+        {
+            beyond.glass = hit.geometric_normal.dot(direction) < 0.0;
+        }
+        beyond
+    }
+
+    /// Index on the side that a ray along `direction` comes from over that on the other, at what it hits; `beyond` is what it is inside of
+    /// there. Placed glass has an index over that of what its front faces, wherever it is.
+    pub(crate) fn eta(&self, scene: &Scene, hit: &Hit, direction: Vec3, beyond: &Self) -> f32 {
+        if scene.placed_hit(hit).is_none() {
+            return self.index(scene) / beyond.index(scene);
+        }
+        let index = scene.material(hit).index().unwrap_or(1.0);
+        if hit.geometric_normal.dot(direction) < 0.0 { 1.0 / index } else { index }
     }
 }
 
@@ -136,8 +215,8 @@ impl Boundary {
     /// What happens to a ray along `direction` that is inside of `interior` and hits a dielectric.
     pub fn new(scene: &Scene, hit: &Hit, direction: Vec3, interior: &Interior) -> Self {
         let normal = facing_normal(hit, direction);
-        let beyond = interior.beyond(hit, direction);
-        let eta = interior.index(scene) / beyond.index(scene);
+        let beyond = interior.beyond(scene, hit, direction);
+        let eta = interior.eta(scene, hit, direction, &beyond);
         let geometric =
             hit.geometric_normal * if hit.geometric_normal.dot(direction) > 0.0 { -1.0 } else { 1.0 };
         // A shading normal may send the ray to the wrong side of the true surface: mirror it back there.

@@ -2,18 +2,18 @@
 
 use crate::eye::EyeTracer;
 use crate::grids::Grids;
-use crate::guidance::{Guidance, share_of_branches};
+use crate::guidance::{Guidance, Spread};
 use crate::kind::{Kind, Split};
 use crate::march::{Guide, Marcher, Marching, Placement};
 use crate::media;
 use crate::operators::Operator;
-use crate::optics::Interior;
 use crate::photon::{Energy, PathBeam, PhotonRecord, PhotonTracer, Record};
 use crate::plan::{FirstSurfaces, Plan};
 use crate::radius::{BeamVoxels, Radii, RadiusRule};
 use crate::random::Emission;
 use crate::samples::PassImage;
 use crate::scene::Scene;
+use crate::starts::EyeStarts;
 use crate::straight::{Straight, is_left_to_beams};
 use crate::surface::{CROWD, Disks, SurfaceMap};
 use crate::view::{BeamView, View, pixel_offset};
@@ -68,7 +68,8 @@ pub enum Method {
     Ppb,
     /// The thesis: the kernel is as wide as the covariance allows.
     Adaptive,
-    /// Unbiased connections of every path segment and diffuse vertex with the camera; blind to what is seen through glass.
+    /// Unbiased connections of every path segment and diffuse vertex with the camera; blind to what is seen through glass. For pinholes
+    /// ([`crate::camera::Camera::is_pinhole`]): pictures of other cameras are black.
     LightTrace,
     /// Light scattered once, by shadow rays from places along the eye rays.
     March,
@@ -151,7 +152,7 @@ pub struct Renderer<'a> {
     seed: u32,
     tracer: PhotonTracer<'a>,
     fogs: Vec<Medium<'a>>,
-    camera: Interior,
+    starts: EyeStarts<'a>,
     marching: Marching,
     surfaces: Option<Arc<FirstSurfaces>>,
     /// None: [`RadiusRule::Bias`].
@@ -162,8 +163,14 @@ pub struct Renderer<'a> {
     has_shadow_rays: bool,
     /// Some: kinds of light are told apart, in these layers.
     split: Option<Split>,
+    /// What the branches of guided paths are decided by.
+    spread: Option<Spread>,
     /// Core-seconds of the pilot, not yet said.
     pilot: f64,
+    /// Whether anything is wanted from the first surface on.
+    beyond: bool,
+    /// Whether the fog before the first surface is kept apart where no eye rays need planning.
+    is_first_apart: bool,
 }
 
 impl<'a> Renderer<'a> {
@@ -189,7 +196,7 @@ impl<'a> Renderer<'a> {
             seed,
             tracer: PhotonTracer::new(scene, seed, emission),
             fogs: media::all(scene),
-            camera: Interior::at(scene, scene.camera.position),
+            starts: EyeStarts::new(scene),
             marching: Marching::default(),
             surfaces: None,
             radii: None,
@@ -197,7 +204,10 @@ impl<'a> Renderer<'a> {
             energy: Energy::default(),
             has_shadow_rays: false,
             split: None,
+            spread: None,
             pilot: 0.0,
+            beyond: true,
+            is_first_apart: false,
         }
     }
 
@@ -208,10 +218,26 @@ impl<'a> Renderer<'a> {
 
     /// From now on traces few eye rays where the covariance grid says that the picture is smooth, with filters between them (thesis
     /// 5.3.2), and looks kernel radii up only in passes where spectra may make them three times as wide as the pass' own; layer σ is 0 in the
-    /// others. Call it before the first pass. Methods without a grid, and a camera outside all media, go on with an eye ray
-    /// through every pixel.
+    /// others. Call it before the first pass. Methods without a grid, and scenes without fog before the first surface that is more than a bound of
+    /// fog, go on with an eye ray through every pixel.
     pub fn plan_eye_rays(&mut self) {
-        self.surfaces = Some(Arc::new(FirstSurfaces::new(self.scene)));
+        self.plan_by(FirstSurfaces::new(self.scene, &|| false).expect("never cancelled"));
+    }
+
+    /// The same, with what is first behind each pixel of this scene as it was found before.
+    pub fn plan_by(&mut self, surfaces: impl Into<Arc<FirstSurfaces>>) {
+        self.surfaces = Some(surfaces.into());
+    }
+
+    /// From now on passes with planned eye rays keep the fog before the first surface apart always: where no pixel's middle sees any, with an eye
+    /// ray through each pixel; and tell its layer σ where kernels look nothing up, too. Call it before the first pass.
+    pub fn keep_first_apart(&mut self) {
+        self.is_first_apart = true;
+    }
+
+    /// From now on leaves out all light from the first surface on that is more than a bound of fog. Call it before the first pass.
+    pub fn leave_out_beyond(&mut self) {
+        self.beyond = false;
     }
 
     /// From now on each kind of light comes from what is best for it: light straight from the lamps from shadow rays, but for media of voxels;
@@ -228,11 +254,26 @@ impl<'a> Renderer<'a> {
             && let Some(guidance) = Guidance::new(self.scene, &self.fogs)
         {
             self.tracer.guide(guidance);
-            self.tracer.branch_less(share_of_branches(&self.tracer, &self.fogs, self.photons));
+            self.spread = Some(Spread::of(&self.tracer, &self.fogs));
+            self.decide_branches();
         }
         self.pilot = start.elapsed().as_secs_f64();
         self.has_shadow_rays = parts.straight;
         self.split_into(if parts.apart { Split::STRAIGHT_APART } else { Split::TOGETHER });
+    }
+
+    fn decide_branches(&mut self) {
+        if let Some(spread) = &self.spread {
+            self.tracer.branch_less(spread.share_of_branches(self.photons, &self.scene.camera));
+        }
+    }
+
+    /// Starts anew with so many light paths a pass: from now on it is as one that was made with them, and has nothing to look at again.
+    pub fn restart(&mut self, photons: u32) {
+        self.photons = photons;
+        self.grids.clear();
+        self.energy = Energy::default();
+        self.decide_branches();
     }
 
     /// From now on each kind of light that the scene can have has spectra, eye rays and filters of its own, for a film that keeps them apart.
@@ -464,7 +505,7 @@ impl<'a> Renderer<'a> {
         let by_kind = adaptive && self.split.is_some();
         let narrows = by_kind && !plans.is_empty();
         // In each layer: what has the layer's kernel, and focused light.
-        let mut beams = vec![[(); 2].map(|()| vec![Vec::new(); self.scene.media.len()]); split.count()];
+        let mut beams = vec![[(); 2].map(|()| vec![Vec::new(); self.scene.region_count()]); split.count()];
         for PathBeam { medium, kind, beam } in record.beams.drain(..) {
             let is_marched = self.has_shadow_rays && kind == Kind::Straight;
             if !is_marched || is_left_to_beams(self.scene, medium) {
@@ -497,8 +538,8 @@ impl<'a> Renderer<'a> {
         );
         times.build += of_beams + of_photons;
 
-        let interior = self.camera;
-        let tracer = EyeTracer { scene: self.scene, fogs: &self.fogs, interior, surfaces: &surfaces };
+        let starts = self.starts;
+        let tracer = EyeTracer { scene: self.scene, fogs: &self.fogs, starts, surfaces: &surfaces };
         let view = View {
             scene: self.scene,
             fogs: &self.fogs,
@@ -514,6 +555,8 @@ impl<'a> Renderer<'a> {
                 seed: self.seed,
                 pass: index,
             }),
+            beyond: self.beyond,
+            spectra: (has_spectra && self.is_first_apart).then(|| self.grids.look_up(0)),
         };
         let (image, cost) = view.image(cancelled)?;
         (times.gather, times.pairs) = (cost.seconds, cost.pairs);
@@ -533,12 +576,13 @@ impl<'a> Renderer<'a> {
 
     /// Where the pass needs eye rays for each layer; none: everywhere.
     fn plans(&mut self, index: u32, error: f32, beams: u32) -> Vec<Plan> {
-        let Some(surfaces) = &self.surfaces else { return Vec::new() };
-        let Some(medium) = self.camera.medium(self.scene) else { return Vec::new() };
-        let fog = &self.fogs[medium as usize];
+        let Some(surfaces) = self.surfaces.as_ref() else { return Vec::new() };
+        if !(surfaces.has_fog() || self.is_first_apart) {
+            return Vec::new();
+        }
         let (grids, split) = (&mut self.grids, self.split);
         let plan = |layer| {
-            let spectra = grids.image(layer, surfaces, fog);
+            let spectra = grids.image(layer, surfaces, &self.fogs);
             let kind = split.filter(|split| split.count() > 1).map(|split| split.last_kind(layer));
             Plan::new(Arc::clone(surfaces), kind, index, error, beams, spectra)
         };
@@ -569,12 +613,13 @@ impl<'a> Renderer<'a> {
         let marcher = Marcher {
             scene,
             fogs: &self.fogs,
-            interior: self.camera,
+            starts: self.starts,
             marching: self.marching,
             plan,
             guide: guide.as_ref(),
             key,
             offset: if self.marching.centred { [0.5; 2] } else { pixel_offset(self.seed, index) },
+            beyond: self.beyond,
         };
         let (image, seconds, shadow_rays) = marcher.image(cancelled)?;
         times.shadow_rays = shadow_rays;

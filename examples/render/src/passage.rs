@@ -1,16 +1,30 @@
-//! What is left of light on the straight way between two points.
+//! Straight ways through the scene: what is left of light between two points, what a way crosses, and which surfaces only bound media.
 
+use crate::geometry::MOST_BOUNDS;
 use crate::media;
 use crate::optics::{Boundary, Interior};
-use crate::scene::{Material, Scene};
+use crate::scene::{Material, Placed, Scene};
 use covbeam::Medium;
+use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 
-/// Surfaces that a way may cross, there and back through as many as an [`Interior`] holds.
-const MOST_BOUNDARIES: usize = 2 * Interior::DEEPEST;
+/// What a ray is inside of behind a surface that does nothing but bound media, through which all light goes straight on; None: another one.
+pub(crate) fn clear(scene: &Scene, hit: &Hit, direction: Vec3, interior: &Interior) -> Option<Interior> {
+    match *scene.material(hit) {
+        Material::Dielectric { .. } => {
+            let boundary = Boundary::new(scene, hit, direction, interior);
+            boundary.is_matched().then_some(boundary.beyond)
+        }
+        Material::Lobes(lobes) if lobes.transparent.min_element() >= 1.0 => {
+            Some(interior.through(scene, hit, direction))
+        }
+        Material::Clear => Some(interior.through(scene, hit, direction)),
+        Material::Lobes(_) | Material::Black | Material::Lambert { .. } | Material::Mirror { .. } => None,
+    }
+}
 
 /// Per channel, what is left of light between two points; 0 if anything is between them but sides of dielectrics where the index is the same
-/// on both, which bound a medium and do not bend light, and what is transparent in part.
+/// on both, which bound a medium and do not bend light, and what is transparent; or if that is more than [`MOST_BOUNDS`] surfaces.
 ///
 /// - `interior`: of `from`. Ends on surfaces should be moved off them.
 pub(crate) fn passage(scene: &Scene, fogs: &[Medium], mut interior: Interior, from: Vec3, to: Vec3) -> Vec3 {
@@ -18,20 +32,23 @@ pub(crate) fn passage(scene: &Scene, fogs: &[Medium], mut interior: Interior, fr
         let fog = interior.medium(scene).map(|id| &fogs[id as usize]);
         fog.map_or(Vec3::ONE, |fog| media::transmittance(fog, from, to))
     };
-    if !scene.occluded(from, to) {
-        return through(&interior, from, to);
-    }
-    if !scene.may_be_seen_through() {
-        return Vec3::ZERO;
+    // Among bounds of fog something is nearly always met, whatever it is.
+    if !scene.placed.as_ref().is_some_and(Placed::shows_through) {
+        if !scene.occluded(from, to) {
+            return through(&interior, from, to);
+        }
+        if !scene.may_be_seen_through() {
+            return Vec3::ZERO;
+        }
     }
     let (mut left, mut start) = (Vec3::ONE, from);
-    for _ in 0..MOST_BOUNDARIES {
+    for _ in 0..MOST_BOUNDS {
         let distance = start.distance(to);
         let direction = (to - start) / distance;
         // What is exactly at the end does not lie between, and at its start nothing is left of a way.
-        let hit = if distance > 0.0 { scene.intersect(start, direction, distance) } else { None };
+        let hit = if distance > 0.0 { scene.intersect_flat(start, direction, distance) } else { None };
         let Some(hit) = hit else { return left * through(&interior, start, to) };
-        let (share, beyond) = match scene.objects[hit.object as usize].material {
+        let (share, beyond) = match *scene.material(&hit) {
             Material::Dielectric { .. } => {
                 let boundary = Boundary::new(scene, &hit, direction, &interior);
                 if !boundary.is_matched() {
@@ -40,9 +57,9 @@ pub(crate) fn passage(scene: &Scene, fogs: &[Medium], mut interior: Interior, fr
                 (Vec3::ONE, boundary.beyond)
             }
             Material::Lobes(lobes) if lobes.transparent != Vec3::ZERO => {
-                let beyond = if lobes.is_glass() { interior.beyond(&hit, direction) } else { interior };
-                (lobes.transparent, beyond)
+                (lobes.transparent, interior.through(scene, &hit, direction))
             }
+            Material::Clear => (Vec3::ONE, interior.through(scene, &hit, direction)),
             _ => return Vec3::ZERO,
         };
         left *= share * through(&interior, start, hit.position);
@@ -55,6 +72,7 @@ pub(crate) fn passage(scene: &Scene, fogs: &[Medium], mut interior: Interior, fr
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::placed;
     use std::path::Path;
 
     fn scene(index: f32, more: &str) -> Scene {
@@ -102,5 +120,52 @@ mod tests {
         for material in ["\"black\"\n", "{ dielectric = { index = 1.5 } }\n"] {
             assert_eq!(found(&scene(1.0, &format!("{ball}{material}")), from, to), Vec3::ZERO);
         }
+    }
+
+    /// Through a small cube of fog in a larger one, in haze, as through boxes of scene files.
+    #[test]
+    fn light_goes_straight_through_bounds_of_fog_and_loses_what_each_fog_takes() {
+        let text = "outside_medium = \"haze\"\n\
+             [camera]\nposition = [0, 0, -9]\nlook_at = [0, 0, 0]\nvertical_fov = 40\nwidth = 8\nheight = 8\n\
+             [[medium]]\nname = \"small\"\nscattering = [1, 2, 3]\nabsorption = 0\n\
+             [[medium]]\nname = \"large\"\nscattering = [0.3, 0.2, 0.1]\nabsorption = 0.2\n\
+             [[medium]]\nname = \"haze\"\nscattering = 0.1\nabsorption = 0\n\
+             [[light]]\nkind = \"point\"\nposition = [0, 4, 0]\nintensity = 1\n";
+        let mut scene = Scene::parse(text, "cubes of fog", Path::new("")).expect("a valid scene");
+        let v = |y: f32| Vec3::new(0.1, y, 0.2);
+        scene.placed = Some(placed::tests::fogs(&[(Vec3::ZERO, 1.0), (Vec3::Y * 0.5, 2.0)]));
+        // From -1.5 to 2.5 the larger one, from -1 to 1 the smaller one.
+        for (from, to, [in_small, in_large, in_haze]) in [
+            (v(-4.0), v(4.0), [2.0, 2.0, 4.0]),
+            (v(-0.5), v(0.25), [0.75, 0.0, 0.0]),
+            (v(0.5), v(4.0), [0.5, 1.5, 1.5]),
+            (v(-1.25), v(1.5), [2.0, 0.75, 0.0]),
+            (v(3.0), v(4.0), [0.0, 0.0, 1.0]),
+        ] {
+            let small = Vec3::new(1.0, 2.0, 3.0) * in_small;
+            let expected = (-small - Vec3::new(0.5, 0.4, 0.3) * in_large - Vec3::splat(0.1) * in_haze).exp();
+            for (from, to) in [(from, to), (to, from)] {
+                let found = found(&scene, from, to);
+                assert!(
+                    (found / expected - 1.0).abs().max_element() < 1e-5,
+                    "{from} {to}: {found} for {expected}"
+                );
+            }
+        }
+        // What stands in them casts a shadow, and so do more bounds than anybody has.
+        let ball = "[[object]]\nshape = \"sphere\"\ncenter = [0, 0, 0]\nradius = 0.5\nmaterial = \"black\"\n";
+        let mut hidden = Scene::parse(&[text, ball].concat(), "ball", Path::new("")).expect("a valid scene");
+        hidden.placed = scene.placed.clone();
+        assert_eq!(found(&hidden, v(-4.0), v(4.0)), Vec3::ZERO);
+        assert!(found(&hidden, v(-4.0) + Vec3::X * 0.8, v(4.0) + Vec3::X * 0.8).min_element() > 0.0);
+        scene.media = vec![scene.media[2].clone(); 40];
+        scene.outside = Some(0);
+        let layers = |count: u32| -> Vec<(Vec3, f32)> {
+            (0..count).map(|i| (Vec3::ZERO, 1.0 + 0.01 * i as f32)).collect()
+        };
+        scene.placed = Some(placed::tests::fogs(&layers(31)));
+        assert!((found(&scene, v(-4.0), v(4.0)).x / (-0.8_f32).exp() - 1.0).abs() < 1e-5);
+        scene.placed = Some(placed::tests::fogs(&layers(33)));
+        assert_eq!(found(&scene, v(-4.0), v(4.0)), Vec3::ZERO);
     }
 }

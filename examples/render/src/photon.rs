@@ -1,6 +1,7 @@
 //! Light paths: from a light through media and surfaces until they are absorbed or escape.
 
 mod guided;
+mod lit;
 
 use crate::guidance::{Guidance, mean};
 use crate::kind::Kind;
@@ -15,7 +16,7 @@ use crate::record::add;
 pub use crate::record::{Energy, FieldSegment, PathBeam, PhotonRecord, Record, Splat};
 use crate::scene::{Material, Scene};
 use crate::surface::SurfacePhoton;
-use covbeam::{Beam, Column, CovarianceGrid, Curvature, Density, Edges, Knot, LightField, Medium};
+use covbeam::{Column, CovarianceGrid, Curvature, Density, Edges, Knot, LightField, Medium};
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 use std::time::Instant;
@@ -69,17 +70,23 @@ struct Photon {
     normal: Vec3,
     direct: bool,
     specular: bool,
+    /// How often it has been scattered, reflected and refracted.
+    bounces: u32,
+    /// How far from here its light begins, and ends: of lamps with a size, as long as it goes straight on.
+    dark: f32,
+    until: f32,
     field: Option<LightField>,
     /// Paths without a light field that this one's stands for, and itself.
     stands_for: f32,
 }
 
 impl Photon {
-    /// Leaves what arrives on a diffuse surface for disks there; straight light is looked up by shadow rays.
+    /// Leaves what arrives on a diffuse surface that is seen for disks there; straight light is looked up by shadow rays.
     ///
     /// - `normal`: towards the side that it comes from.
-    fn arrive(&self, hit: &Hit, normal: Vec3, record: Record, out: &mut PhotonRecord) {
-        if matches!(record, Record::Beams | Record::BeamsAndField) && !self.direct {
+    fn arrive(&self, scene: &Scene, hit: &Hit, normal: Vec3, record: Record, out: &mut PhotonRecord) {
+        let is_recorded = matches!(record, Record::Beams | Record::BeamsAndField);
+        if is_recorded && !self.direct && scene.shows_surfaces() {
             let (position, power, caustic) = (hit.position, self.power, self.specular);
             out.surface.push(SurfacePhoton { position, normal, power, caustic });
         }
@@ -105,7 +112,7 @@ impl<'a> PhotonTracer<'a> {
             sum += flux / total;
             sum as f32
         });
-        let interiors = scene.lights.iter().map(|light| Interior::at(scene, light.position()));
+        let interiors = scene.lights.iter().map(|light| Interior::of_light(scene, light));
         let lights = Lights {
             cumulative: shares.collect(),
             flux: scene.lights.iter().map(|light| mean(light.flux())).sum(),
@@ -153,7 +160,7 @@ impl<'a> PhotonTracer<'a> {
     /// - `share`: in (0, 1].
     pub(crate) fn branch_less(&mut self, share: f32) {
         if let Some(guidance) = &mut self.guidance {
-            guidance.coarsen(1.0 / share);
+            guidance.leave(share);
         }
     }
 
@@ -209,7 +216,7 @@ impl<'a> PhotonTracer<'a> {
         let mut knots = Vec::new();
         for event in 1.. {
             let goes_on = self.step(&mut photon, &mut sampler, record, out, &mut knots);
-            if !goes_on || record == Record::Direct {
+            if !goes_on || record == Record::Direct || self.is_spent(&photon, out) {
                 return;
             }
             if event > LONG_PATH {
@@ -224,16 +231,30 @@ impl<'a> PhotonTracer<'a> {
         }
     }
 
+    /// Whether a photon has bounced more often than it may; it is lost then.
+    fn is_spent(&self, photon: &Photon, out: &mut PhotonRecord) -> bool {
+        let is_spent = !self.scene.allows(photon.bounces);
+        if is_spent {
+            add(&mut out.energy.spent, photon.power);
+        }
+        is_spent
+    }
+
     /// A photon that leaves a light.
     fn start(&self, light: usize, emitted: &EmittedPhoton, power: Vec3, record: Record) -> Photon {
+        let (origin, interior) =
+            self.lights.interiors[light].start_of(self.scene, &self.scene.lights[light], emitted);
         Photon {
-            origin: emitted.origin,
+            origin,
             direction: emitted.direction,
             power,
-            interior: self.lights.interiors[light],
+            interior,
             normal: emitted.normal,
             direct: true,
             specular: true,
+            bounces: 0,
+            dark: emitted.dark,
+            until: emitted.until,
             field: self.start_field(light, emitted, record),
             stands_for: 1.0,
         }
@@ -267,9 +288,11 @@ impl<'a> PhotonTracer<'a> {
         if let Some((id, fog, column)) = &inside {
             match record {
                 Record::Beams | Record::BeamsAndField => {
-                    out.beams.extend(beam_of(photon, *id, hit.as_ref(), fog, column));
+                    out.beams.extend(photon.beam(*id, hit.as_ref(), fog, column));
                 }
-                Record::Connections => self.connect_segment(photon, reach, fog, column, sampler, out),
+                Record::Connections => {
+                    self.connect_segment(photon, reach.min(photon.until), fog, column, sampler, out);
+                }
                 Record::Field | Record::Direct => {}
             }
         }
@@ -284,13 +307,21 @@ impl<'a> PhotonTracer<'a> {
                 reach.min(media::opaque_distance(fog, photon.origin, photon.direction, &column))
             });
             let segment = self.field_segment(photon, field, length, hit.as_ref());
-            out.deposits.extend(inside.map(|(id, ..)| (id, segment)));
             let fog = inside.map_or(Medium::default(), |(_, fog, _)| self.acting(fog));
+            let lit = inside
+                .and_then(|(id, own, column)| Some((id, photon.lit_segment(segment, own, &fog, &column)?)));
+            self.deposit(lit, out);
             photon.field = Some(segment.with(Column::Uniform).field_at(&fog, flight.min(reach)));
             out.field_time += start.elapsed();
         }
         if let (Some((_, fog, column)), Some((target, _))) = (inside, collision) {
             if flight < reach {
+                if !photon.is_lit(flight) {
+                    let energy = &mut out.energy;
+                    let lost = if flight < photon.dark { &mut energy.medium } else { &mut energy.escaped };
+                    add(lost, photon.power);
+                    return false;
+                }
                 photon.origin += flight * photon.direction;
                 return self.scatter(photon, target, fog, sampler, out);
             }
@@ -299,8 +330,8 @@ impl<'a> PhotonTracer<'a> {
             add(&mut out.energy.roulette, before - photon.power);
         }
         match hit {
-            Some(hit) => self.interact(photon, &hit, sampler, record, out),
-            None => {
+            Some(hit) if reach < photon.until => self.interact(photon, &hit, sampler, record, out),
+            _ => {
                 add(&mut out.energy.escaped, photon.power);
                 false
             }
@@ -333,6 +364,8 @@ impl<'a> PhotonTracer<'a> {
         photon.normal = Vec3::ZERO;
         photon.direct = false;
         photon.specular = false;
+        photon.bounces += 1;
+        photon.begin();
         true
     }
 
@@ -345,18 +378,19 @@ impl<'a> PhotonTracer<'a> {
         out: &mut PhotonRecord,
     ) -> bool {
         let mut stays_straight = false;
-        match self.scene.objects[hit.object as usize].material {
-            Material::Black => {
-                add(&mut out.energy.surfaces, photon.power);
-                return false;
+        let is_lit = photon.is_lit(hit.distance);
+        match *self.scene.material(hit) {
+            Material::Clear => {
+                self.go_straight_on(photon, hit);
+                return true;
             }
-            Material::Lambert { albedo } => {
+            Material::Lambert { albedo } if is_lit => {
                 let normal = facing_normal(hit, photon.direction);
-                photon.arrive(hit, normal, record, out);
+                photon.arrive(self.scene, hit, normal, record, out);
                 let before = photon.power;
                 let reflected = before * albedo;
                 add(&mut out.energy.surfaces, before - reflected);
-                if record == Record::Connections {
+                if record == Record::Connections && self.scene.shows_surfaces() {
                     let factor = reflected * std::f32::consts::FRAC_1_PI;
                     self.connect(hit.leave(normal), out, |to_camera| factor * to_camera.dot(normal).max(0.0));
                 }
@@ -370,7 +404,7 @@ impl<'a> PhotonTracer<'a> {
                 photon.normal = normal;
                 photon.specular = false;
             }
-            Material::Mirror { reflectance } => {
+            Material::Mirror { reflectance } if is_lit => {
                 let normal = facing_normal(hit, photon.direction);
                 let before = photon.power;
                 let reflected = before * reflectance;
@@ -385,18 +419,22 @@ impl<'a> PhotonTracer<'a> {
                 photon.direction = reflect(photon.direction, normal);
                 photon.normal = normal;
             }
+            Material::Black | Material::Lambert { .. } | Material::Mirror { .. } => {
+                add(&mut out.energy.surfaces, photon.power);
+                return false;
+            }
             Material::Lobes(ref lobes) => {
                 let xi = sampler.uniform_pair();
                 let met = Encounter::new(self.scene, hit, photon.direction, &photon.interior, lobes, xi);
-                let is_lit = lobes.diffuse.max(lobes.translucent) != Vec3::ZERO;
-                if is_lit {
-                    photon.arrive(hit, met.normal, record, out);
+                if is_lit && lobes.diffuse.max(lobes.translucent) != Vec3::ZERO {
+                    photon.arrive(self.scene, hit, met.normal, record, out);
                 }
-                if record == Record::Connections {
+                if is_lit && record == Record::Connections && self.scene.shows_surfaces() {
                     self.connect_lobes(photon, hit, &met, out);
                 }
                 let before = photon.power;
                 let way = met.draw(before, sampler.uniform(), sampler.uniform_pair());
+                let way = way.filter(|way| is_lit || way.lobe == Lobe::Transparent);
                 let Some(way) = way else {
                     add(&mut out.energy.surfaces, before);
                     return false;
@@ -416,19 +454,38 @@ impl<'a> PhotonTracer<'a> {
                 let boundary = Boundary::new(self.scene, hit, photon.direction, &photon.interior);
                 let through =
                     (sampler.uniform() >= boundary.reflectance).then_some(boundary.refracted).flatten();
-                self.cross(photon, hit, &boundary, through);
-                return true;
+                return self.cross(photon, hit, &boundary, through, out);
             }
         }
         photon.direct &= stays_straight;
-        photon.origin = hit.leave(photon.direction);
+        photon.bounces += u32::from(!stays_straight);
+        photon.go_on(hit, stays_straight);
         true
     }
 
-    /// Sends a photon on from glass or water.
+    /// Sends a photon on through what lets all light go straight on: as if nothing had been met but another medium.
+    fn go_straight_on(&self, photon: &mut Photon, hit: &Hit) {
+        let side = if hit.geometric_normal.dot(photon.direction) < 0.0 { -1.0 } else { 1.0 };
+        photon.interior = photon.interior.through(self.scene, hit, photon.direction);
+        photon.normal = side * hit.geometric_normal;
+        photon.go_on(hit, true);
+    }
+
+    /// Sends a photon on from glass or water. False = its light begins farther along its way, which ends here.
     ///
     /// - `through`: the direction behind the boundary; None: it is reflected.
-    fn cross(&self, photon: &mut Photon, hit: &Hit, boundary: &Boundary, through: Option<Vec3>) {
+    fn cross(
+        &self,
+        photon: &mut Photon,
+        hit: &Hit,
+        boundary: &Boundary,
+        through: Option<Vec3>,
+        out: &mut PhotonRecord,
+    ) -> bool {
+        if !(boundary.is_matched() || photon.is_lit(hit.distance)) {
+            add(&mut out.energy.surfaces, photon.power);
+            return false;
+        }
         let curvature = self.curvature(hit, boundary.normal);
         if let Some(refracted) = through {
             if let Some(field) = &mut photon.field {
@@ -445,7 +502,9 @@ impl<'a> PhotonTracer<'a> {
             photon.direction = boundary.reflected;
         }
         photon.direct &= boundary.is_matched();
-        photon.origin = hit.leave(photon.direction);
+        photon.bounces += u32::from(!boundary.is_matched());
+        photon.go_on(hit, boundary.is_matched());
+        true
     }
 
     /// Connects light on a surface of lobes with the pinhole, on either side of it.
@@ -460,6 +519,11 @@ impl<'a> PhotonTracer<'a> {
     /// The curvature that a light field meets at a hit.
     fn curvature(&self, hit: &Hit, normal: Vec3) -> Curvature {
         if self.acts(Operator::Curvature) { curvature_towards(hit, normal) } else { Curvature::default() }
+    }
+
+    /// Leaves the segment of a light field in a region. Where light is inside of glass no grid is looked up.
+    fn deposit(&self, segment: Option<(u32, FieldSegment)>, out: &mut PhotonRecord) {
+        out.deposits.extend(segment.filter(|(region, _)| !self.scene.is_in_glass(*region)));
     }
 
     /// The segment of a light field that a photon carries up to `hit`.
@@ -501,8 +565,9 @@ impl<'a> PhotonTracer<'a> {
         if !(distance > 0.0) {
             return;
         }
-        let (from, to) = ((-foot / distance).atan(), ((reach - foot) / distance).atan());
-        let s = (foot + distance * (from + u * (to - from)).tan()).clamp(0.0, reach);
+        let dark = photon.dark.min(reach);
+        let (from, to) = (((dark - foot) / distance).atan(), ((reach - foot) / distance).atan());
+        let s = (foot + distance * (from + u * (to - from)).tan()).clamp(dark, reach);
         let density = distance / ((to - from) * (distance * distance + (s - foot) * (s - foot)));
         if !(s.is_finite() && density > 0.0) {
             return;
@@ -538,30 +603,6 @@ fn choose_light(cumulative: &[f32], sampler: &mut PathSampler) -> (usize, f32) {
     let index = cumulative.partition_point(|&end| end <= u).min(cumulative.len() - 1);
     let before = if index == 0 { 0.0 } else { cumulative[index - 1] };
     (index, cumulative[index] - before)
-}
-
-/// The beam along a photon's segment: to the next surface, or until nothing is left.
-fn beam_of(
-    photon: &Photon,
-    medium: u32,
-    hit: Option<&Hit>,
-    fog: &Medium,
-    column: &Column,
-) -> Option<PathBeam> {
-    let opaque = media::opaque_distance(fog, photon.origin, photon.direction, column);
-    let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
-    let length = reach.min(opaque);
-    let end_normal = match hit {
-        Some(hit) if reach <= opaque => {
-            let against = if hit.geometric_normal.dot(photon.direction) > 0.0 { -1.0 } else { 1.0 };
-            against * hit.geometric_normal
-        }
-        _ => Vec3::ZERO,
-    };
-    let Photon { origin, direction, power, normal: start_normal, .. } = *photon;
-    let beam = Beam { origin, direction, length, power, start_normal, end_normal };
-    let is_beam = length.is_finite() && fog.scattering.max_element() > 0.0;
-    is_beam.then_some(PathBeam { medium, kind: photon.kind(), beam })
 }
 
 /// The column up to the next collision: one channel, chosen by its power, decides for all three.

@@ -64,6 +64,8 @@ pub struct Energy {
     pub surfaces: [f64; 3],
     /// Left the scene.
     pub escaped: [f64; 3],
+    /// Had as many bounces as the scene's settings allow, and was to have another.
+    pub spent: [f64; 3],
     /// Taken minus given back by random decisions: zero on average.
     pub roulette: [f64; 3],
 }
@@ -104,6 +106,7 @@ impl PhotonRecord {
             (&mut self.energy.medium, other.energy.medium),
             (&mut self.energy.surfaces, other.energy.surfaces),
             (&mut self.energy.escaped, other.energy.escaped),
+            (&mut self.energy.spent, other.energy.spent),
             (&mut self.energy.roulette, other.energy.roulette),
         ];
         for (sum, add) in pairs {

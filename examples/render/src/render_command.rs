@@ -42,6 +42,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
         return Ok(ExitCode::SUCCESS);
     };
     job.target.files().iter().try_for_each(|path| check_writable(path))?;
+    check_camera(&job.scene, args.picture.method)?;
     check_memory(&job.scene, job.origin.photons, args.picture.light_passes)?;
 
     let stop = Stop::on_signals()?;
@@ -179,6 +180,18 @@ fn verdict(end: End, progress: &Progress, args: &RenderArgs) -> String {
         End::NotReached => format!("the error asked for, {:.2} %, is not reached: {found}\n", 100.0 * goal),
         End::Reached | End::Cancelled => format!("median relative error: {found}\n"),
     }
+}
+
+/// Refuses to connect light with a camera that shows a point in more than one place, or as no point.
+fn check_camera(scene: &Scene, method: MethodName) -> Result<(), Refused> {
+    if scene.camera.is_pinhole() || !matches!(method, MethodName::LightTrace) {
+        return Ok(());
+    }
+    Err(Refused(
+        "the method light-trace connects light with a pinhole, and this camera has a lens, a near plane or a projection other than \"perspective\"; \
+         choose another --method, or leave camera.lens, camera.near and camera.projection out"
+            .to_owned(),
+    ))
 }
 
 /// Refuses a picture that memory cannot hold, before the work begins.

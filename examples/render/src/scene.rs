@@ -1,13 +1,21 @@
 //! What a scene is: objects, lights, media, camera and the defaults of a render.
 
 use crate::camera::Camera;
-pub use crate::light::Sun;
+pub use crate::light::{Area, Ball, Cone, Lamp, Pattern, ShiningMesh, Sky, Sun};
 pub use crate::material::{Lobes, Material};
+use crate::placed::cleared;
+pub use crate::placed::{Placed, PlacedObject};
 use crate::volume::Volume;
 use covbeam::{ExponentialDensity, Medium};
+use covbeam_geometry::hit::Hit;
 use covbeam_geometry::mesh::Mesh;
 use glam::Vec3;
 use std::f32::consts::PI;
+
+/// Most pixels along one side of the picture.
+pub const MAX_IMAGE_SIDE: u32 = 16384;
+/// Most light paths a pass.
+pub const MAX_PHOTONS: u32 = 1 << 28;
 
 /// Index into [`Scene::media`].
 pub type MediumId = u32;
@@ -17,11 +25,13 @@ pub type MediumId = u32;
 pub struct Scene {
     /// Shapes with their materials.
     pub objects: Vec<Object>,
+    /// Meshes placed by transforms; their objects are counted after those.
+    pub placed: Option<Placed>,
     /// At least one.
     pub lights: Vec<Light>,
     /// Scattering media.
     pub media: Vec<SceneMedium>,
-    /// The medium outside all closed dielectric objects; None = vacuum.
+    /// The medium outside all closed dielectric objects and all placed ones that are filled; None = vacuum.
     pub outside: Option<MediumId>,
     /// Where the picture is taken from.
     pub camera: Camera,
@@ -29,9 +39,100 @@ pub struct Scene {
     pub grid: covbeam::GridLayout,
     /// Defaults of a render.
     pub settings: Settings,
+    /// What its pictures show.
+    pub sees: Sees,
+}
+
+/// What pictures show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sees {
+    /// All light.
+    #[default]
+    Everything,
+    /// The light that fog scatters into the camera: surfaces are black, and hide or mirror the fog that is behind them.
+    FogAlone,
 }
 
 impl Scene {
+    /// What was hit.
+    pub fn material(&self, hit: &Hit) -> &Material {
+        match (self.objects.get(hit.object as usize), &self.placed) {
+            (Some(object), _) => &object.material,
+            (None, Some(placed)) => placed.material(hit),
+            (None, None) => unreachable!("hits bear numbers of objects"),
+        }
+    }
+
+    /// Materials of all that is there.
+    pub fn materials(&self) -> impl Iterator<Item = &Material> {
+        let placed = self.placed.iter().flat_map(Placed::materials);
+        self.objects.iter().map(|object| &object.material).chain(placed)
+    }
+
+    /// What was hit, counted among the placed objects; None: it is one of the others.
+    pub(crate) fn placed_hit(&self, hit: &Hit) -> Option<(&Placed, u32)> {
+        let object = hit.object.checked_sub(self.objects.len() as u32)?;
+        Some((self.placed.as_ref()?, object))
+    }
+
+    /// A place, or one a hair aside where it may lie on a surface that something placed has its inside behind: as [`Interior::at`] sees it.
+    ///
+    /// [`Interior::at`]: crate::optics::Interior::at
+    pub fn beside(&self, place: Vec3) -> Vec3 {
+        if self.placed.as_ref().is_some_and(Placed::has_insides) { cleared(place) } else { place }
+    }
+
+    /// Whether light may be scattered and reflected so often.
+    pub(crate) fn allows(&self, bounces: u32) -> bool {
+        self.settings.bounces.is_none_or(|most| bounces <= most)
+    }
+
+    /// Whether surfaces are seen, and lamps through rough glass.
+    pub(crate) fn shows_surfaces(&self) -> bool {
+        self.sees == Sees::Everything
+    }
+
+    /// Whether an eye ray sees anything of, in or through a surface.
+    pub(crate) fn shows(&self, material: &Material) -> bool {
+        match material {
+            Material::Black => false,
+            Material::Lambert { .. } => self.shows_surfaces(),
+            Material::Lobes(lobes) => self.shows_surfaces() || lobes.shows_through(),
+            Material::Mirror { .. } | Material::Dielectric { .. } | Material::Clear => true,
+        }
+    }
+
+    /// How many lists beams of a medium are kept in: 2 where fog goes on inside of glass that is placed, and else 1.
+    fn sides(&self) -> u32 {
+        self.placed.as_ref().map_or(1, Placed::sides)
+    }
+
+    /// How many lists there are of beams: those of media outside and inside of placed glass are kept apart.
+    pub fn region_count(&self) -> usize {
+        self.media.len() * self.sides() as usize
+    }
+
+    /// The region of a medium outside or inside of glass.
+    pub(crate) fn region(&self, medium: MediumId, in_glass: bool) -> u32 {
+        self.sides() * medium + u32::from(in_glass)
+    }
+
+    /// Whether a region is inside of placed glass.
+    pub fn is_in_glass(&self, region: u32) -> bool {
+        self.sides() == 2 && region % 2 == 1
+    }
+
+    /// The medium of a region.
+    pub fn medium_of(&self, region: u32) -> &SceneMedium {
+        &self.media[(region / self.sides()) as usize]
+    }
+
+    /// Whether any light may be scattered: a scene without is black, and nothing can be traced in it.
+    pub fn lights_fog(&self) -> bool {
+        let scatters = |medium: &SceneMedium| medium.medium.scattering != Vec3::ZERO;
+        self.lights.iter().any(|light| light.flux() != Vec3::ZERO) && self.media.iter().any(scatters)
+    }
+
     /// Radiance of the picture to within a few powers of ten [W/(m² sr)]: that of light scattered once, if all of the lights' power
     /// crossed a sphere as large as the distance from the camera to the scene.
     pub fn typical_radiance(&self) -> f32 {
@@ -113,7 +214,7 @@ pub enum Shape {
 }
 
 /// A light.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Light {
     /// Isotropic point light.
     Point {
@@ -168,6 +269,14 @@ pub enum Light {
     },
     /// A disk infinitely far away.
     Sun(Sun),
+    /// A point or ball that shines all around, into a cone or by a pattern, as Blender's lamps do.
+    Lamp(Lamp),
+    /// One-sided parallelogram or ellipse, with a honeycomb before it or not.
+    Area(Area),
+    /// Triangles that shine on both sides.
+    Mesh(ShiningMesh),
+    /// What is around the scene, infinitely far away.
+    Sky(Sky),
 }
 
 /// Defaults of a render; the command line overrides them.
@@ -185,6 +294,9 @@ pub struct Settings {
     pub schedule: covbeam::Schedule,
     /// Share of the photons that carry a light field, in (0, 1].
     pub light_field_share: f32,
+    /// Largest number of scatterings and reflections of light before the one that sends it to the camera, None for any. What goes straight on
+    /// does not count, nor does what an eye path meets.
+    pub bounces: Option<u32>,
 }
 
 impl Settings {

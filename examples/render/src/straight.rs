@@ -28,10 +28,10 @@ const POINT_STEPS: [f64; 2] = [0.732_050_807_568_877_3, 0.645_751_311_064_590_6]
 /// Purpose of random numbers.
 const KEY: u32 = 0x57a1;
 
-/// Whether straight light in a medium is left to beams: where density varies from voxel to voxel a shadow ray's transmittance costs as much
+/// Whether straight light in a region is left to beams: where density varies from voxel to voxel a shadow ray's transmittance costs as much
 /// as some fifty pairs.
 pub(crate) fn is_left_to_beams(scene: &Scene, medium: u32) -> bool {
-    matches!(scene.media[medium as usize].density, MediumDensity::Grid(_))
+    matches!(scene.medium_of(medium).density, MediumDensity::Grid(_))
 }
 
 /// Shadow rays of a piece of an eye path, alone in its pixel.

@@ -4,11 +4,11 @@ use crate::defaults::divide;
 use crate::eye::{EyeSegment, EyeTracer};
 use crate::geometry::unite;
 use crate::media;
-use crate::optics::Interior;
 use crate::photon::{PhotonRecord, PhotonTracer, Record};
 use crate::radius::BeamVoxels;
 use crate::random::{Emission, Random};
-use crate::scene::{Light, Scene};
+use crate::scene::{Light, Placed, Scene};
+use crate::starts::EyeStarts;
 use crate::surface::SurfaceMap;
 use covbeam::{GridLayout, Medium};
 use covbeam_geometry::MAX_COORDINATE;
@@ -90,8 +90,7 @@ impl Survey {
         // Without light in a medium there are surfaces alone, whose photons have radii too.
         let depth = middle(light.places.iter().map(|place| (place.depth, place.weight)))
             .unwrap_or_else(|| (0.5 * (min + max) - camera.position).length().into());
-        let aspect = camera.width as f32 / camera.height as f32;
-        let view = 2.0 * camera.tan_half_height * aspect.sqrt() * depth as f32;
+        let view = camera.side_at(depth as f32);
         let meetings = middle(light.meetings.into_iter().map(|meetings| (meetings, 1.0)));
         Self { min, max, space, view, meetings }
     }
@@ -107,18 +106,18 @@ fn light_paths(scene: &Scene) -> PhotonRecord {
 
 /// Pieces of eye paths in media whose kernels are looked up in the grid, numbered by their eye ray.
 fn eye_pieces(scene: &Scene, fogs: &[Medium]) -> Vec<EyeSegment> {
-    let interior = Interior::at(scene, scene.camera.position);
+    let starts = EyeStarts::new(scene);
     let surfaces = SurfaceMap::empty();
-    let tracer = EyeTracer { scene, fogs, interior, surfaces: &surfaces };
+    let tracer = EyeTracer { scene, fogs, starts, surfaces: &surfaces };
     let mut pieces: Vec<EyeSegment> = Vec::new();
     for node in 0..LATTICE * LATTICE {
         let at = |index: u32, count: u32| (index as f32 + 0.5) / LATTICE as f32 * count as f32;
         let camera = &scene.camera;
-        let direction = camera.direction(at(node % LATTICE, camera.width), at(node / LATTICE, camera.height));
-        tracer.trace(direction, node, &mut Random::new([0, 0, node, 0]), &mut pieces);
+        let point = [at(node % LATTICE, camera.width), at(node / LATTICE, camera.height)];
+        tracer.trace(&starts.at(point, [0.0; 2]), node, &mut Random::new([0, 0, node, 0]), &mut pieces);
     }
-    // A camera in a medium plans eye rays, and kernels beyond the first surface stay narrow.
-    if interior.medium(scene).is_some() {
+    // Where there is fog before the first surface eye rays are planned, and kernels beyond it stay narrow.
+    if pieces.iter().any(EyeSegment::is_first) {
         pieces.retain(EyeSegment::is_first);
     }
     pieces
@@ -218,7 +217,8 @@ fn middle(values: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
 
 /// Of all objects and lamps.
 fn bounds_of_scene(scene: &Scene) -> (Vec3, Vec3) {
-    let objects = scene.objects.iter().map(|object| object.shape.bounds());
+    let placed = scene.placed.as_ref().and_then(Placed::bounds);
+    let objects = scene.objects.iter().map(|object| object.shape.bounds()).chain(placed);
     let lamps = scene.lights.iter().map(Light::bounds);
     objects.chain(lamps).reduce(unite).expect("a scene has a light")
 }

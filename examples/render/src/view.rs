@@ -1,14 +1,16 @@
 //! The eye rays of one pass: through which pixels, and what they see.
 
 use crate::eye::{EyeSegment, EyeTracer};
+use crate::geometry::intersect_box;
 use crate::kind::{Kind, MOST_LAYERS};
 use crate::plan::Plan;
 use crate::random::{Random, spread};
 use crate::samples::{PassImage, Room, Seen, SparseSample};
 use crate::scene::Scene;
+use crate::starts::EyeStart;
 use crate::straight::Straight;
 use crate::surface::SurfaceMap;
-use covbeam::{BeamMap, EyeRay, GatherScratch, Gathered, Kernel, Medium};
+use covbeam::{BeamMap, EyeRay, FluenceGrid, GatherScratch, Gathered, GridLayout, Kernel, Medium};
 use rayon::prelude::*;
 use std::sync::Mutex;
 use std::time::Instant;
@@ -23,7 +25,11 @@ const LEAST: f32 = 0.01;
 
 /// Eye rays that look for straight light through a pixel that an edge crosses: such pixels have a third of the variance otherwise, and shadow
 /// rays cost less than beams.
+/// Where a lens blurs an edge into a pixel, as many look for all light.
 const LOOKS: u32 = 4;
+
+/// Places along a piece of an eye path where its spectra are looked up to be told.
+const PLACES: u32 = 16;
 
 /// Purpose of random numbers.
 const FAINT_KEY: u32 = 0xfa17;
@@ -53,23 +59,39 @@ pub(crate) struct View<'a> {
     pub(crate) plans: Vec<Plan>,
     /// Where straight light is not left to beams; it is of the first layer.
     pub(crate) straight: Option<Straight<'a>>,
+    /// Whether anything is wanted from the first surface on.
+    pub(crate) beyond: bool,
+    /// What layer σ tells of where kernels look nothing up: the mean along the eye ray; None: it is 0 there.
+    pub(crate) spectra: Option<FluenceGrid<'a>>,
 }
 
 /// An eye ray that a pass wants.
+#[derive(Clone, Copy)]
 struct Wanted {
     x: u32,
     y: u32,
     /// By layer: the fog before the first surface.
     fog: [bool; MOST_LAYERS],
     surfaces: bool,
-    /// Rays that look for its straight light, itself and others beside it.
+    /// Rays that look for its light, itself and others beside it: for straight light only, unless it is blurred.
     looks: u32,
+    is_blurred: bool,
 }
 
 impl Wanted {
     fn fog_count(&self) -> usize {
         self.fog.iter().filter(|wanted| **wanted).count()
     }
+}
+
+/// A ray that looks for what is wanted from an eye ray, and that beams are gathered around.
+struct Look {
+    wanted: Wanted,
+    /// Number of the eye ray, and of the sample of each layer of its fog.
+    ray: usize,
+    samples: [Option<usize>; MOST_LAYERS],
+    /// Among the looks of the eye ray.
+    number: u32,
 }
 
 /// What the eye rays cost.
@@ -128,11 +150,13 @@ impl View<'_> {
         let pixels = (0..TILE * TILE)
             .map(move |place| (x0 + every_second_bit(place), y0 + every_second_bit(place >> 1)));
         pixels.filter(move |(x, y)| *x < width && *y < height).filter_map(|(x, y)| {
-            let mut wanted =
-                Wanted { x, y, fog: [self.plans.is_empty(); MOST_LAYERS], surfaces: true, looks: 1 };
+            let fog = [self.plans.is_empty(); MOST_LAYERS];
+            let mut wanted = Wanted { x, y, fog, surfaces: self.beyond, looks: 1, is_blurred: false };
             if let Some(plan) = self.plans.first() {
-                wanted.surfaces = plan.surfaces().are_wanted(x, y, self.pass, self.seed);
-                if self.straight.is_some() && plan.surfaces().has_edge(x, y) {
+                let surfaces = plan.surfaces();
+                wanted.surfaces &= surfaces.are_wanted(x, y, self.pass, self.seed);
+                wanted.is_blurred = surfaces.is_blurred(x, y);
+                if wanted.is_blurred || self.straight.is_some() && surfaces.has_edge(x, y) {
                     wanted.looks = LOOKS;
                 }
             }
@@ -146,26 +170,31 @@ impl View<'_> {
     /// What the eye rays of a tile see.
     fn tile(&self, corner: [u32; 2], mut seen: Seen, scratch: &mut Scratch) -> Cost {
         let start = Instant::now();
-        let Scratch { segments, wanted, .. } = scratch;
+        let Scratch { segments, looks, .. } = scratch;
         segments.clear();
-        wanted.clear();
+        looks.clear();
         let mut fog = 0;
-        for (number, ray) in self.wanted(corner).enumerate() {
+        for (ray, wanted) in self.wanted(corner).enumerate() {
             let mut samples = [None; MOST_LAYERS];
+            let pixel = wanted.y * self.scene.camera.width + wanted.x;
             for (layer, sample) in samples.iter_mut().enumerate() {
-                if ray.fog[layer] && !self.plans.is_empty() {
+                if wanted.fog[layer] && !self.plans.is_empty() {
                     *sample = Some(fog);
                     seen.fog[fog].layer = layer as u32;
-                    seen.fog[fog].pixel = ray.y * self.scene.camera.width + ray.x;
+                    seen.fog[fog].pixel = pixel;
                     fog += 1;
                 }
             }
-            self.trace(number, &ray, &mut seen, segments);
-            wanted.push((ray, samples));
+            seen.rays[ray] = SparseSample { pixel, has_surfaces: wanted.surfaces, ..SparseSample::default() };
+            for number in 0..if wanted.is_blurred { wanted.looks } else { 1 } {
+                let look = Look { wanted, ray, samples, number };
+                self.trace(looks.len(), &look, &mut seen, segments);
+                looks.push(look);
+            }
         }
         self.add_straight(&mut seen, scratch);
         if self.straight.is_some() {
-            self.thin_out(&mut scratch.segments, &seen);
+            self.thin_out(scratch, &seen);
         }
         // Paths that met the same surfaces run side by side.
         scratch.segments.sort_by_key(|segment| (segment.medium, segment.signature, segment.pixel));
@@ -173,23 +202,37 @@ impl View<'_> {
         Cost { seconds: start.elapsed().as_secs_f64(), pairs }
     }
 
-    /// The eye path of a wanted ray.
-    fn trace(&self, number: usize, wanted: &Wanted, seen: &mut Seen, segments: &mut Vec<EyeSegment>) {
-        let camera = &self.scene.camera;
-        let [jx, jy] = pixel_offset(self.seed, self.pass);
-        let &Wanted { x, y, surfaces, .. } = wanted;
-        let direction = camera.direction(x as f32 + jx, y as f32 + jy);
-        let pixel = y * camera.width + x;
-        let mut random = Random::new([self.seed, self.pass, pixel, 0xe7e]);
-        let asked = [wanted.fog_count() > 0, surfaces];
-        let mut light = self.tracer.trace_wanted(direction, number as u32, asked, &mut random, segments);
-        light[Kind::Straight as usize] /= wanted.looks as f32;
-        seen.rays[number] = SparseSample { pixel, has_surfaces: surfaces, light, gather: [0.0; 4] };
+    /// The eye path of a look, whose pieces it numbers as it is numbered itself.
+    fn trace(&self, index: usize, look: &Look, seen: &mut Seen, segments: &mut Vec<EyeSegment>) {
+        let &Look { ref wanted, ray, number, .. } = look;
+        let sample = &mut seen.rays[ray];
+        let start = self.start(wanted, sample.pixel, number);
+        let key = if number == 0 { 0xe7e } else { LOOK_KEY ^ number };
+        let mut random = Random::new([self.seed, self.pass, sample.pixel, key]);
+        let first = segments.len();
+        let asked = [wanted.fog_count() > 0, wanted.surfaces];
+        let mut light = self.tracer.trace_wanted(&start, index as u32, asked, &mut random, segments);
+        if wanted.is_blurred {
+            let share = 1.0 / wanted.looks as f32;
+            light.iter_mut().for_each(|light| *light *= share);
+            segments[first..].iter_mut().for_each(|segment| segment.throughput *= share);
+        } else {
+            light[Kind::Straight as usize] /= wanted.looks as f32;
+        }
+        sample.light.iter_mut().zip(light).for_each(|(sum, light)| *sum += light);
+    }
+
+    /// Where one of the rays through a pixel starts.
+    fn start(&self, wanted: &Wanted, pixel: u32, look: u32) -> EyeStart {
+        let place = spread(pixel_offset(self.seed, self.pass), look as usize);
+        let starts = &self.tracer.starts;
+        let lens = starts.place_in_lens(self.seed, pixel, (self.pass - 1).wrapping_mul(wanted.looks) + look);
+        starts.at([wanted.x as f32 + place[0], wanted.y as f32 + place[1]], lens)
     }
 
     /// Beams around the pieces of the eye paths.
     fn gather(&self, beams: &BeamView, seen: &mut Seen, scratch: &mut Scratch) -> u64 {
-        let Scratch { segments, wanted, rays, pieces, gathered, gather } = scratch;
+        let Scratch { segments, looks, rays, pieces, gathered, gather } = scratch;
         let BeamView { layer, maps, kernel, behind, kind } = beams;
         let mut pairs = 0;
         for group in segments.chunk_by(|a, b| (a.medium, a.signature) == (b.medium, b.signature)) {
@@ -197,8 +240,9 @@ impl View<'_> {
             if maps[medium].beams().is_empty() {
                 continue;
             }
-            let is_wanted =
-                |segment: &&EyeSegment| !segment.is_first() || wanted[segment.pixel as usize].0.fog[*layer];
+            let is_wanted = |segment: &&EyeSegment| {
+                !segment.is_first() || looks[segment.pixel as usize].wanted.fog[*layer]
+            };
             pieces.clear();
             pieces.extend(group.iter().filter(is_wanted).copied());
             rays.clear();
@@ -209,16 +253,15 @@ impl View<'_> {
             let is_behind = !self.plans.is_empty() && !group[0].is_first();
             let kernel = if is_behind { behind } else { kernel };
             maps[medium].gather(fog, rays, kernel, gathered, gather).expect("its map was built in it");
+            let spectra = self.spectra.as_ref().filter(|_| kernel.grid.is_none() && group[0].is_first());
             for (segment, gathered) in pieces.iter().zip(gathered.iter()) {
-                let ray = segment.pixel as usize;
-                seen.add(ray, wanted[ray].1[*layer], segment, *kind, gathered.radiance);
+                let &Look { ray, samples, .. } = &looks[segment.pixel as usize];
+                seen.add(ray, samples[*layer], segment, *kind, gathered.radiance);
                 let share = segment.throughput.element_sum() / 3.0;
-                let add = [
-                    share * gathered.weight,
-                    share * gathered.radius,
-                    share * gathered.sigma,
-                    gathered.pairs as f32,
-                ];
+                let sigma = spectra
+                    .map_or(gathered.sigma, |spectra| gathered.weight * self.sigma(spectra, &segment.ray));
+                let add =
+                    [share * gathered.weight, share * gathered.radius, share * sigma, gathered.pairs as f32];
                 for (sum, add) in seen.rays[ray].gather.iter_mut().zip(add) {
                     *sum += add;
                 }
@@ -228,37 +271,58 @@ impl View<'_> {
         pairs
     }
 
+    /// Standard deviation of spectra across an eye ray, the mean of places along it; 0 where no light field has been.
+    fn sigma(&self, spectra: &FluenceGrid, ray: &EyeRay) -> f32 {
+        let GridLayout { min, max, .. } = self.scene.grid;
+        let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+        let Some((near, far)) = intersect_box(min.as_dvec3(), max.as_dvec3(), origin, direction) else {
+            return 0.0;
+        };
+        let (from, to) = ((near as f32).max(0.0), (far as f32).min(ray.length));
+        let (across, aside) = ray.direction.any_orthonormal_pair();
+        let (mut sum, mut count) = (0.0, 0.0_f32);
+        for place in 0..PLACES {
+            let distance = from + (to - from) * (place as f32 + 0.5) / PLACES as f32;
+            if let Some(spectrum) =
+                spectra.look_up(ray.origin + distance * ray.direction).filter(|_| from < to)
+            {
+                sum += (0.5 * (spectrum.variance_along(across) + spectrum.variance_along(aside))).sqrt();
+                count += 1.0;
+            }
+        }
+        sum / count.max(1.0)
+    }
+
     /// Straight light in all pieces of the eye paths.
     fn add_straight(&self, seen: &mut Seen, scratch: &mut Scratch) {
         let Some(straight) = &self.straight else { return };
         let mut knots = Vec::new();
         for segment in &scratch.segments {
-            let ray = segment.pixel as usize;
-            let (wanted, samples) = &scratch.wanted[ray];
+            let &Look { ref wanted, ray, samples, number } = &scratch.looks[segment.pixel as usize];
             if segment.is_first() && !wanted.fog[0] {
                 continue;
             }
             let pixel = seen.rays[ray].pixel;
             let planned = self.plans.first().filter(|_| segment.is_first());
             let density = planned.map_or(1.0, |plan| plan.density()[pixel as usize]);
-            let radiance = straight.radiance(segment, pixel, density, (0, wanted.looks), &mut knots)
-                / wanted.looks as f32;
+            let radiance = straight.radiance(segment, pixel, density, (number, wanted.looks), &mut knots);
+            // A blurred pixel's pieces have their share.
+            let radiance = if wanted.is_blurred { radiance } else { radiance / wanted.looks as f32 };
             seen.add(ray, samples[0], segment, Kind::Straight, radiance);
         }
         let no_photons = SurfaceMap::empty();
         let tracer = EyeTracer { surfaces: &no_photons, ..self.tracer };
-        let camera = &self.scene.camera;
-        let [jx, jy] = pixel_offset(self.seed, self.pass);
-        for (ray, (wanted, samples)) in scratch.wanted.iter().enumerate() {
+        for &Look { ref wanted, ray, samples, .. } in
+            scratch.looks.iter().filter(|look| !look.wanted.is_blurred)
+        {
             let pixel = seen.rays[ray].pixel;
             for look in 1..wanted.looks {
-                let shift = spread([jx, jy], look as usize);
-                let direction = camera.direction(wanted.x as f32 + shift[0], wanted.y as f32 + shift[1]);
+                let start = self.start(wanted, pixel, look);
                 let mut random = Random::new([self.seed, self.pass, pixel, LOOK_KEY ^ look]);
                 let asked = [wanted.fog[0], wanted.surfaces];
                 let pieces = &mut scratch.pieces;
                 pieces.clear();
-                let light = tracer.trace_wanted(direction, pixel, asked, &mut random, pieces);
+                let light = tracer.trace_wanted(&start, pixel, asked, &mut random, pieces);
                 let share = 1.0 / wanted.looks as f32;
                 seen.rays[ray].light[Kind::Straight as usize] += light[Kind::Straight as usize] * share;
                 for segment in pieces.iter() {
@@ -271,9 +335,9 @@ impl View<'_> {
     }
 
     /// Leaves pieces out that the camera hardly sees, and makes up for them.
-    fn thin_out(&self, segments: &mut Vec<EyeSegment>, seen: &Seen) {
+    fn thin_out(&self, scratch: &mut Scratch, seen: &Seen) {
         let mut number = 0_u32;
-        segments.retain_mut(|segment| {
+        scratch.segments.retain_mut(|segment| {
             number += 1;
             let share = segment.throughput.max_element() / FAINT;
             if segment.is_first() || share >= 1.0 {
@@ -281,7 +345,7 @@ impl View<'_> {
             }
             let chance = (share * share).max(LEAST);
             segment.throughput /= chance;
-            let pixel = seen.rays[segment.pixel as usize].pixel;
+            let pixel = seen.rays[scratch.looks[segment.pixel as usize].ray].pixel;
             Random::new([self.seed, self.pass, pixel, FAINT_KEY ^ (number << 16)]).uniform() < chance
         });
     }
@@ -296,8 +360,7 @@ fn every_second_bit(number: u32) -> u32 {
 #[derive(Default)]
 struct Scratch {
     segments: Vec<EyeSegment>,
-    /// The eye rays, and the sample of each layer of their fog.
-    wanted: Vec<(Wanted, [Option<usize>; MOST_LAYERS])>,
+    looks: Vec<Look>,
     pieces: Vec<EyeSegment>,
     rays: Vec<EyeRay>,
     gathered: Vec<Gathered>,

@@ -285,6 +285,27 @@ fn a_scene_that_is_missing_or_wrong_is_named() {
 }
 
 #[test]
+fn light_is_not_connected_with_a_camera_that_is_no_pinhole() {
+    let folder = folder();
+    let path = folder.path().join("ball.toml");
+    let ball = fs::read_to_string(&path).unwrap();
+    for fields in [
+        "vertical_fov = 35.0\nnear = 0.1",
+        "vertical_fov = 35.0\nlens = { radius = 0.1, focus_distance = 5 }",
+        "projection = \"orthographic\"\nvertical_size = 3",
+    ] {
+        fs::write(&path, ball.replace("vertical_fov = 35.0", fields)).unwrap();
+        let text = said(folder.path(), &["render", "ball.toml", "--method", "light-trace"], 3);
+        assert_contains(&text, &["light-trace", "pinhole", "camera.lens", "camera.near", "--method"]);
+        assert_eq!(names(folder.path()), ["ball.toml"]);
+        said(folder.path(), &["render", "ball.toml", "--passes", "1"], 0);
+        for beside in ["exr", "png", "shard"] {
+            fs::remove_file(folder.path().join(format!("ball-adaptive.{beside}"))).unwrap();
+        }
+    }
+}
+
+#[test]
 fn an_output_that_cannot_be_written_is_refused_before_rendering() {
     let folder = folder();
     let refused = |out: &str, parts: &[&str]| {

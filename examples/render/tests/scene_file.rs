@@ -3,7 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use covbeam::{ExponentialDensity, GridLayout, KernelShape, PhaseFunction, PhaseKind, Schedule};
-use covbeam_render::scene::{Light, Lobes, Material, MediumDensity, Scene, Settings, Shape};
+use covbeam_render::camera::{Camera, Frame, Lens, Projection};
+use covbeam_render::film::Picture;
+use covbeam_render::output::{RenderInfo, write_exr};
+use covbeam_render::random::Random;
+use covbeam_render::scene::{Area, Light, Lobes, Material, MediumDensity, Scene, Settings, Shape};
 use covbeam_render::scene_file::SceneError;
 use glam::Vec3;
 use proptest::prelude::*;
@@ -15,6 +19,8 @@ position = [0.0, 0.5, -5.0]
 look_at = [0, 0, 0]
 up = [0, 2, 0]
 vertical_fov = 35
+near = 0.01
+lens = { radius = 0.02, focus_distance = 4.5, blades = 6, rotation = 90, ratio = 1.5 }
 width = 64
 height = 32
 [[medium]]
@@ -139,14 +145,25 @@ fn shipped(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(name)
 }
 
+fn half_height(camera: &Camera) -> f32 {
+    match camera.frame {
+        Frame::Middle { half_height } => half_height,
+        Frame::Part { .. } => panic!("scene files show the middle"),
+    }
+}
+
 #[test]
 fn every_field_arrives() {
     let folder = meshes();
     let scene = Scene::parse(VALID, "valid.toml", folder.path()).expect("valid");
     assert_eq!(scene.outside, Some(0));
     assert_eq!((scene.camera.width, scene.camera.height), (64, 32));
-    assert!((scene.camera.tan_half_height - 17.5f32.to_radians().tan()).abs() < 1e-7);
+    assert_eq!(scene.camera.projection, Projection::Perspective);
+    assert!((half_height(&scene.camera) - 17.5f32.to_radians().tan()).abs() < 1e-7);
     assert_eq!(scene.camera.right, Vec3::NEG_X);
+    let rotation = std::f32::consts::FRAC_PI_2;
+    let lens = Lens { radius: 0.02, focus_distance: 4.5, blades: 6, rotation, ratio: 1.5 };
+    assert_eq!((scene.camera.near, scene.camera.lens), (0.01, Some(lens)));
     assert_eq!(scene.media[0].medium.scattering, Vec3::new(0.2, 0.3, 0.4));
     assert_eq!(scene.media[0].medium.absorption, Vec3::splat(0.02));
     assert_eq!(
@@ -214,7 +231,7 @@ fn the_ball_scenes_are_the_ones_that_were_measured_elsewhere() {
         let camera = scene.camera;
         assert_eq!((camera.position, camera.width, camera.height), (Vec3::new(0.0, 0.5, -5.0), 256, 256));
         assert!((camera.forward - Vec3::new(0.0, -0.5, 5.0).normalize()).length() < 1e-6);
-        assert!((camera.tan_half_height - 17.5f32.to_radians().tan()).abs() < 1e-7);
+        assert!((half_height(&camera) - 17.5f32.to_radians().tan()).abs() < 1e-7);
         // The floor is lit from above: its normal is up.
         let hit = scene.intersect(Vec3::new(2.0, 0.0, 0.0), Vec3::NEG_Y, f32::INFINITY).expect("the floor");
         assert_eq!((hit.object, hit.normal), (1, Vec3::Y));
@@ -235,6 +252,39 @@ fn every_shipped_scene_is_valid_and_its_camera_stands_outside_all_glass() {
         assert_eq!(scene.containing(scene.camera.position), [0u32; 0], "{}", path.display());
         assert!(scene.intersect(scene.camera.position, scene.camera.forward, f32::INFINITY).is_some());
     }
+}
+
+#[test]
+fn cameras_of_all_projections_are_read() {
+    let camera = |fields: &str, [width, height]: [u32; 2]| {
+        let text = format!(
+            "[camera]\nposition=[0,0,-9]\nlook_at=[0,0,0]\nwidth={width}\nheight={height}\n{fields}\n\
+             [[light]]\nkind=\"point\"\nposition=[0,1,0]\nintensity=1\n"
+        );
+        Ok::<Camera, SceneError>(Scene::parse(&text, "camera.toml", Path::new(""))?.camera)
+    };
+    for (fields, size, projection, expected) in [
+        ("projection='perspective'\nvertical_fov=90", [4, 4], Projection::Perspective, 1.0),
+        ("projection='orthographic'\nvertical_size=6", [4, 4], Projection::Orthographic, 3.0),
+        ("projection='equirectangular'", [8, 4], Projection::Equirectangular, 90.0_f32.to_radians()),
+        ("projection='equirectangular'", [4, 4], Projection::Equirectangular, 90.0_f32.to_radians()),
+        (
+            "projection='equirectangular'\nvertical_fov=80",
+            [16, 4],
+            Projection::Equirectangular,
+            40.0_f32.to_radians(),
+        ),
+        ("projection='fisheye'\nvertical_fov=250", [4, 4], Projection::Fisheye, 125.0_f32.to_radians()),
+    ] {
+        let camera = camera(fields, size).expect("valid");
+        assert_eq!((camera.projection, camera.near, camera.lens), (projection, 0.0, None));
+        assert!((half_height(&camera) - expected).abs() < 1e-6, "{fields}");
+    }
+    // All around is 360 degrees: twice as wide as high.
+    let error = camera("projection='equirectangular'", [9, 4]).expect_err("too wide").to_string();
+    assert!(error.contains("vertical_fov") && error.contains("160.0"), "{error}");
+    let error = camera("projection='fisheye'", [4, 4]).expect_err("no angle").to_string();
+    assert!(error.contains("vertical_fov"), "{error}");
 }
 
 #[test]
@@ -351,6 +401,46 @@ const WRONG: &[(&str, &str, isize, &str, &str)] = &[
     ("henyey_greenstein = 0.7", "henyey_greenstein = 1", 0, "medium[0].phase.henyey_greenstein", "0.999"),
     ("vertical_fov = 35", "vertical_fov = 0", 0, "camera.vertical_fov", "179"),
     ("vertical_fov = 35", "vertical_fov = 180", 0, "camera.vertical_fov", "179"),
+    ("vertical_fov = 35", "vertical_size = 35", 0, "camera.vertical_size", "vertical_fov"),
+    ("vertical_fov = 35", "vertical_fov = 35\nprojection = \"flat\"", 1, "camera.projection", "orthographic"),
+    (
+        "vertical_fov = 35",
+        "vertical_fov = 35\nprojection = \"orthographic\"",
+        0,
+        "camera.vertical_fov",
+        "vertical_size",
+    ),
+    (
+        "vertical_fov = 35",
+        "vertical_size = 0\nprojection = \"orthographic\"",
+        0,
+        "camera.vertical_size",
+        "length",
+    ),
+    (
+        "vertical_fov = 35",
+        "vertical_fov = 181\nprojection = \"equirectangular\"",
+        0,
+        "camera.vertical_fov",
+        "180.0",
+    ),
+    (
+        "vertical_fov = 35",
+        "vertical_fov = 162\nprojection = \"fisheye\"",
+        0,
+        "camera.vertical_fov",
+        "160.9969",
+    ),
+    ("near = 0.01", "near = -0.01", 0, "camera.near", "0..=1e9"),
+    ("near = 0.01", "near = nan", 0, "camera.near", "0..=1e9"),
+    ("{ radius = 0.02, focus", "{ radius = 0, focus", 0, "camera.lens.radius", "length"),
+    ("{ radius = 0.02, focus", "{ focus", 0, "camera.lens.radius", "this field"),
+    ("focus_distance = 4.5", "focus_distance = -4.5", 0, "camera.lens.focus_distance", "length"),
+    ("focus_distance = 4.5", "focus = 4.5", 0, "camera.lens.focus", "focus_distance"),
+    ("blades = 6", "blades = 2", 0, "camera.lens.blades", "at least 3"),
+    ("blades = 6", "blades = 1025", 0, "camera.lens.blades", "1024"),
+    ("rotation = 90", "rotation = 400", 0, "camera.lens.rotation", "360"),
+    ("ratio = 1.5", "ratio = 0", 0, "camera.lens.ratio", "0.01..=100"),
     ("width = 64", "width = 0", 0, "camera.width", "1 to 16384"),
     ("height = 32", "height = 16385", 0, "camera.height", "1 to 16384"),
     ("photons = 1000", "photons = 0", 0, "render.photons", "268435456"),
@@ -522,15 +612,20 @@ fn whatever_is_wrong_is_refused_with_file_line_field_and_expectation() {
 
 /// A sun above a box of fog; `outside` at its beginning.
 fn sunny(outside: &str, light: &str) -> Result<Scene, SceneError> {
+    lit(outside, &format!("kind = \"sun\"\n{light}"), Path::new(""))
+}
+
+/// A light of any kind there.
+fn lit(outside: &str, light: &str, folder: &Path) -> Result<Scene, SceneError> {
     let text = format!(
         "{outside}\n[camera]\nposition = [0, 0, -9]\nlook_at = [0, 0, 0]\nvertical_fov = 40\nwidth = 8\nheight = 8\n\
          [[medium]]\nname = \"fog\"\nscattering = 0.1\nabsorption = 0\n\
          [[medium]]\nname = \"haze\"\nscattering = 0.1\nabsorption = 0\ndensity = {{ exponential = {{ scale_height = 2 }} }}\n\
          [[medium]]\nname = \"nothing\"\nscattering = 0\nabsorption = 0\n\
-         [[light]]\nkind = \"sun\"\n{light}\n\
+         [[light]]\n{light}\n\
          [[object]]\nshape = \"box\"\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\nmaterial = {{ dielectric = {{ index = 1 }} }}\ninside = \"fog\"\n"
     );
-    Scene::parse(&text, "sunny.toml", Path::new(""))
+    Scene::parse(&text, "sunny.toml", folder)
 }
 
 #[test]
@@ -541,7 +636,7 @@ fn a_sun_arrives_and_is_refused_where_its_light_would_not() {
         assert_eq!((sun.direction, sun.irradiance), (Vec3::NEG_Y, Vec3::new(3.0, 2.0, 1.0)));
         assert_eq!(sun.angle, 0.25f32.to_radians());
     }
-    let parallel = sunny("", "direction = [0, -1, 0]\nirradiance = 1").expect("valid").lights[0];
+    let parallel = sunny("", "direction = [0, -1, 0]\nirradiance = 1").expect("valid").lights[0].clone();
     assert!(matches!(parallel, Light::Sun(sun) if sun.angle == 0.0));
     let wrong = [
         ("outside_medium = \"fog\"", light, "kind", "no sun where outside_medium has no end"),
@@ -569,12 +664,152 @@ fn a_sun_arrives_and_is_refused_where_its_light_would_not() {
 }
 
 #[test]
+fn lamps_areas_meshes_and_skies_arrive() {
+    let folder = meshes();
+    let read = |light: &str| {
+        let scene = lit("", light, folder.path()).unwrap_or_else(|error| panic!("{light}: {error}"));
+        scene.lights[0].clone()
+    };
+    let Light::Lamp(lamp) = read("kind = \"lamp\"\nposition = [0, 2.5, 0]\nintensity = [3, 2, 1]") else {
+        panic!("a lamp")
+    };
+    assert_eq!((lamp.position, lamp.intensity), (Vec3::Y * 2.5, Vec3::new(3.0, 2.0, 1.0)));
+    assert!(lamp.radius == 0.0 && !lamp.soft && lamp.cone.is_none() && lamp.pattern.is_none());
+    let cone = "cone = { look_at = [0, 0, 0], angle = 60, blend = 0.5 }";
+    let text =
+        format!("kind = \"lamp\"\nposition = [0, 2.5, 0]\nintensity = 1\nradius = 0.25\nsoft = true\n{cone}");
+    let Light::Lamp(lamp) = read(&text) else { panic!("a lamp") };
+    assert!(lamp.radius == 0.25 && lamp.soft);
+    let cone = lamp.cone.expect("a cone");
+    assert!(cone.axis == Vec3::NEG_Y && (cone.cosine - 0.5).abs() < 1e-6 && (cone.blend - 0.25).abs() < 1e-6);
+
+    let edges = "edge_u = [0.5, 0, 0]\nedge_v = [0, 0, 0.25]";
+    let Light::Area(area) = read(&format!("kind = \"area\"\ncenter = [1, 2, 3]\n{edges}\nradiance = 4"))
+    else {
+        panic!("an area")
+    };
+    let (edge_u, edge_v) = (0.5 * Vec3::X, 0.25 * Vec3::Z);
+    let (center, spread) = (Vec3::new(1.0, 2.0, 3.0), 90f32.to_radians());
+    assert_eq!(area, Area { center, edge_u, edge_v, round: false, spread, radiance: Vec3::splat(4.0) });
+    let narrow =
+        format!("kind = \"area\"\ncenter = [1, 2, 3]\n{edges}\nradiance = 4\nround = true\nspread = 30");
+    let Light::Area(narrow) = read(&narrow) else { panic!("an area") };
+    assert_eq!(narrow, Area { round: true, spread: 30f32.to_radians(), ..area });
+
+    // The right angle's triangles, of ½ each, and the slope's: √3/2; half as large as the file's.
+    let mesh = read("kind = \"mesh\"\nfile = \"tetrahedron.obj\"\nscale = 0.5\nradiance = [1, 2, 3]");
+    let flux = std::f32::consts::TAU * 0.25 * (1.5 + 0.75f32.sqrt()) * Vec3::new(1.0, 2.0, 3.0);
+    assert!(matches!(mesh, Light::Mesh(_)) && (mesh.flux() / flux - 1.0).abs().max_element() < 1e-5);
+}
+
+/// Above +y, and from the left of the picture's first row: -x, -z, x and z, where y points up; the same turned.
+#[test]
+fn a_skys_picture_arrives_upright() {
+    let folder = meshes();
+    let radiance: Vec<Vec3> = (1..=8u8).map(|value| Vec3::new(f32::from(value), 1.0, 0.0)).collect();
+    let picture = Picture { width: 4, height: 2, radiance, ..Picture::default() };
+    let (method, scene) = ("sky".to_owned(), "sky".to_owned());
+    let info = RenderInfo { method, passes: 1, photons: 1, seed: 1, scene };
+    write_exr(&folder.path().join("sky.exr"), &picture, &info).expect("written");
+    let sky = |more: &str| {
+        let light = format!("kind = \"sky\"\nradiance = [2, 1, 1]\n{more}");
+        let scene = lit("", &light, folder.path()).unwrap_or_else(|error| panic!("{error}"));
+        assert!(matches!(scene.lights[0], Light::Sky(_)));
+        scene.lights[0].clone()
+    };
+    let mut random = Random::new([5, 5, 5, 5]);
+    let mut found = |light: &Light| {
+        let mut sums = [[Vec3::ZERO; 4]; 2];
+        for _ in 0..80_000 {
+            let (density, from) = light.flux_density(Vec3::ZERO, [random.uniform(), random.uniform()]);
+            let quarter = [
+                [from.x < 0.0 && from.z < 0.0],
+                [from.x >= 0.0 && from.z < 0.0],
+                [from.x >= 0.0 && from.z >= 0.0],
+            ];
+            let column = quarter.iter().position(|[is_there]| *is_there).unwrap_or(3);
+            sums[usize::from(from.y < 0.0)][column] += density / 80_000.0;
+        }
+        sums
+    };
+    // Each cell is an eighth of the sphere, and drawn by its light; the least by 1 in 36: 2 %.
+    let check = |found: [[Vec3; 4]; 2], turned: usize| {
+        for (row, column) in (0..8).map(|cell| (cell / 4, cell % 4)) {
+            let value = (4 * row + (column + turned) % 4 + 1) as f32;
+            let expected = std::f32::consts::FRAC_PI_2 * Vec3::new(2.0 * value, 1.0, 0.0);
+            let off = (found[row][column] - expected).length() / expected.length();
+            assert!(off < 0.08, "{row} {column}: {} {expected}", found[row][column]);
+        }
+    };
+    check(found(&sky("picture = \"sky.exr\"")), 0);
+    // To the left: what was in the second column is in the first.
+    check(found(&sky("picture = \"sky.exr\"\nturn = 90")), 1);
+    let even = sky("");
+    assert!(
+        (even.flux_density(Vec3::ZERO, [0.3, 0.4]).0 / Vec3::new(2.0, 1.0, 1.0) - 4.0 * std::f32::consts::PI)
+            .length()
+            < 1e-3
+    );
+}
+
+#[test]
+fn lamps_areas_meshes_and_skies_that_are_wrong_are_refused() {
+    let folder = meshes();
+    std::fs::write(folder.path().join("flat.exr"), "no picture").expect("written");
+    let lamp = "kind = \"lamp\"\nposition = [0, 2.5, 0]\nintensity = 1\n";
+    let area = "kind = \"area\"\ncenter = [0, 2, 0]\nedge_u = [1, 0, 0]\nedge_v = [0, 0, 1]\nradiance = 1\n";
+    let (mesh, sky) = ("kind = \"mesh\"\n", "kind = \"sky\"\nradiance = 1\n");
+    let wrong = [
+        ("", lamp, "radius = 0", "radius", "1e-9"),
+        ("", lamp, "soft = 1", "soft", "true or false"),
+        ("", lamp, "color = 1", "color", "radius, soft, cone"),
+        ("", lamp, "cone = 3", "cone", "table"),
+        ("", lamp, "cone = { look_at = [0, 0, 0], angle = 30 }", "cone.blend", "this field"),
+        ("", lamp, "cone = { look_at = [0, 0, 0], angle = 0, blend = 0 }", "cone.angle", "above 0"),
+        ("", lamp, "cone = { look_at = [0, 0, 0], angle = 91, blend = 0 }", "cone.angle", "90"),
+        ("", lamp, "cone = { look_at = [0, 0, 0], angle = 9, blend = 1.5 }", "cone.blend", "0..=1"),
+        ("", lamp, "cone = { look_at = [0, 2.5, 0], angle = 9, blend = 0 }", "cone.look_at", "other than"),
+        ("", area, "spread = 0.01", "spread", "0.03..=90"),
+        ("", area, "spread = 91", "spread", "0.03..=90"),
+        ("", area, "round = \"yes\"", "round", "true or false"),
+        ("", area, "corner = [0, 0, 0]", "corner", "center"),
+        ("", mesh, "radiance = 1", "file", "this field"),
+        ("", mesh, "file = \"tetrahedron.obj\"", "radiance", "this field"),
+        ("", mesh, "file = \"tetrahedron.obj\"\nradiance = 0", "radiance", "not dark"),
+        ("", mesh, "file = \"tetrahedron.obj\"\nradiance = 1\nsmooth = true", "smooth", "rotate"),
+        ("", sky, "turn = 400", "turn", "360"),
+        ("", sky, "picture = 3", "picture", "EXR"),
+        ("", sky, "picture = \"none.exr\"", "picture", "regular file"),
+        ("", sky, "picture = \"flat.exr\"", "picture", "EXR"),
+        ("outside_medium = \"fog\"", sky, "", "kind", "no sky where outside_medium has no end"),
+        ("outside_medium = \"haze\"", sky, "", "kind", "no sky where outside_medium has no end"),
+    ];
+    for (outside, light, more, name, part) in wrong {
+        match lit(outside, &format!("{light}{more}"), folder.path()) {
+            Err(SceneError::Field { field, expected, .. }) => {
+                assert!(
+                    field == format!("light[0].{name}") && expected.contains(part),
+                    "{more}: {field}: {expected}"
+                );
+            }
+            other => panic!("{light} {more}: {other:?}"),
+        }
+    }
+    let missing = lit("", "kind = \"mesh\"\nfile = \"none.obj\"\nradiance = 1", folder.path());
+    assert!(matches!(missing, Err(SceneError::Mesh { field, .. }) if field == "light[0].file"));
+    let empty = "[camera]\nposition=[0,0,-9]\nlook_at=[0,0,0]\nvertical_fov=40\nwidth=8\nheight=8\n\
+                 [[light]]\nkind=\"sky\"\nradiance=1\n";
+    let error = Scene::parse(empty, "empty.toml", Path::new("")).expect_err("nothing to shine on");
+    assert!(error.to_string().contains("an object, or a medium with an end"), "{error}");
+}
+
+#[test]
 fn an_error_reads_as_one_line() {
     let broken = VALID.replace("radius = 0.5\n", "radius = -0.5\n");
     let error = Scene::parse(&broken, "fog.toml", Path::new("")).expect_err("negative");
     assert_eq!(
         error.to_string(),
-        "fog.toml:23: object[0].radius: found -0.5, expected a length in 1e-9..=1e9"
+        "fog.toml:25: object[0].radius: found -0.5, expected a length in 1e-9..=1e9"
     );
 }
 
@@ -599,7 +834,7 @@ fn a_missing_broken_or_open_mesh_is_refused_where_it_is_named() {
     let parse = |text: &str| Scene::parse(text, "m.toml", folder.path()).expect_err("refused").to_string();
     let missing = parse(&VALID.replace("tetrahedron.obj", "none.obj"));
     assert!(
-        missing.starts_with("m.toml:39: object[3].file: mesh ") && missing.contains("cannot be read"),
+        missing.starts_with("m.toml:41: object[3].file: mesh ") && missing.contains("cannot be read"),
         "{missing}"
     );
     let folder_itself = parse(&VALID.replace("tetrahedron.obj", "."));
@@ -607,11 +842,11 @@ fn a_missing_broken_or_open_mesh_is_refused_where_it_is_named() {
     let broken = parse(&VALID.replace("tetrahedron.obj", "broken.obj"));
     assert!(broken.contains("broken.obj: line 2: found `nan`, expected a finite number"), "{broken}");
     let huge = parse(&VALID.replace("scale = 0.5", "scale = 1e9").replace("[1, 2, 3]", "[-9e8, 0, 0]"));
-    assert!(huge.starts_with("m.toml:39: object[3].file: mesh ") && huge.contains("±1e9"), "{huge}");
+    assert!(huge.starts_with("m.toml:41: object[3].file: mesh ") && huge.contains("±1e9"), "{huge}");
     let glass = VALID.replace("{ mirror = { reflectance = 0.9 } }", "{ dielectric = { index = 1.5 } }");
     assert!(Scene::parse(&glass, "m.toml", folder.path()).is_ok(), "a tetrahedron is closed");
     let open = parse(&glass.replace("tetrahedron.obj", "open.obj"));
-    assert!(open.starts_with("m.toml:44: object[3].material") && open.contains("3 open edges"), "{open}");
+    assert!(open.starts_with("m.toml:46: object[3].material") && open.contains("3 open edges"), "{open}");
 }
 
 #[test]

@@ -13,8 +13,8 @@ pub mod rings;
 pub mod runs;
 mod text;
 
+use covbeam_render::scene::MAX_IMAGE_SIDE;
 use covbeam_render::scene::Scene;
-use covbeam_render::scene_file::MAX_IMAGE_SIDE;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The host: traces photons and eye rays of a scene and lets covbeam gather. numpy, covbeam and covbeam_rays; no Blender."""
+"""What is rendered, and how: a scene's description, and sessions of the native renderer. numpy and covbeam_rays; no Blender."""
 
+from covbeam_rays import Cancelled
 
-class Cancelled(Exception):
-    """The caller's poll has said no; what was done before is kept."""
+__all__ = ["Cancelled", "ask"]
 
 
 def ask(poll):

@@ -7,37 +7,11 @@ All vectors are in world space. Channels are linear Rec. 709.
 from dataclasses import dataclass, field
 from enum import IntEnum
 
-import covbeam
 import covbeam_rays
 import numpy as np
+from covbeam_rays import MATERIAL
 
-#: How a surface treats light: weights per channel of the lobes that it is the sum of; what they leave is absorbed.
-#:
-#: - diffuse: of Lambert reflection; translucent: of Lambert transmission.
-#: - metal: reflectance of a microfacet mirror at normal incidence; edge: at grazing incidence (Schlick's curve between them).
-#: - glass_reflection, glass_transmission: factors on what Fresnel's equations reflect and transmit at a dielectric boundary.
-#: - coat: weight of a dielectric reflection over what is diffuse: Fresnel's share of it is reflected, the rest goes on to `diffuse`.
-#: - transparent: of light that goes straight on, as if nothing were there.
-#: - ior: refractive index of glass and coat, over that of the side that the normal points to.
-#: - roughness: GGX's alpha of metal, glass and coat; below 1e-3 they are perfectly smooth.
-MATERIAL = np.dtype(
-    [
-        ("diffuse", np.float32, (3,)),
-        ("translucent", np.float32, (3,)),
-        ("metal", np.float32, (3,)),
-        ("edge", np.float32, (3,)),
-        ("glass_reflection", np.float32, (3,)),
-        ("glass_transmission", np.float32, (3,)),
-        ("coat", np.float32, (3,)),
-        ("transparent", np.float32, (3,)),
-        ("ior", np.float32),
-        ("roughness", np.float32),
-    ]
-)
-
-#: Absorbs everything; the material of triangles that have none is the exporter's choice.
-BLACK = np.zeros((), MATERIAL)
-BLACK["ior"] = 1.0
+__all__ = ["MATERIAL", "Aperture", "Camera", "Density", "Light", "LightKind", "Pattern", "Phase", "Scene", "Volume"]
 
 
 class LightKind(IntEnum):
@@ -106,9 +80,29 @@ class Light:
     triangles: np.ndarray = field(default_factory=lambda: np.zeros((0, 3, 3), np.float32))
     #: WORLD: radiance [W/(m^2 sr)] that arrives from cells of equal angles, float32 of shape (h, w, 3). Rows run from +Z down to -Z,
     #: columns in azimuth from pi, by way of +X in the middle, down to -pi.
-    sky: np.ndarray = field(default_factory=lambda: np.zeros((1, 1, 3), np.float32))
+    sky: np.ndarray | None = None
     #: WORLD: the direction in `sky` is this matrix times that in the scene; a rotation, float64 of shape (3, 3).
     turn: np.ndarray = field(default_factory=lambda: np.eye(3))
+
+
+class Phase(IntEnum):
+    """How scattered light is spread over directions."""
+
+    ISOTROPIC = 0
+    #: Of the mean cosine Volume.asymmetry.
+    HENYEY_GREENSTEIN = 1
+    RAYLEIGH = 2
+
+
+@dataclass(frozen=True)
+class Density:
+    """Relative densities, the largest 1: trilinear between the middles of voxels, held beyond the outermost ones, 0 outside of the box."""
+
+    #: Corners of the box [m].
+    min: np.ndarray
+    max: np.ndarray
+    #: >= 0, float32 (z, y, x).
+    values: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -117,16 +111,17 @@ class Volume:
     1, its largest value."""
 
     name: str
-    medium: covbeam.Medium
-    #: Scattering and absorption coefficients [1/m], float64 of shape (3,), and the phase function's mean cosine.
+    #: Scattering and absorption coefficients [1/m], float64 of shape (3,).
     scattering: np.ndarray
     absorption: np.ndarray
-    asymmetry: float
     #: Corners of what it fills [m]; infinite for the world's.
     min: np.ndarray
     max: np.ndarray
-    #: Whether the medium's density varies.
-    varies: bool = False
+    phase: Phase = Phase.ISOTROPIC
+    #: Mean cosine of Henyey-Greenstein, in (-1, 1), forward positive.
+    asymmetry: float = 0.0
+    #: How much of the medium there is; None: 1 everywhere.
+    density: Density | None = None
     #: Indices of the volumes whose sum this is, where all of them and no others are; empty: it is one of a scene's own. The world's is in
     #: all of them.
     parts: tuple[int, ...] = ()
@@ -146,22 +141,6 @@ class Aperture:
     rotation: float = 0.0
     #: Height over width.
     ratio: float = 1.0
-
-    def places(self, u, v):
-        """Places in the opening, to the right and up [m], float64 (n, 2), evenly for even u and v in [0, 1)."""
-        if self.blades < 3:
-            around, far = 2 * np.pi * v, np.sqrt(u)
-            across, upward = far * np.cos(around), far * np.sin(around)
-        else:
-            # A triangle of the middle and an edge, and a place in it: the corners' weights.
-            edge = np.floor(u * self.blades)
-            far = np.sqrt(u * self.blades - edge)
-            half = np.pi / self.blades
-            middle, aside = far * np.cos(half), far * (2 * v - 1) * np.sin(half)
-            turn = self.rotation + 2 * half * edge
-            across = middle * np.cos(turn) - aside * np.sin(turn)
-            upward = middle * np.sin(turn) + aside * np.cos(turn)
-        return self.radius * np.stack([across / self.ratio, upward], axis=-1)
 
 
 @dataclass(frozen=True)
@@ -189,34 +168,6 @@ class Camera:
     #: None: a pinhole.
     aperture: Aperture | None = None
 
-    def through_lens(self, directions, u, v):
-        """Where in the opening eye rays start that a pinhole would send along `directions`, from the position [m], and where they go:
-        float32 (n, 3) both. u, v: even numbers in [0, 1), (n,)."""
-        place = self.aperture.places(u, v)
-        offset = place[:, :1] * self.right + place[:, 1:] * self.up
-        sharp = directions * (self.aperture.focus / (directions @ self.forward))[:, None]
-        way = sharp - offset
-        return offset.astype(np.float32), (way / np.linalg.norm(way, axis=1, keepdims=True)).astype(np.float32)
-
-    def blur(self, depth):
-        """Radius of what a point at a distance along `forward`, (n,) [m], is blurred to [pixels]: (n,)."""
-        if self.aperture is None:
-            return np.zeros_like(depth)
-        lens = self.aperture
-        widest = lens.radius * max(1.0, 1 / lens.ratio)
-        return widest * np.abs(1 / lens.focus - 1 / np.maximum(depth, 1e-30)) / min(self.step)
-
-    def starts(self, directions):
-        """Where eye rays of some unit directions begin: distances from the position, float32 (n,)."""
-        return (self.near / (directions @ self.forward)).astype(np.float32)
-
-    def directions(self, x, y):
-        """Unit directions of eye rays: float32 (n, 3). x, y: float arrays (n,), in pixels from the upper left corner."""
-        across = self.left + np.asarray(x, np.float64) * self.step[0]
-        upward = self.top - np.asarray(y, np.float64) * self.step[1]
-        d = self.forward + across[:, None] * self.right + upward[:, None] * self.up
-        return (d / np.linalg.norm(d, axis=1, keepdims=True)).astype(np.float32)
-
 
 @dataclass(frozen=True)
 class Scene:
@@ -234,14 +185,3 @@ class Scene:
     world_volume: int
     lights: list[Light]
     camera: Camera
-
-    @property
-    def extinctions(self):
-        """Extinction coefficients of the volumes [1/m], and of nothing: float32 (n + 1, 3), so that -1 is nothing's index."""
-        values = [volume.scattering + volume.absorption for volume in self.volumes]
-        return np.array([*values, np.zeros(3)], np.float32)
-
-    @property
-    def bounds(self):
-        """Which materials do nothing but bound fog: bool, (n,)."""
-        return (self.materials["transparent"] >= 1).all(axis=1)

@@ -9,8 +9,8 @@ pub enum Failure {
     Order(String),
     /// The caller has stopped it.
     Cancelled,
-    /// A function of covbeam has returned this covbeam_status, with this message.
-    Covbeam(i32, String),
+    /// There is not enough memory.
+    Memory(String),
     /// A defect of this library.
     Panicked(String),
 }
@@ -25,7 +25,7 @@ impl Failure {
             Self::Invalid(_) => 1,
             Self::Order(_) => 2,
             Self::Cancelled => 3,
-            Self::Covbeam(..) => 4,
+            Self::Memory(_) => 4,
             Self::Panicked(_) => 5,
         }
     }
@@ -41,8 +41,10 @@ impl Failure {
 impl std::fmt::Display for Failure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Invalid(message) | Self::Order(message) | Self::Panicked(message) => f.write_str(message),
-            Self::Covbeam(_, message) => f.write_str(message),
+            Self::Invalid(message)
+            | Self::Order(message)
+            | Self::Memory(message)
+            | Self::Panicked(message) => f.write_str(message),
             Self::Cancelled => f.write_str("stopped by the caller"),
         }
     }

@@ -1,10 +1,11 @@
 //! What the caller builds a scene with.
 
 use crate::failure::{Failure, Result, invalid};
-use crate::instance::Instance;
 use crate::job::Job;
 use crate::mesh::{Draft, MeshArrays};
-use crate::scene::Scene;
+use crate::threads;
+use covbeam_geometry::instance::Instance;
+use covbeam_geometry::instances::Instances;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -15,8 +16,8 @@ pub struct Geometry(Mutex<State>);
 
 enum State {
     Open { drafts: Vec<Draft>, instances: Vec<Instance> },
-    Building(Arc<Job<Scene>>),
-    Built(Arc<Scene>),
+    Building(Arc<Job<Instances>>),
+    Built(Arc<Instances>),
     Failed,
 }
 
@@ -38,7 +39,7 @@ impl Geometry {
         Ok((number, dropped))
     }
 
-    /// Places a mesh: see [`Instance::new`].
+    /// Places a mesh: see [`Instance::new`]; a material below 0 leaves the triangles theirs.
     pub fn add_instance(&self, mesh: u32, matrix: &[f64; 16], object: i32, material: i32) -> Result<()> {
         let mut state = self.locked();
         let State::Open { drafts, instances } = &mut *state else { return Err(too_late("instances")) };
@@ -48,7 +49,10 @@ impl Geometry {
                 drafts.len()
             ));
         };
-        instances.push(Instance::new(mesh as usize, matrix, draft.bounds(), object, material)?);
+        // Hits give numbers back with the bits that they had.
+        let material = u32::try_from(material).ok();
+        let instance = Instance::new(mesh as usize, matrix, draft.bounds(), object as u32, material);
+        instances.push(instance.map_err(|error| invalid!("{error}"))?);
         Ok(())
     }
 
@@ -57,13 +61,18 @@ impl Geometry {
         let mut state = self.locked();
         let State::Open { drafts, instances } = &mut *state else { return Err(too_late("hierarchies")) };
         let (drafts, instances) = (std::mem::take(drafts), std::mem::take(instances));
-        let job = Job::start(move |_, job: &Job<Scene>| {
-            let build = |draft: Draft| job.go_on().map(|()| draft.build());
-            // One mesh at a time: they differ in size.
-            let meshes = drafts.into_par_iter().with_max_len(1).map(build).collect::<Result<_>>()?;
-            job.go_on()?;
-            Ok(Scene::new(meshes, instances))
-        })?;
+        let job = Arc::<Job<Instances>>::default();
+        // Threads of their own, which are in nobody's way for as long as it takes them to stop.
+        let (running, pool) = (Arc::clone(&job), threads::pool(0)?);
+        pool.spawn(move || {
+            let build = |draft: Draft| running.go_on().map(|()| draft.build());
+            // One mesh at a time: they differ in size. A panic is told to whoever waits.
+            running.run(|| {
+                let models = drafts.into_par_iter().with_max_len(1).map(build).collect::<Result<_>>()?;
+                running.go_on()?;
+                Ok(Instances::new(models, instances))
+            });
+        });
         *state = State::Building(job);
         Ok(())
     }
@@ -97,7 +106,7 @@ impl Geometry {
     }
 
     /// What has been built.
-    pub fn scene(&self) -> Result<Arc<Scene>> {
+    pub fn built(&self) -> Result<Arc<Instances>> {
         match &*self.locked() {
             State::Built(scene) => Ok(scene.clone()),
             State::Failed => Err(Failure::Order("geometry: its build was stopped; make a new one".into())),

@@ -1,20 +1,20 @@
-//! The native helper of covbeam's extension for Blender, called through ctypes by the module `covbeam_rays`: what would
-//! be a loop in Python for each ray.
+//! The native helper of covbeam's extension for Blender, called through ctypes by the module `covbeam_rays`: all of a render but
+//! reading Blender's scene.
 //!
 //! - [`geometry`]: meshes and their instances, made ready on native threads ([`job`]) while the caller asks how it
 //!   goes.
-//! - [`scene`]: nearest hits, and silhouettes beside rays, found by covbeam-geometry's triangles and edges.
-//! - [`tasks`]: calls of covbeam's C functions on all threads.
+//! - [`cast`]: what rays hit of them, for those who look at what they have built.
+//! - [`describe`]: all else that a scene is made of, checked and turned into what the renderer knows.
+//! - [`session`]: passes and pictures of a scene, by covbeam-render.
 //! - [`abi`]: the C interface, and all unsafe code.
 
 pub mod abi;
+pub mod cast;
+pub mod describe;
 pub mod failure;
 pub mod geometry;
-pub mod instance;
 pub mod job;
 pub mod mesh;
-pub mod records;
-pub mod scene;
-pub mod tasks;
+pub mod picture;
+pub mod session;
 pub mod threads;
-pub mod wide;

@@ -1,8 +1,8 @@
-//! Meshes as they are given, and with their hierarchy.
+//! Meshes as they are given.
 
 use crate::failure::{Result, invalid};
-use crate::wide::Wide;
 use covbeam_geometry::MAX_COORDINATE;
+use covbeam_geometry::model::Model;
 use covbeam_geometry::triangles::{Frame, Triangles, area_vector};
 use glam::{DVec3, Vec3};
 
@@ -28,17 +28,9 @@ pub struct Draft {
     frame: Option<Frame>,
     corners: Vec<[Vec3; 3]>,
     normals: Vec<[Vec3; 3]>,
-    materials: Vec<i32>,
+    materials: Vec<u32>,
     bounds: (DVec3, DVec3),
     dropped: usize,
-}
-
-/// A mesh that can be hit.
-pub struct Mesh {
-    /// None if no triangle has an area.
-    pub triangles: Option<Triangles<Wide>>,
-    /// One a triangle, or one for all.
-    materials: Vec<i32>,
 }
 
 impl Draft {
@@ -91,8 +83,8 @@ impl Draft {
             kept.iter().map(|&(index, _)| unit_normals(normals[index], index)).collect()
         })?;
         let materials = match materials {
-            [one] => vec![*one],
-            all => kept.iter().map(|&(index, _)| all[index]).collect(),
+            [one] => vec![*one as u32],
+            all => kept.iter().map(|&(index, _)| all[index] as u32).collect(),
         };
         Ok(Self {
             frame: Some(frame),
@@ -126,22 +118,9 @@ impl Draft {
     }
 
     /// Builds the hierarchy.
-    pub fn build(self) -> Mesh {
+    pub fn build(self) -> Model {
         let Self { frame, corners, normals, materials, .. } = self;
-        let triangles = frame.map(|frame| Triangles::new(frame, &corners, &normals));
-        Mesh { triangles, materials }
-    }
-}
-
-impl Mesh {
-    /// The number given with a triangle.
-    pub fn material(&self, triangle: usize) -> i32 {
-        if self.materials.len() == 1 { self.materials[0] } else { self.materials[triangle] }
-    }
-
-    /// Memory held \[bytes\].
-    pub fn memory(&self) -> usize {
-        self.triangles.as_ref().map_or(0, Triangles::memory) + size_of_val(&self.materials[..])
+        Model::new(frame.map(|frame| Triangles::new(frame, &corners, &normals)), materials)
     }
 }
 

@@ -2,20 +2,20 @@
 
 mod shapes;
 
-use covbeam_rays::records::HitRecord;
+use covbeam_geometry::hit::Hit;
 use glam::{DMat3, DMat4, DVec3, Vec3};
-use shapes::{Random, alone, icosphere};
+use shapes::{Random, alone, hit, icosphere};
 
 /// The curvature tensor of a hit in world axes.
-fn tensor(hit: &HitRecord) -> DMat3 {
-    let normal = Vec3::from_array(hit.normal).as_dvec3();
-    let tangent = Vec3::from_array(hit.tangent).as_dvec3();
+fn tensor(hit: &Hit) -> DMat3 {
+    let normal = hit.normal.as_dvec3();
+    let tangent = hit.curvature.tangent.as_dvec3();
     let across = normal.cross(tangent);
     let outer = |a: DVec3, b: DVec3| DMat3::from_cols(a * b.x, a * b.y, a * b.z);
     let mixed = outer(tangent, across) + outer(across, tangent);
-    f64::from(hit.along) * outer(tangent, tangent)
-        + f64::from(hit.across) * outer(across, across)
-        + f64::from(hit.twist) * mixed
+    f64::from(hit.curvature.along) * outer(tangent, tangent)
+        + f64::from(hit.curvature.across) * outer(across, across)
+        + f64::from(hit.curvature.twist) * mixed
 }
 
 /// The normal and the curvature tensor of the ellipsoid |M⁻¹ p| = 1: with f = |M⁻¹ p|², the projected Hessian over the
@@ -42,10 +42,10 @@ fn errors(levels: u32, matrix: DMat3, at: DVec3) -> (f64, f64) {
     let (mut of_normal, mut of_curvature) = (0.0f64, 0.0f64);
     for _ in 0..500 {
         let direction = random.direction().as_vec3().normalize();
-        let hit = scene.cast(at.as_vec3(), direction, f32::INFINITY);
-        let on_unit = (matrix.inverse() * (Vec3::from_array(hit.position).as_dvec3() - at)).normalize();
+        let hit = hit(&scene, at.as_vec3(), direction);
+        let on_unit = (matrix.inverse() * (hit.position.as_dvec3() - at)).normalize();
         let (normal, expected) = ellipsoid(matrix, matrix * on_unit);
-        of_normal = of_normal.max(Vec3::from_array(hit.normal).as_dvec3().distance(normal));
+        of_normal = of_normal.max(hit.normal.as_dvec3().distance(normal));
         of_curvature = of_curvature.max(size(tensor(&hit) - expected) / size(expected));
     }
     (of_normal, of_curvature)
@@ -81,11 +81,12 @@ fn a_bowl_is_concave_and_a_facet_flat() {
     let mut normals = bowl.radial_normals();
     normals.iter_mut().flatten().flatten().for_each(|x| *x = -*x);
     let scene = alone(&bowl, Some(&normals), DMat4::from_scale(DVec3::splat(2.0)));
-    let hit = scene.cast(Vec3::ZERO, Vec3::new(0.6, 0.0, 0.8), f32::INFINITY);
+    let bent = hit(&scene, Vec3::ZERO, Vec3::new(0.6, 0.0, 0.8));
     // The flatness of the triangles, of edges 0.08.
-    assert!((hit.along + 0.5).abs() < 0.02 && (hit.across + 0.5).abs() < 0.02, "{hit:?}");
+    let curvature = bent.curvature;
+    assert!((curvature.along + 0.5).abs() < 0.02 && (curvature.across + 0.5).abs() < 0.02, "{bent:?}");
     let scene = alone(&bowl, None, DMat4::IDENTITY);
-    let hit = scene.cast(Vec3::ZERO, Vec3::new(0.6, 0.0, 0.8), f32::INFINITY);
-    assert_eq!((hit.along, hit.across, hit.twist), (0.0, 0.0, 0.0));
+    let hit = hit(&scene, Vec3::ZERO, Vec3::new(0.6, 0.0, 0.8));
+    assert_eq!((hit.curvature.along, hit.curvature.across, hit.curvature.twist), (0.0, 0.0, 0.0));
     assert_eq!(hit.normal, hit.geometric_normal);
 }

@@ -6,11 +6,10 @@ use covbeam::{Edge, ProbeHit, find_edges};
 use covbeam_geometry::hit::Hit;
 use covbeam_geometry::mesh::{Mesh, Placement};
 use covbeam_geometry::obj::ObjTriangles;
+use covbeam_rays::describe::{Description, MaterialFields};
 use covbeam_rays::geometry::Geometry;
-use covbeam_rays::records::HitRecord;
-use covbeam_rays::threads;
 use glam::{DMat4, DVec3, Vec3};
-use shapes::{Random, add, built, icosphere, lumpy, rows};
+use shapes::{CAMERA, Random, add, built, icosphere, lumpy, rows};
 
 /// The reference: meshes in a row, flat.
 struct Meshes(Vec<Mesh>);
@@ -31,6 +30,7 @@ impl Meshes {
             normal: surface.normal,
             curvature: surface.curvature,
             object: 0,
+            material: 0,
             offset: 4.0 * (rounding + mesh.position_error()),
         })
     }
@@ -69,29 +69,27 @@ fn compare(bounds: bool) {
             geometry.add_instance(ball, &rows(matrix), 1, -1).expect("valid");
         }
     }
-    let scene = built(&geometry);
+    let materials = [MaterialFields { ior: 1.0, ..Default::default() }; 2];
+    let materials = [materials[0], MaterialFields { transparent: [1.0; 3], ..materials[1] }];
+    let description = Description {
+        materials: &materials,
+        object_volumes: &[-1; 2],
+        object_closed: &[0; 2],
+        volumes: Vec::new(),
+        world_volume: -1,
+        lights: Vec::new(),
+        camera: CAMERA,
+    };
+    let scene = description.scene(built(&geometry)).expect("valid");
 
-    let mut random = Random(5);
-    let mut origins = Vec::new();
-    let mut directions = Vec::new();
-    for _ in 0..2000 {
-        let origin = 4.0 * random.direction();
-        let direction = (random.cube() - origin).normalize();
-        origins.push(origin.as_vec3().to_array());
-        directions.push(direction.as_vec3().normalize().to_array());
-    }
-    let count = origins.len();
-    let mut hits = vec![HitRecord::MISS; count];
-    let mut edges = vec![[Edge::default(); 4]; count];
-    let mut counts = vec![0; count];
-    let pool = threads::pool().expect("starts");
-    pool.install(|| scene.cast_many(&origins, &directions, &[f32::INFINITY], &mut hits)).expect("valid rays");
-    pool.install(|| scene.edges_many(&origins, &directions, &hits, &[0, 1], &mut counts, &mut edges))
-        .expect("valid rays");
-
+    let (mut random, count) = (Random(5), 2000);
     let (mut same, mut found) = (0, 0);
-    for i in 0..count {
-        let (origin, direction) = (Vec3::from(origins[i]), Vec3::from(directions[i]));
+    for _ in 0..count {
+        let origin = 4.0 * random.direction();
+        let direction = (random.cube() - origin).normalize().as_vec3().normalize();
+        let origin = origin.as_vec3();
+        let hit = scene.intersect(origin, direction, f32::INFINITY);
+        let edges = scene.edges_beside(origin, direction, hit.as_ref());
         let nearest = |towards: Vec3| reference.nearest(origin, towards);
         let hit = nearest(direction);
         let probe = |towards: Vec3| nearest(towards).as_ref().map(ProbeHit::from);
@@ -103,8 +101,7 @@ fn compare(bounds: bool) {
                 && (edge.distance / expected.distance - 1.0).abs() < 0.01
                 && edge.towards.dot(expected.towards) > 0.999
         };
-        let equal =
-            usize::from(counts[i]) == expected.len() && edges[i].iter().zip(expected.iter()).all(close);
+        let equal = edges.len() == expected.len() && edges.iter().zip(expected.iter()).all(close);
         same += usize::from(equal);
     }
     assert!(found > count / 2, "the rays pass hardly any edges");

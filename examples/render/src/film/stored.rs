@@ -66,7 +66,7 @@ impl FilmLayout {
 
     /// Whether a film can be like this: a file may say anything.
     pub(crate) fn is_sound(&self) -> bool {
-        let side = 1..=crate::scene_file::MAX_IMAGE_SIDE;
+        let side = 1..=crate::scene::MAX_IMAGE_SIDE;
         let typical = f32::from_bits(self.typical);
         let splits = [Split::TOGETHER, Split::STRAIGHT_APART, Split::EACH];
         side.contains(&self.width)

@@ -5,6 +5,7 @@
 //! of variance and cost is (rays + paths/n) (C + P n), least for n² = paths C/(rays P).
 
 use super::look::{LATTICE, LEAST_OF_PICTURE, Look, Memory};
+use crate::camera::Camera;
 use crate::compare::luminance;
 use crate::photon::PhotonTracer;
 use crate::random::Random;
@@ -43,7 +44,7 @@ const LEAST: f32 = 1.0 / 30.0;
 
 /// What a thousand eye rays found.
 #[derive(Clone, Copy, Debug, Default)]
-struct Spread {
+pub(crate) struct Spread {
     /// Relative variance of a pixel that is not the light paths'.
     rays: f32,
     /// Relative variance of a pixel for one light path a pass.
@@ -71,12 +72,18 @@ impl Seen {
     }
 }
 
-/// The share of the branches that guided light paths should have, up to 1.
-///
-/// - `photons`: light paths a pass. Cost: 12 to 70 core-milliseconds.
-pub(crate) fn share_of_branches(tracer: &PhotonTracer, fogs: &[Medium], photons: u32) -> f32 {
-    let camera = &tracer.scene().camera;
-    share(&spread(tracer, fogs, PATHS), photons as f32, (camera.width * camera.height) as f32)
+impl Spread {
+    /// Looks at a scene's picture. Cost: 12 to 70 core-milliseconds.
+    pub(crate) fn of(tracer: &PhotonTracer, fogs: &[Medium]) -> Self {
+        spread(tracer, fogs, PATHS)
+    }
+
+    /// The share of the branches that guided light paths should have, up to 1.
+    ///
+    /// - `photons`: light paths a pass.
+    pub(crate) fn share_of_branches(&self, photons: u32, camera: &Camera) -> f32 {
+        share(self, photons as f32, (camera.width * camera.height) as f32)
+    }
 }
 
 fn share(spread: &Spread, photons: f32, pixels: f32) -> f32 {
@@ -102,10 +109,10 @@ fn spread(tracer: &PhotonTracer, fogs: &[Medium], paths: u32) -> Spread {
             let light = looks.each_ref().map(|look| {
                 [1, 2].map(|place| {
                     let mut random = Random::new([place, node, 0, KEY]);
-                    let direction =
-                        camera.direction(pixel[0] + random.uniform(), pixel[1] + random.uniform());
+                    let point = [pixel[0] + random.uniform(), pixel[1] + random.uniform()];
+                    let start = look.starts.anywhere(point, &mut random);
                     let [straight, focused, scattered] =
-                        look.radiance(direction, node, &mut random, memory).map(luminance);
+                        look.radiance(&start, node, &mut random, memory).map(luminance);
                     [straight, focused + scattered]
                 })
             });
@@ -215,7 +222,7 @@ mod tests {
         let both = format!("{POINT}{spot}");
         let [thin, thick] = [scene(1e-3, "\"black\"", &both), scene(0.5, LIGHT_WALLS, POINT)].map(|scene| {
             let fogs = media::all(&scene);
-            share_of_branches(&tracer(&scene, &fogs), &fogs, scene.settings.photons)
+            Spread::of(&tracer(&scene, &fogs), &fogs).share_of_branches(scene.settings.photons, &scene.camera)
         });
         assert!(thin < 0.5 && thick == 1.0, "{thin}, {thick}");
     }

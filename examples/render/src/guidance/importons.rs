@@ -4,11 +4,12 @@ use super::look::Pixel;
 use super::{left, mean};
 use crate::defaults::divide;
 use crate::light::cosine_direction;
-use crate::material::Encounter;
+use crate::material::{Encounter, Lobe};
 use crate::media;
 use crate::optics::{Boundary, Interior, facing_normal, reflect};
 use crate::random::Random;
 use crate::scene::{Material, Scene};
+use crate::starts::EyeStart;
 use covbeam::{GridLayout, ImportanceGrid, Knot, Medium};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -76,18 +77,18 @@ pub(super) fn walk(scene: &Scene, fogs: &[Medium], pixels: &[Pixel]) -> Found {
         let paths = f64::from(PATHS) * share;
         sum += paths;
         while starts.len() as f64 + 0.5 < sum {
-            starts.push((pixel.direction, (weight / paths) as f32));
+            starts.push((pixel.start, (weight / paths) as f32));
         }
     }
-    let walker = Walker { scene, fogs, interior: Interior::at(scene, scene.camera.position) };
+    let walker = Walker { scene, fogs };
     let chunks = starts
         .par_chunks(CHUNK)
         .enumerate()
         .map(|(chunk, starts)| {
             let mut out = Vec::new();
-            for (index, &(direction, weight)) in starts.iter().enumerate() {
+            for (index, &(start, weight)) in starts.iter().enumerate() {
                 let mut random = Random::new([0, (chunk * CHUNK + index) as u32, 0, KEY]);
-                walker.follow(direction, weight, &mut random, &mut out);
+                walker.follow(start, weight, &mut random, &mut out);
             }
             out
         })
@@ -139,8 +140,6 @@ impl Found {
 struct Walker<'a> {
     scene: &'a Scene,
     fogs: &'a [Medium<'a>],
-    /// Of the camera.
-    interior: Interior,
 }
 
 #[derive(Clone)]
@@ -152,15 +151,18 @@ struct Importon {
     /// Whether it has met mirrors and glass only.
     specular: bool,
     depth: u32,
+    /// How often light that comes along it the other way is scattered and reflected before the place that the camera sees.
+    bounces: u32,
 }
 
 impl Walker<'_> {
-    fn follow(&self, direction: Vec3, weight: f32, random: &mut Random, out: &mut Vec<Deposit>) {
-        let (origin, interior) = (self.scene.camera.position, self.interior);
-        let mut waiting = vec![Importon { origin, direction, weight, interior, specular: true, depth: 0 }];
+    fn follow(&self, start: EyeStart, weight: f32, random: &mut Random, out: &mut Vec<Deposit>) {
+        let EyeStart { origin, direction, interior } = start;
+        let first = Importon { origin, direction, weight, interior, specular: true, depth: 0, bounces: 0 };
+        let mut waiting = vec![first];
         let mut knots = Vec::new();
         while let Some(mut importon) = waiting.pop() {
-            if importon.depth < LONGEST {
+            if importon.depth < LONGEST && self.scene.allows(importon.bounces) {
                 importon.depth += 1;
                 self.step(importon, random, &mut waiting, &mut knots, out);
             }
@@ -195,7 +197,9 @@ impl Walker<'_> {
                 let weight = weight * share * mean(fog.scattering) / fog.mean_extinction();
                 if distance < reach {
                     let origin = origin + distance * importon.direction;
-                    waiting.push(Importon { origin, direction, weight, specular: false, ..importon.clone() });
+                    let bounces = importon.bounces + 1;
+                    let way = Importon { origin, direction, weight, specular: false, bounces, ..importon };
+                    waiting.push(way);
                 }
                 if !importon.specular {
                     return;
@@ -206,8 +210,12 @@ impl Walker<'_> {
             }
         }
         let Some(hit) = hit else { return };
-        match self.scene.objects[hit.object as usize].material {
+        match *self.scene.material(&hit) {
             Material::Black => return,
+            Material::Clear => {
+                importon.interior = importon.interior.through(self.scene, &hit, importon.direction)
+            }
+            Material::Lambert { .. } if importon.specular && !self.scene.shows_surfaces() => return,
             Material::Lambert { albedo } => {
                 if importon.specular {
                     let weight = importon.weight * mean(albedo) * FRAC_1_PI;
@@ -219,6 +227,7 @@ impl Walker<'_> {
                 let normal = facing_normal(&hit, importon.direction);
                 importon.direction = cosine_direction(normal, [random.uniform(), random.uniform()]);
                 importon.specular = false;
+                importon.bounces += 1;
             }
             Material::Lobes(ref lobes) => {
                 let mut pair = || [random.uniform(), random.uniform()];
@@ -226,25 +235,32 @@ impl Walker<'_> {
                 let met =
                     Encounter::new(self.scene, &hit, importon.direction, &importon.interior, lobes, facet);
                 let diffuse = mean(lobes.diffuse + lobes.translucent);
-                if importon.specular && diffuse > 0.0 {
+                if importon.specular && diffuse > 0.0 && self.scene.shows_surfaces() {
                     let weight = importon.weight * diffuse * FRAC_1_PI;
                     out.push(Deposit::Surface { position: hit.position, weight });
                 }
                 let Some(way) = met.draw(Vec3::ONE, random.uniform(), xi) else { return };
+                let is_diffuse = way.lobe.is_diffuse();
+                if importon.specular && is_diffuse && !self.scene.shows_surfaces() {
+                    return;
+                }
                 importon.weight *= mean(way.factor);
                 importon.direction = way.direction;
                 importon.interior = way.interior;
-                importon.specular &= !way.lobe.is_diffuse();
+                importon.specular &= !is_diffuse;
+                importon.bounces += u32::from(!importon.specular && way.lobe != Lobe::Transparent);
             }
             Material::Mirror { reflectance } => {
                 if random.uniform() >= mean(reflectance) {
                     return;
                 }
                 importon.direction = reflect(importon.direction, facing_normal(&hit, importon.direction));
+                importon.bounces += u32::from(!importon.specular);
             }
             Material::Dielectric { .. } => {
                 let boundary = Boundary::new(self.scene, &hit, importon.direction, &importon.interior);
                 let through = random.uniform() >= boundary.reflectance;
+                importon.bounces += u32::from(!importon.specular && !boundary.is_matched());
                 importon.direction = match boundary.refracted.filter(|_| through) {
                     Some(refracted) => {
                         importon.interior = boundary.beyond;

@@ -1,6 +1,7 @@
 //! How lamps emit: in proportion to what light in a direction is worth.
 
 use super::{left, mean, of_diffuse};
+use crate::geometry::MOST_BOUNDS;
 use crate::material::{Encounter, Lobe};
 use crate::media;
 use crate::optics::{Boundary, Interior, facing_normal, reflect};
@@ -8,6 +9,7 @@ use crate::random::{Emission, PathSampler, Random};
 use crate::scene::{Light, Material, Scene};
 use crate::straight::is_left_to_beams;
 use covbeam::{EmissionGuide, Importance, Knot, Medium};
+use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 use rayon::prelude::*;
 use smallvec::{SmallVec, smallvec};
@@ -108,7 +110,7 @@ struct Lamp<'a> {
 impl<'a> Lamp<'a> {
     fn new(scene: &'a Scene, fogs: &'a [Medium<'a>], importance: &'a Importance<'a>, lamp: usize) -> Self {
         let light = &scene.lights[lamp];
-        Self { scene, fogs, importance, light, interior: Interior::at(scene, light.position()) }
+        Self { scene, fogs, importance, light, interior: Interior::of_light(scene, light) }
     }
 
     /// Mean over a cell of what the lamp's light would be worth if all of it left like that.
@@ -132,55 +134,75 @@ impl<'a> Lamp<'a> {
         let mut sampler = PathSampler::new(Emission::Independent, 0, KEY, index);
         let emitted = self.light.emit_at(place, &mut sampler);
         let all = mean(emitted.power);
+        let (origin, interior) = self.interior.start_of(self.scene, self.light, &emitted);
         let start = Ray {
-            origin: emitted.origin,
+            origin,
             direction: emitted.direction,
-            interior: self.interior,
+            interior,
             power: all,
             is_straight: true,
+            dark: emitted.dark,
+            until: emitted.until,
             met: 0,
+            bounds: 0,
+            bounces: 0,
         };
         let mut waiting: SmallVec<[Ray; 8]> = smallvec![start];
         let mut worth = 0.0;
         while let Some(mut ray) = waiting.pop() {
             let hit = self.scene.intersect(ray.origin, ray.direction, f32::INFINITY);
             let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
+            let end = reach.min(ray.until);
             if let Some(id) = ray.interior.medium(self.scene) {
                 let fog = &self.fogs[id as usize];
-                let found = self.importance.of_segment(fog, ray.origin, ray.direction, reach);
+                let dark = ray.dark.min(end);
+                let from = ray.origin + dark * ray.direction;
+                let found = self.importance.of_segment(fog, from, ray.direction, end - dark);
                 let is_seen = !ray.is_straight || is_left_to_beams(self.scene, id);
-                worth += ray.power * (found.scattered + if is_seen { found.beam } else { 0.0 });
+                let scattered = if self.scene.allows(ray.bounces + 1) { found.scattered } else { 0.0 };
+                worth += ray.power * (scattered + if is_seen { found.beam } else { 0.0 });
                 ray.power *= left(fog, &media::column(fog, ray.origin, ray.direction, reach, knots), reach);
             }
-            let Some(hit) = hit else { continue };
+            let Some(hit) = hit.filter(|hit| hit.distance < ray.until) else { continue };
+            let is_lit = hit.distance >= ray.dark;
+            let mut goes_straight = false;
             ray.met += 1;
             let here = || self.importance.at(hit.position);
-            match self.scene.objects[hit.object as usize].material {
-                Material::Black => continue,
-                Material::Lambert { albedo } => {
-                    worth += ray.power * of_diffuse(albedo, &here(), ray.is_straight);
+            match *self.scene.material(&hit) {
+                Material::Clear => {
+                    ray.met -= 1;
+                    ray.bounds += 1;
+                    goes_straight = true;
+                    ray.interior = ray.interior.through(self.scene, &hit, ray.direction);
+                }
+                Material::Lambert { albedo } if is_lit => {
+                    let may_bounce = self.scene.allows(ray.bounces + 1);
+                    worth += ray.power * of_diffuse(albedo, &here(), ray.is_straight, may_bounce);
                     continue;
                 }
                 Material::Lobes(ref lobes) => {
                     let mut pair = || [random.uniform(), random.uniform()];
                     let (facet, xi) = (pair(), pair());
                     let met = Encounter::new(self.scene, &hit, ray.direction, &ray.interior, lobes, facet);
-                    let albedo = lobes.diffuse + lobes.translucent;
-                    worth += ray.power * of_diffuse(albedo, &here(), ray.is_straight);
+                    if is_lit {
+                        let albedo = lobes.diffuse + lobes.translucent;
+                        let may_bounce = self.scene.allows(ray.bounces + 1);
+                        worth += ray.power * of_diffuse(albedo, &here(), ray.is_straight, may_bounce);
+                    }
                     let way = met.draw(Vec3::ONE, random.uniform(), xi);
                     let Some(way) = way.filter(|way| !way.lobe.is_diffuse()) else { continue };
+                    goes_straight = way.lobe == Lobe::Transparent;
                     ray.power *= mean(way.factor);
                     (ray.direction, ray.interior) = (way.direction, way.interior);
-                    ray.is_straight &= way.lobe == Lobe::Transparent;
                 }
-                Material::Mirror { reflectance } => {
+                Material::Mirror { reflectance } if is_lit => {
                     ray.power *= mean(reflectance);
                     ray.direction = reflect(ray.direction, facing_normal(&hit, ray.direction));
-                    ray.is_straight = false;
                 }
+                Material::Black | Material::Lambert { .. } | Material::Mirror { .. } => continue,
                 Material::Dielectric { .. } => {
                     let boundary = Boundary::new(self.scene, &hit, ray.direction, &ray.interior);
-                    ray.is_straight &= boundary.is_matched();
+                    goes_straight = boundary.is_matched();
                     let [back, through] = [boundary.reflectance, 1.0 - boundary.reflectance];
                     let reflected = Ray { direction: boundary.reflected, ..ray.clone() };
                     let refracted = boundary.refracted.map(|direction| Ray {
@@ -192,17 +214,14 @@ impl<'a> Lamp<'a> {
                     if back.min(through) * ray.power > LEAST_SHARE * all {
                         let reflected = Ray { power: back * ray.power, ..reflected };
                         let refracted = refracted.map(|way| Ray { power: through * ray.power, ..way });
-                        for mut way in [Some(reflected), refracted].into_iter().flatten() {
-                            way.origin = hit.leave(way.direction);
-                            waiting.extend((way.met < LONGEST).then_some(way));
-                        }
+                        let ways = [Some(reflected), refracted].into_iter().flatten();
+                        waiting.extend(ways.filter_map(|way| way.go_on(self.scene, &hit, goes_straight)));
                         continue;
                     }
                     ray = refracted.filter(|_| random.uniform() < through).unwrap_or(reflected);
                 }
             }
-            ray.origin = hit.leave(ray.direction);
-            waiting.extend((ray.met < LONGEST).then_some(ray));
+            waiting.extend(ray.go_on(self.scene, &hit, goes_straight));
         }
         worth
     }
@@ -216,6 +235,30 @@ struct Ray {
     interior: Interior,
     power: f32,
     is_straight: bool,
-    /// Surfaces.
+    /// How far from here its light begins, and ends.
+    dark: f32,
+    until: f32,
+    /// Surfaces that are more than bounds of fog, and those that are not.
     met: u32,
+    bounds: u32,
+    /// How often its light has been reflected and refracted.
+    bounces: u32,
+}
+
+impl Ray {
+    /// From a surface, which may be as if nothing were there. None: there is no light of it yet, or it has met enough.
+    fn go_on(mut self, scene: &Scene, hit: &Hit, is_straight: bool) -> Option<Self> {
+        if !is_straight && hit.distance < self.dark {
+            return None;
+        }
+        self.is_straight &= is_straight;
+        self.bounces += u32::from(!is_straight);
+        (self.dark, self.until) = match is_straight {
+            true => ((self.dark - hit.distance).max(0.0), self.until - hit.distance),
+            false => (0.0, f32::INFINITY),
+        };
+        self.origin = hit.leave(self.direction);
+        let goes_on = self.met < LONGEST && self.bounds < MOST_BOUNDS && scene.allows(self.bounces);
+        goes_on.then_some(self)
+    }
 }

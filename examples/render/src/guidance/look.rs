@@ -3,14 +3,13 @@
 use crate::compare::luminance;
 use crate::eye::{EyeSegment, EyeTracer};
 use crate::kind::{ByKind, Kind};
-use crate::optics::Interior;
 use crate::photon::{PhotonRecord, PhotonTracer, Record};
 use crate::random::{Emission, Random};
 use crate::scene::Scene;
+use crate::starts::{EyeStart, EyeStarts};
 use crate::straight::{Straight, is_left_to_beams};
 use crate::surface::{Disks, SurfaceMap};
 use covbeam::{Beam, BeamMap, GatherScratch, Gathered, Kernel, Knot, Medium};
-use glam::Vec3;
 use rayon::prelude::*;
 
 /// Eye rays across and down.
@@ -34,7 +33,7 @@ const KEY: u32 = 0x100c;
 
 /// An eye ray of the coarse picture.
 pub(super) struct Pixel {
-    pub(super) direction: Vec3,
+    pub(super) start: EyeStart,
     /// 1/(pixels x luminance).
     pub(super) weight: f32,
 }
@@ -43,7 +42,7 @@ pub(super) struct Pixel {
 pub(super) fn pixels(scene: &Scene, fogs: &[Medium]) -> Option<Vec<Pixel>> {
     let tracer = PhotonTracer::new(scene, 0, Emission::LowDiscrepancy);
     let look = Look::new(&tracer, fogs, [KEY, PATHS], 1);
-    let seen: Vec<(Vec3, f32)> = (0..LATTICE * LATTICE)
+    let seen: Vec<(EyeStart, f32)> = (0..LATTICE * LATTICE)
         .into_par_iter()
         .map_init(Memory::default, |memory, node| {
             let mut random = Random::new([0, node, 0, KEY]);
@@ -51,12 +50,11 @@ pub(super) fn pixels(scene: &Scene, fogs: &[Medium]) -> Option<Vec<Pixel>> {
             let camera = &scene.camera;
             let at =
                 |index: u32, place: f32, count: u32| (index as f32 + place) / LATTICE as f32 * count as f32;
-            let direction = camera.direction(
-                at(node % LATTICE, place[0], camera.width),
-                at(node / LATTICE, place[1], camera.height),
-            );
-            let radiance = look.radiance(direction, node, &mut random, memory);
-            (direction, luminance(radiance.iter().sum()))
+            let point =
+                [at(node % LATTICE, place[0], camera.width), at(node / LATTICE, place[1], camera.height)];
+            let start = look.starts.anywhere(point, &mut random);
+            let radiance = look.radiance(&start, node, &mut random, memory);
+            (start, luminance(radiance.iter().sum()))
         })
         .collect();
     weigh(&seen)
@@ -72,8 +70,8 @@ pub(super) struct Look<'a> {
     kernel: Kernel<'static>,
     surfaces: SurfaceMap,
     straight: Straight<'a>,
-    /// What the camera is inside of.
-    interior: Interior,
+    /// Where eye rays start.
+    pub(super) starts: EyeStarts<'a>,
 }
 
 /// A thread's, from ray to ray.
@@ -115,8 +113,8 @@ impl<'a> Look<'a> {
         let shape = scene.settings.schedule.shape;
         let kernel = Kernel { shape, min_radius, max_radius, error: 1.0, grid: None };
         let straight = Straight { scene, fogs, lamps: tracer.lamps(), seed: 0, pass };
-        let interior = Interior::at(scene, scene.camera.position);
-        Self { scene, fogs, maps, beams: count, kernel, surfaces, straight, interior }
+        let starts = EyeStarts::new(scene);
+        Self { scene, fogs, maps, beams: count, kernel, surfaces, straight, starts }
     }
 
     /// What an eye ray sees; of light in media, all that is not straight counts as scattered.
@@ -124,15 +122,15 @@ impl<'a> Look<'a> {
     /// - `number`: of the ray, for its random numbers.
     pub(super) fn radiance(
         &self,
-        direction: Vec3,
+        start: &EyeStart,
         number: u32,
         random: &mut Random,
         memory: &mut Memory,
     ) -> ByKind {
-        let Self { scene, fogs, interior, ref surfaces, .. } = *self;
-        let eye = EyeTracer { scene, fogs, interior, surfaces };
+        let Self { scene, fogs, starts, ref surfaces, .. } = *self;
+        let eye = EyeTracer { scene, fogs, starts, surfaces };
         memory.segments.clear();
-        let mut radiance = eye.trace(direction, number, random, &mut memory.segments);
+        let mut radiance = eye.trace(start, number, random, &mut memory.segments);
         for segment in &memory.segments {
             let mut gathered = [Gathered::default()];
             let medium = segment.medium as usize;
@@ -149,7 +147,7 @@ impl<'a> Look<'a> {
     }
 }
 
-fn weigh(seen: &[(Vec3, f32)]) -> Option<Vec<Pixel>> {
+fn weigh(seen: &[(EyeStart, f32)]) -> Option<Vec<Pixel>> {
     let count = seen.len() as f32;
     let mean = seen.iter().map(|(_, luminance)| luminance).sum::<f32>() / count;
     if !(mean > 0.0 && mean.is_finite()) {
@@ -162,9 +160,9 @@ fn weigh(seen: &[(Vec3, f32)]) -> Option<Vec<Pixel>> {
         let (sum, count) = nodes.fold((0.0, 0.0), |(sum, count), node| (sum + seen[node].1, count + 1.0_f32));
         sum / count
     };
-    let pixels = seen.iter().zip(0..).map(|(&(direction, luminance), node)| {
+    let pixels = seen.iter().zip(0..).map(|(&(start, luminance), node)| {
         let least = (LEAST_OF_NEIGHBOURS * around(node)).max(LEAST_OF_PICTURE * mean);
-        Pixel { direction, weight: 1.0 / (count * luminance.max(least)) }
+        Pixel { start, weight: 1.0 / (count * luminance.max(least)) }
     });
     Some(pixels.collect())
 }

@@ -1,27 +1,44 @@
 //! Lights: how photons leave them and what they send straight to a surface.
 
+mod aim;
+mod area;
+mod cells;
+mod directions;
 mod disk;
+mod lamp;
+mod mesh;
+mod patch;
+mod pattern;
+mod sky;
+mod sphere;
+mod spot;
 mod stretch;
 mod sun;
 mod triangle;
 
+pub use aim::Ball;
+pub use area::Area;
+pub use directions::cosine_direction;
+pub use lamp::Lamp;
+pub use mesh::ShiningMesh;
+pub use pattern::Pattern;
+pub use sky::Sky;
+pub use spot::Cone;
 pub use sun::Sun;
 
 use crate::geometry::{intersect_rectangle, intersect_sphere};
 use crate::random::{PathSampler, Random};
 use crate::scene::Light;
 use covbeam::{EVEN_LAMP, LightField};
+use directions::{across, cone_direction, even_direction};
 use glam::Vec3;
+use patch::{FRAC_1_SQRT_PI, diffuse_field, equal_radius, front};
+use spot::{spot_angular_variance, spot_falloff};
 use std::f32::consts::{FRAC_1_SQRT_2, PI, TAU};
 use stretch::{before, in_cone, outside_sphere};
-use triangle::SeenTriangle;
 
-/// Angular variance of a diffuse emitter: the relative curvature of cos θ/d² across the ray is 3/d², in the plane of the
-/// normal and across it alike.
-const DIFFUSE_ANGULAR_VARIANCE: f32 = 3.0 / (4.0 * PI * PI);
-
-/// Radius of a disk as large as a square, over the square's side.
-const FRAC_1_SQRT_PI: f32 = 0.564_189_6;
+/// A relative curvature [1/rad²] as an angular variance \[cycles²/rad²\].
+const CURVATURE: f32 = 1.0 / (4.0 * PI * PI);
 
 /// A photon leaving a light.
 #[derive(Clone, Copy, Debug)]
@@ -34,31 +51,17 @@ pub struct EmittedPhoton {
     pub power: Vec3,
     /// Normal of the emitting surface, zero for a light without one.
     pub normal: Vec3,
+    /// How far along its way its light begins, >= 0; what it meets before is not lit, but dims it.
+    pub dark: f32,
+    /// And how far along its way its light ends, > 0; infinity: nowhere.
+    pub until: f32,
 }
 
-/// Smooth fall-off of a spot between its two cones.
-fn spot_falloff(cos_theta: f32, inner: f32, outer: f32) -> f32 {
-    let theta = cos_theta.clamp(-1.0, 1.0).acos();
-    let q = ((outer - theta) / (outer - inner)).clamp(0.0, 1.0);
-    q * q * (3.0 - 2.0 * q)
-}
-
-/// Angular variance of a spot's field in the direction `theta` off its axis: towards the axis, and around it.
-///
-/// The Hessian of I(θ)/d² across the ray, over I/d²: I''/I - 2 and I' cot θ/I - 2. Where the fall-off has its
-/// inflection the gradient speaks.
-fn spot_angular_variance(theta: f32, inner: f32, outer: f32) -> [f32; 2] {
-    if theta <= inner || theta >= outer {
-        return [EVEN_LAMP; 2];
+impl EmittedPhoton {
+    /// A photon whose light is all along its way.
+    fn new(origin: Vec3, direction: Vec3, power: Vec3, normal: Vec3) -> Self {
+        Self { origin, direction, power, normal, dark: 0.0, until: f32::INFINITY }
     }
-    let width = outer - inner;
-    let q = (outer - theta) / width;
-    let falloff = q * q * (3.0 - 2.0 * q);
-    let slope = -6.0 * q * (1.0 - q) / (width * falloff);
-    let curvature = (6.0 - 12.0 * q) / (width * width * falloff);
-    let towards = (curvature - 2.0).abs().max(slope * slope);
-    let around = 2.0 - slope / theta.tan();
-    [towards, around].map(|relative| relative / (4.0 * PI * PI))
 }
 
 impl Light {
@@ -73,6 +76,10 @@ impl Light {
             }
             Light::Sphere { radius, radiance, .. } => 4.0 * PI * PI * radius * radius * radiance,
             Light::Sun(sun) => sun.flux(),
+            Light::Lamp(ref lamp) => lamp.flux(),
+            Light::Area(area) => area.flux(),
+            Light::Mesh(ref mesh) => mesh.flux(),
+            Light::Sky(ref sky) => sky.flux(),
         }
     }
 
@@ -86,13 +93,26 @@ impl Light {
             }
             Light::Sphere { center, .. } => center,
             Light::Sun(sun) => sun.position(),
+            Light::Lamp(ref lamp) => lamp.position,
+            Light::Area(area) => area.position(),
+            Light::Mesh(ref mesh) => mesh.position(),
+            Light::Sky(ref sky) => sky.position(),
         }
     }
 
-    /// A box that a scene's own must hold: of a sun, what it shines on.
+    /// Whether its light comes from infinitely far away.
+    pub(crate) fn is_far(&self) -> bool {
+        matches!(self, Light::Sun(_) | Light::Sky(_))
+    }
+
+    /// A box that a scene's own must hold: of what is infinitely far away, what it shines on.
     pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
         match self {
             Light::Sun(sun) => sun.bounds(),
+            Light::Lamp(lamp) => lamp.bounds(),
+            Light::Area(area) => area.bounds(),
+            Light::Mesh(mesh) => mesh.bounds(),
+            Light::Sky(sky) => sky.bounds(),
             _ => (self.position(), self.position()),
         }
     }
@@ -108,6 +128,10 @@ impl Light {
                 origin.distance(self.position()) <= 0.501 * (edge_u.length() + edge_v.length())
             }
             Light::Sun(sun) => sun.may_have_sent(direction),
+            Light::Lamp(ref lamp) => lamp.may_have_sent(origin, direction),
+            Light::Area(area) => area.may_have_sent(origin),
+            Light::Mesh(ref mesh) => mesh.may_have_sent(origin),
+            Light::Sky(ref sky) => sky.may_have_sent(origin),
         }
     }
 
@@ -118,23 +142,20 @@ impl Light {
     }
 
     /// The photon of a place in the unit square, whose second number is an angle around the light's axis. It says where the photon goes;
-    /// from which point of a light that has a size `sampler` draws. Of a sun it is the other way round.
+    /// from which point of a light that has a size `sampler` draws. Of a sun it is the other way round; of a mesh it says where the photon goes
+    /// from its triangle.
     pub fn emit_at(&self, [a, b]: [f32; 2], sampler: &mut PathSampler) -> EmittedPhoton {
         match *self {
             Light::Point { position, intensity } => {
                 let direction = even_direction([a, b]);
-                EmittedPhoton { origin: position, direction, power: 4.0 * PI * intensity, normal: Vec3::ZERO }
+                EmittedPhoton::new(position, direction, 4.0 * PI * intensity, Vec3::ZERO)
             }
             Light::Spot { position, direction: axis, intensity, inner_angle, outer_angle } => {
                 let height = 1.0 - outer_angle.cos();
-                let z = 1.0 - a * height;
-                let (sin_phi, cos_phi) = (TAU * b).sin_cos();
-                let r = (1.0 - z * z).max(0.0).sqrt();
-                let (e, f) = axis.any_orthonormal_pair();
-                let direction = (r * cos_phi * e + r * sin_phi * f + z * axis).normalize();
+                let direction = cone_direction(axis, height, [a, b]);
                 let falloff = spot_falloff(direction.dot(axis), inner_angle, outer_angle);
                 let power = falloff * TAU * height * intensity;
-                EmittedPhoton { origin: position, direction, power, normal: Vec3::ZERO }
+                EmittedPhoton::new(position, direction, power, Vec3::ZERO)
             }
             Light::Disk { center, normal, radius, .. } => {
                 let [c, d] = sampler.uniform_pair();
@@ -143,7 +164,7 @@ impl Light {
                 let rho = radius * c.sqrt();
                 let origin = center + rho * (cos_psi * e + sin_psi * f) + 1e-5 * radius * normal;
                 let direction = cosine_direction(normal, [a, b]);
-                EmittedPhoton { origin, direction, power: self.flux(), normal }
+                EmittedPhoton::new(origin, direction, self.flux(), normal)
             }
             Light::Rectangle { corner, edge_u, edge_v, .. } => {
                 let [c, d] = sampler.uniform_pair();
@@ -151,20 +172,22 @@ impl Light {
                 let lift = 1e-5 * equal_radius(edge_u, edge_v) * normal;
                 let direction = cosine_direction(normal, [a, b]);
                 let origin = corner + c * edge_u + d * edge_v + lift;
-                EmittedPhoton { origin, direction, power: self.flux(), normal }
+                EmittedPhoton::new(origin, direction, self.flux(), normal)
             }
             Light::Sphere { center, radius, .. } => {
                 // In each direction it shines as a disk across it, evenly: the cosine foreshortens its surface.
                 let direction = even_direction([a, b]);
                 let [c, d] = sampler.uniform_pair();
-                let (e, f) = direction.any_orthonormal_pair();
-                let (sin_psi, cos_psi) = (TAU * d).sin_cos();
-                let across = c.sqrt() * (cos_psi * e + sin_psi * f);
+                let across = across(direction, [c, d]);
                 let normal = (across + (1.0 - c).max(0.0).sqrt() * direction).normalize();
                 let origin = center + (1.0 + 1e-5) * radius * normal;
-                EmittedPhoton { origin, direction, power: self.flux(), normal }
+                EmittedPhoton::new(origin, direction, self.flux(), normal)
             }
             Light::Sun(sun) => sun.emit_at([a, b], sampler),
+            Light::Lamp(ref lamp) => lamp.emit_at([a, b], sampler),
+            Light::Area(area) => area.emit_at([a, b], sampler),
+            Light::Mesh(ref mesh) => mesh.emit_at([a, b], sampler),
+            Light::Sky(ref sky) => sky.emit_at([a, b], sampler),
         }
     }
 
@@ -188,6 +211,10 @@ impl Light {
                 LightField::disk(photon.direction, photon.direction, radius, EVEN_LAMP)
             }
             Light::Sun(sun) => sun.light_field(photon.direction),
+            Light::Lamp(ref lamp) => lamp.light_field(photon.direction),
+            Light::Area(area) => area.light_field(photon.direction),
+            Light::Mesh(ref mesh) => mesh.light_field(photon.direction, photon.normal),
+            Light::Sky(ref sky) => sky.light_field(photon.direction),
         }
     }
 
@@ -210,14 +237,18 @@ impl Light {
                 (radiance * solid_angle, position)
             }
             Light::Rectangle { corner, edge_u, edge_v, radiance } => {
-                let (solid_angle, position) = sample_rectangle(corner, edge_u, edge_v, point, xi);
+                let (solid_angle, position) = patch::sample(corner, edge_u, edge_v, point, xi);
                 (radiance * solid_angle, position)
             }
             Light::Sphere { center, radius, radiance } => {
-                let (solid_angle, position) = sample_sphere(center, radius, point, xi);
+                let (solid_angle, position) = sphere::sample(center, radius, point, xi);
                 (radiance * solid_angle, position)
             }
             Light::Sun(sun) => sun.flux_density(point, xi),
+            Light::Lamp(ref lamp) => lamp.flux_density(point, xi),
+            Light::Area(area) => area.flux_density(point, xi),
+            Light::Mesh(ref mesh) => mesh.flux_density(point, xi),
+            Light::Sky(ref sky) => sky.flux_density(point, xi),
         }
     }
 
@@ -240,6 +271,9 @@ impl Light {
                 outside_sphere(o - center.as_dvec3(), d, f64::from(radius), [from, to])
             }
             Light::Sun(sun) => sun.lit_stretch(o, d, [from, to]),
+            Light::Lamp(ref lamp) => lamp.lit_stretch(o, d, [from, to]),
+            Light::Area(area) => area.lit_stretch(o, d, [from, to]),
+            Light::Mesh(_) | Light::Sky(_) => (from < to).then_some((from, to)),
         }
     }
 
@@ -266,6 +300,10 @@ impl Light {
                 (met.is_some_and(|(near, _)| (0.0..reach).contains(&near)), radiance)
             }
             Light::Sun(sun) => (reach == f64::INFINITY, sun.seen_along(direction)),
+            Light::Lamp(ref lamp) => return lamp.seen_along(o, d, reach),
+            Light::Area(area) => return area.seen_along(o, d, reach),
+            Light::Mesh(ref mesh) => return mesh.seen_along(o, d, reach),
+            Light::Sky(ref sky) => (reach == f64::INFINITY, sky.seen_along(direction)),
         };
         if is_met { radiance } else { Vec3::ZERO }
     }
@@ -294,97 +332,29 @@ impl Light {
     }
 
     /// Where light falls off from, and the length h for which it arrives about as 1/(s² + h²), s being the distance from there. For a disk seen
-    /// along its axis that is right at s = 0 and far away, and within 17 % between; of a sun it is the same all over the scene, about.
+    /// along its axis that is right at s = 0 and far away, and within 17 % between; of a sun and a sky it is the same all over the scene, about.
     pub(crate) fn middle(&self) -> (Vec3, f32) {
         let softening = match *self {
             Light::Point { .. } | Light::Spot { .. } => 0.0,
             Light::Disk { radius, .. } | Light::Sphere { radius, .. } => FRAC_1_SQRT_2 * radius,
             Light::Rectangle { edge_u, edge_v, .. } => FRAC_1_SQRT_2 * equal_radius(edge_u, edge_v),
             Light::Sun(sun) => return sun.middle(),
+            Light::Lamp(ref lamp) => lamp.softening(),
+            Light::Area(area) => area.softening(),
+            Light::Mesh(ref mesh) => return mesh.middle(),
+            Light::Sky(ref sky) => return sky.middle(),
         };
         (self.position(), softening)
     }
 
     /// Whether it is more than a point, so that shadows have soft borders.
     pub(crate) fn has_size(&self) -> bool {
-        !matches!(self, Light::Point { .. } | Light::Spot { .. })
+        match self {
+            Light::Point { .. } | Light::Spot { .. } => false,
+            Light::Lamp(lamp) => lamp.has_size(),
+            _ => true,
+        }
     }
-}
-
-/// Unit normal of the side of a rectangle that shines.
-fn front(edge_u: Vec3, edge_v: Vec3) -> Vec3 {
-    edge_u.as_dvec3().cross(edge_v.as_dvec3()).normalize().as_vec3().normalize()
-}
-
-/// Radius of a disk as large as a rectangle.
-fn equal_radius(edge_u: Vec3, edge_v: Vec3) -> f32 {
-    FRAC_1_SQRT_PI * edge_u.as_dvec3().cross(edge_v.as_dvec3()).length().sqrt() as f32
-}
-
-/// Draws a point of a rectangle's front as [`disk::sample`] does, to the same bound on what it stands for.
-fn sample_rectangle(corner: Vec3, edge_u: Vec3, edge_v: Vec3, place: Vec3, xi: [f32; 2]) -> (f32, Vec3) {
-    let far = corner + edge_u + edge_v;
-    let halves = [[corner, corner + edge_u, far], [corner, far, corner + edge_v]]
-        .map(|corners| SeenTriangle::new(corners, place));
-    let solid = halves[0].solid_angle + halves[1].solid_angle;
-    if !(solid > 0.0) {
-        return (0.0, corner + 0.5 * (edge_u + edge_v));
-    }
-    // (0, 0) is a point on the diagonal between the halves, and not a corner.
-    let [u, v] = xi.map(|xi| (f64::from(xi) + 0.5).fract());
-    let share = halves[0].solid_angle / solid;
-    let (half, share, u) = match u < share {
-        true => (&halves[0], share, u / share),
-        false => (&halves[1], 1.0 - share, (u - share) / (1.0 - share)),
-    };
-    let (stands_for, point) = half.sample([u.min(1.0), v]);
-    ((stands_for / share) as f32, (place.as_dvec3() + point).as_vec3())
-}
-
-/// Draws a point of the side of a sphere that a place sees, by solid angle: what it stands for \[sr\], and the point. Places inside: 0.
-fn sample_sphere(center: Vec3, radius: f32, place: Vec3, xi: [f32; 2]) -> (f32, Vec3) {
-    let offset = center.as_dvec3() - place.as_dvec3();
-    let (distance2, radius2) = (offset.length_squared(), f64::from(radius).powi(2));
-    let sin2 = radius2 / distance2;
-    if !(sin2 < 1.0) {
-        return (0.0, center);
-    }
-    // 1 - cos of the cone that holds it.
-    let height = sin2 / (1.0 + (1.0 - sin2).sqrt());
-    let fall = f64::from(xi[0]) * height;
-    let (distance, axis) = (distance2.sqrt(), offset / distance2.sqrt());
-    let aside2 = fall * (2.0 - fall);
-    let to = distance * (1.0 - fall) - (radius2 - distance2 * aside2).max(0.0).sqrt();
-    let (e, f) = axis.any_orthonormal_pair();
-    let (sin_phi, cos_phi) = (std::f64::consts::TAU * f64::from(xi[1])).sin_cos();
-    let direction = aside2.sqrt() * (cos_phi * e + sin_phi * f) + (1.0 - fall) * axis;
-    ((std::f64::consts::TAU * height) as f32, (place.as_dvec3() + to * direction).as_vec3())
-}
-
-/// Of a patch that shines as a Lambert surface.
-fn diffuse_field(direction: Vec3, normal: Vec3, radius: f32) -> LightField {
-    let mut field = LightField::disk(direction, normal, radius, DIFFUSE_ANGULAR_VARIANCE);
-    // Beyond 60° the gradient of cos θ, tan² θ, outweighs the curvature.
-    let cos_theta = direction.dot(normal);
-    let tan2_theta = 1.0 / (cos_theta * cos_theta) - 1.0;
-    field.narrow(normal, tan2_theta / (4.0 * PI * PI) - DIFFUSE_ANGULAR_VARIANCE);
-    field
-}
-
-/// Direction evenly over the sphere.
-fn even_direction([a, b]: [f32; 2]) -> Vec3 {
-    let z = 1.0 - 2.0 * a;
-    let (sin_phi, cos_phi) = (TAU * b).sin_cos();
-    let r = (1.0 - z * z).max(0.0).sqrt();
-    Vec3::new(r * cos_phi, z, r * sin_phi).normalize()
-}
-
-/// Direction in proportion to the cosine with `normal`.
-pub fn cosine_direction(normal: Vec3, [a, b]: [f32; 2]) -> Vec3 {
-    let (e, f) = normal.any_orthonormal_pair();
-    let (sin_phi, cos_phi) = (TAU * b).sin_cos();
-    let r = a.sqrt();
-    (r * cos_phi * e + r * sin_phi * f + (1.0 - a).max(1e-12).sqrt() * normal).normalize()
 }
 
 #[cfg(test)]

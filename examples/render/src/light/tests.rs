@@ -1,8 +1,15 @@
+mod flat;
+mod lamps;
+mod skies;
+
+use super::directions::cap_direction;
 use super::*;
 use crate::random::Emission;
 use crate::scene::Scene;
-use glam::DVec3;
+use glam::{DVec3, Mat3};
+use std::f32::consts::FRAC_PI_2;
 use std::path::Path;
+use std::sync::Arc;
 
 const AXIS: Vec3 = Vec3::new(0.2, -1.0, 0.4);
 const RADIANCE: Vec3 = Vec3::new(3.0, 2.0, 1.0);
@@ -16,15 +23,29 @@ fn sun(angle: f32) -> Light {
          [[light]]\nkind = \"sun\"\ndirection = [{}, {}, {}]\nangle = {angle}\nirradiance = [3, 2, 1]\n",
         AXIS.x, AXIS.y, AXIS.z
     );
-    Scene::parse(&scene, "sun", Path::new("")).expect("a valid scene").lights[0]
+    Scene::parse(&scene, "sun", Path::new("")).expect("a valid scene").lights[0].clone()
 }
 
-fn lights() -> [Light; 7] {
+/// Places of lights in [`lights`].
+const SPHERE: usize = 4;
+const WIDE_SUN: usize = 6;
+const FIRST_ALL_AROUND: usize = 13;
+
+/// Those before [`FIRST_ALL_AROUND`] are seen in one direction, about.
+fn lights() -> Vec<Light> {
     let position = Vec3::new(0.3, 1.0, -0.2);
     let direction = AXIS.normalize();
     let (edge_u, edge_v) = (Vec3::new(0.5, 0.1, 0.0), Vec3::new(0.1, 0.05, 0.3));
     let corner = position - 0.5 * (edge_u + edge_v);
-    [
+    let cone = Some(Cone { axis: direction, cosine: 0.8, blend: 0.1 });
+    let lamp = |radius, soft, cone: Option<Cone>, pattern| {
+        let (intensity, pattern) = (RADIANCE, pattern_if(pattern, cone.as_ref()));
+        Light::Lamp(Lamp { position, intensity, radius, soft, cone, pattern, glow: 0.5 })
+    };
+    let area = |round, spread| {
+        Light::Area(Area { center: position, edge_u, edge_v, round, spread, radiance: RADIANCE })
+    };
+    vec![
         Light::Point { position, intensity: RADIANCE },
         Light::Spot { position, direction, intensity: RADIANCE, inner_angle: 0.3, outer_angle: 0.6 },
         Light::Disk { center: position, normal: direction, radius: 0.2, radiance: RADIANCE },
@@ -32,7 +53,59 @@ fn lights() -> [Light; 7] {
         Light::Sphere { center: position, radius: 0.2, radiance: RADIANCE },
         sun(0.0),
         sun(30.0),
+        lamp(0.0, false, None, true),
+        lamp(0.2, true, cone, false),
+        lamp(0.2, false, cone, false),
+        lamp(0.2, false, None, false),
+        area(false, 0.9),
+        area(true, FRAC_PI_2),
+        // So large that the ball below lies partly inside.
+        lamp(1.5, false, None, false),
+        lamp(0.2, true, cone, true),
+        lamp(1.5, false, None, true),
+        lamp(1.5, false, cone, false),
+        lamp(1.5, true, None, false),
+        lamp(1.5, true, cone, true),
+        mesh(),
+        sky(),
     ]
+}
+
+/// Light and dark cells, none of them grey.
+fn cells(rows: usize, columns: usize) -> Vec<Vec3> {
+    let mut random = Random::new([rows as u32, columns as u32, 5, 6]);
+    let mut cell = |index: usize| {
+        let color = Vec3::new(random.uniform(), random.uniform(), random.uniform());
+        if index % 7 == 3 { Vec3::ZERO } else { color * color }
+    };
+    (0..rows * columns).map(&mut cell).collect()
+}
+
+/// A rotation by an even share of everything.
+fn turned() -> Mat3 {
+    Mat3::from_axis_angle(Vec3::new(0.6, -0.3, 0.8).normalize(), 1.1)
+}
+
+fn pattern_if(has_pattern: bool, cone: Option<&Cone>) -> Option<Arc<Pattern>> {
+    let axis = cone.map_or(Vec3::new(0.1, -1.0, 0.3).normalize(), |cone| cone.axis);
+    let (x, y) = axis.any_orthonormal_pair();
+    let reach = cone.map_or(PI, |cone| cone.cosine.acos());
+    has_pattern
+        .then(|| Arc::new(Pattern::new(cells(6, 10), 10, [x, y, axis], reach, cone).expect("light in it")))
+}
+
+/// A crooked pyramid without a floor.
+fn mesh() -> Light {
+    let [a, b, c, top] =
+        [[0.0, 0.6, 0.0], [0.7, 0.7, 0.1], [0.2, 0.5, -0.9], [0.3, 1.3, -0.2]].map(Vec3::from_array);
+    let triangles = [[a, b, top], [b, c, top], [top, c, a], [a, a, b]];
+    Light::Mesh(ShiningMesh::new(&triangles, RADIANCE).expect("triangles with areas"))
+}
+
+fn sky() -> Light {
+    let ball = |center, radius| Ball { center, radius };
+    let (media, scene) = (ball(Vec3::new(0.4, -0.5, 0.1), 0.4), ball(Vec3::ZERO, 2.0));
+    Light::Sky(Sky::around(cells(5, 8), 8, turned(), media, scene).expect("light in it"))
 }
 
 /// What photons carry through a ball is what shadow rays from inside of it find: power x chord over the ball's volume, and the mean of the
@@ -42,7 +115,8 @@ fn photons_bring_the_light_that_shadow_rays_find() {
     let (center, radius) = (Vec3::new(0.4, -0.5, 0.1), 0.3f32);
     for (number, light) in lights().into_iter().enumerate() {
         let mut random = Random::new([1, 2, 3, number as u32]);
-        let count = 400_000;
+        // Patterned light has more noise.
+        let count = if number <= WIDE_SUN { 400_000 } else { 1_000_000 };
         let (mut carried, mut squares) = (0.0, 0.0);
         for index in 0..count {
             let mut sampler = PathSampler::new(Emission::Independent, 7, 0, index);
@@ -50,8 +124,9 @@ fn photons_bring_the_light_that_shadow_rays_find() {
             let offset = center - photon.origin;
             let along = offset.dot(photon.direction);
             let aside2 = (offset - along * photon.direction).length_squared();
-            if along > 0.0 && aside2 < radius * radius {
-                let chord = 2.0 * (radius * radius - aside2).sqrt();
+            let half = (radius * radius - aside2).max(0.0).sqrt();
+            let chord = (along + half).min(photon.until) - (along - half).max(photon.dark);
+            if aside2 < radius * radius && chord > 0.0 {
                 let brings = f64::from(photon.power.x * chord / (4.0 / 3.0 * PI * radius.powi(3)));
                 carried += brings;
                 squares += brings * brings;
@@ -76,10 +151,43 @@ fn photons_bring_the_light_that_shadow_rays_find() {
     }
 }
 
+/// All light that arrives at a place from a light that is seen, by directions all around.
+#[test]
+fn what_is_seen_of_a_light_is_what_it_sends() {
+    let place = Vec3::new(0.4, -0.3, 0.1);
+    for light in lights().iter().filter(|light| light.has_size()) {
+        if let Light::Sun(Sun { angle: 0.0, .. }) = light {
+            continue;
+        }
+        let mut random = Random::new([3, 1, 4, 1]);
+        let mut xi = || [random.uniform(), random.uniform()];
+        // In the cone that holds what is seen of small ones, or all around.
+        let middle = light.middle().0 - place;
+        let height = match light {
+            Light::Sky(_) | Light::Sun(_) => 2.0,
+            _ if middle.length() < 1.6 && light.bounds().1.x > 1.0 => 2.0,
+            _ => 0.4,
+        };
+        let axis = middle.as_dvec3().normalize();
+        let count = 400_000;
+        let seen: f64 = (0..count)
+            .map(|_| {
+                let direction = cap_direction(axis, height, xi()).as_vec3().normalize();
+                f64::from(light.seen_along(place, direction, f32::INFINITY).x)
+            })
+            .sum();
+        let seen = seen * std::f64::consts::TAU * height / f64::from(count);
+        let sent: f64 = (0..count).map(|_| f64::from(light.flux_density(place, xi()).0.x)).sum();
+        let sent = sent / f64::from(count);
+        // Of 400,000 directions in the cone 1 % and more meet the light: 1.6 %.
+        assert!((seen / sent - 1.0).abs() < 0.05, "{light:?}: {seen} {sent}");
+    }
+}
+
 #[test]
 fn a_ball_catches_what_a_surface_that_faces_the_light_does() {
     let point = Vec3::new(0.7, -0.8, 0.3);
-    for light in lights() {
+    for light in lights().into_iter().take(FIRST_ALL_AROUND) {
         // Facing each point of a disk that is drawn; a surface with a fixed normal sees the same points at a slant.
         let (density, from) = light.flux_density(point, [0.0; 2]);
         let normal = (from - point).normalize();
@@ -143,14 +251,14 @@ fn before_rectangle() -> ([DVec3; 3], Vec<DVec3>) {
 #[test]
 fn a_rectangle_is_seen_under_lamberts_vector_and_its_solid_angle() {
     let ([corner, u, v], places) = before_rectangle();
-    let light = lights()[3];
-    let Light::Rectangle { corner: c, edge_u, edge_v, .. } = light else { panic!("a rectangle") };
+    let light = &lights()[3];
+    let Light::Rectangle { corner: c, edge_u, edge_v, .. } = *light else { panic!("a rectangle") };
     for place in places {
         let (mut vector, mut solid, mut most) = (DVec3::ZERO, 0.0, 0f64);
         let side = 500;
         for k in 0..side * side {
             let xi = [k % side, k / side].map(|i| (i as f32 + 0.5) / side as f32);
-            let (weight, point) = sample_rectangle(c, edge_u, edge_v, place.as_vec3(), xi);
+            let (weight, point) = patch::sample(c, edge_u, edge_v, place.as_vec3(), xi);
             let (weight, offset) = (f64::from(weight), point.as_dvec3() - corner);
             let normal = u.cross(v);
             let at = |edge: DVec3, other: DVec3| {
@@ -249,16 +357,17 @@ fn the_lit_stretch_holds_all_places_with_light_and_no_others() {
     for _ in 0..2000 {
         let mut place = || Vec3::new(random.uniform(), random.uniform(), random.uniform()) * 4.0 - 2.0;
         let (origin, direction) = (place(), place().normalize());
-        for light in lights {
+        for (number, light) in lights.iter().enumerate() {
             // Rays of a sun's own size, which is that of its scene.
-            let scale = if let Light::Sun(_) = light { 4.0 } else { 1.0 };
+            let scale = if matches!(light, Light::Sun(_) | Light::Sky(_)) { 4.0 } else { 1.0 };
             let origin = scale * origin;
             let found = light.lit_stretch(origin, direction, 0.5, 4.0);
             seen[usize::from(found.is_some())] += 1;
             let (from, to) = found.unwrap_or((f32::MAX, f32::MIN));
-            // What a sphere hides of a ray may lie in the middle of it, and a sun's directions need not all reach as far as the widest.
-            let is_exact = !matches!(light, Light::Sphere { .. }) && light != lights[6];
-            for (distance, is_lit) in lit(&light, origin, direction) {
+            // What a sphere hides of a ray may lie in the middle of it, and a sun's directions need not all reach as far as the widest. Lamps,
+            // areas and skies have whatever holds all of their light.
+            let is_exact = number < SPHERE || (number > SPHERE && number < WIDE_SUN);
+            for (distance, is_lit) in lit(light, origin, direction) {
                 // An angle from its f32 cosine is good to 1e-4 at the cone's edge, where the fall-off is below 1e-6.
                 let clear = (distance - from).abs().min((distance - to).abs()) > 1e-3;
                 let is_inside = (from..to).contains(&distance);
@@ -274,10 +383,27 @@ fn the_lit_stretch_holds_all_places_with_light_and_no_others() {
 fn the_lit_stretch_of_a_ray_without_end_has_none_either_where_it_stays_in_the_light() {
     let down = AXIS.normalize();
     let lights = lights();
-    for light in lights {
+    for light in &lights {
         let (_, to) = light.lit_stretch(Vec3::new(0.0, 3.0, 0.0), down, 0.0, f32::INFINITY).unwrap();
         // Where a cylinder ends whose axis is rounded.
         assert!(to > 1e6, "{light:?}: {to}");
     }
     assert!(lights[1].lit_stretch(Vec3::new(0.0, 3.0, 0.0), -down, 0.0, f32::INFINITY).is_none());
+}
+
+/// Photons of a net of so many points.
+fn emitted(light: &Light, count: u32) -> Vec<EmittedPhoton> {
+    (0..count).map(|index| light.emit(&mut PathSampler::new(Emission::LowDiscrepancy, 3, 0, index))).collect()
+}
+
+/// Mean of a function of photons.
+fn mean_of(photons: &[EmittedPhoton], value: impl Fn(&EmittedPhoton) -> f64) -> f64 {
+    photons.iter().map(value).sum::<f64>() / photons.len() as f64
+}
+
+/// Mean over a grid of numbers of the light that arrives at a place \[W/m²\].
+fn arriving(light: &Light, place: Vec3, [across, down]: [u32; 2]) -> f64 {
+    let at = |index: u32, count: u32| (index as f32 + 0.5) / count as f32;
+    let density = |k: u32| light.flux_density(place, [at(k % across, across), at(k / across, down)]).0;
+    (0..across * down).map(|k| f64::from(density(k).x)).sum::<f64>() / f64::from(across * down)
 }

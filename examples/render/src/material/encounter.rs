@@ -71,8 +71,10 @@ pub(crate) struct Encounter<'a> {
     /// Index on this side over that on the other.
     eta: f32,
     refracted: Option<Vec3>,
-    /// What the ray is inside of, and what is beyond the surface.
-    interiors: [Interior; 2],
+    /// Square root of what becomes of radiance that goes through without being refracted: of shapes whose inside has another index all.
+    straight_eta: f32,
+    /// What the ray is inside of; what it is straight through the surface, and refracted.
+    interiors: [Interior; 3],
     /// Of all lobes, in their order.
     factors: [Vec3; 7],
 }
@@ -94,12 +96,15 @@ impl<'a> Encounter<'a> {
             true => microfacet::visible_facet(-direction, normal, lobes.alpha, xi),
             false => normal,
         };
-        let beyond = if lobes.is_glass() { interior.beyond(hit, direction) } else { *interior };
-        let eta = interior.index(scene) / beyond.index(scene);
+        let through = interior.through(scene, hit, direction);
+        let beyond = if lobes.is_glass() { interior.beyond(scene, hit, direction) } else { through };
+        let eta = interior.eta(scene, hit, direction, &beyond);
+        let straight_eta = if scene.placed_hit(hit).is_some() { 1.0 } else { eta };
         let (reflectance, refracted) = refract(direction, facet, eta);
         let factors = [
             lobes.transparent,
-            lobes.diffuse * (Vec3::ONE - coat(lobes, direction, normal)),
+            lobes.diffuse
+                * (Vec3::ONE - coat(lobes, direction, if lobes.multiscatter { facet } else { normal })),
             lobes.translucent,
             metal(lobes, direction, facet),
             coat(lobes, direction, facet),
@@ -114,7 +119,8 @@ impl<'a> Encounter<'a> {
             facet,
             eta,
             refracted,
-            interiors: [*interior, beyond],
+            straight_eta,
+            interiors: [*interior, through, beyond],
             factors,
         }
     }
@@ -124,9 +130,19 @@ impl<'a> Encounter<'a> {
         self.lobes.is_rough()
     }
 
-    /// What is beyond the surface.
+    /// What light that comes through the surface diffusely is inside of before.
     pub(crate) fn beyond(&self) -> Interior {
         self.interiors[1]
+    }
+
+    /// What radiance is divided by on its way from beyond a surface: refraction keeps that over the squared index.
+    pub(crate) fn narrowing(&self, lobe: Lobe) -> f32 {
+        let eta = match lobe {
+            Lobe::GlassTransmission => self.eta,
+            Lobe::Transparent | Lobe::Translucent => self.straight_eta,
+            _ => 1.0,
+        };
+        eta * eta
     }
 
     /// Of light that arrives diffusely from this side and from behind, what goes back against the direction.
@@ -171,7 +187,7 @@ impl<'a> Encounter<'a> {
         if factor == Vec3::ZERO {
             return None;
         }
-        let [here, beyond] = self.interiors;
+        let [here, through, beyond] = self.interiors;
         let direction = match lobe {
             Lobe::Transparent => self.direction,
             Lobe::Diffuse => cosine_direction(self.normal, xi),
@@ -185,13 +201,17 @@ impl<'a> Encounter<'a> {
         // What a shading normal sends to the wrong side of the true surface is mirrored back.
         let is_wrong = side * direction.dot(self.geometric) < 0.0;
         let direction = if is_wrong { reflect(direction, self.geometric) } else { direction };
-        let interior = if lobe.crosses() { beyond } else { here };
+        let interior = match lobe {
+            Lobe::GlassTransmission => beyond,
+            lobe if lobe.crosses() => through,
+            _ => here,
+        };
         (seen > 0.0).then(|| Way { lobe, direction, factor: factor * (seen / probability), interior })
     }
 
     /// Share of the facet's light that no other facet is in the way of, by the cosine at which it leaves.
     fn seen(&self, cosine: f32) -> f32 {
-        if !self.lobes.is_rough() {
+        if !self.lobes.is_rough() || self.lobes.multiscatter {
             return 1.0;
         }
         let cos_in = (-self.direction.dot(self.normal)).clamp(1e-6, 1.0);
@@ -220,12 +240,20 @@ impl<'a> Encounter<'a> {
         if !(lobes.is_rough() && cos_in > 0.0 && cos_out > 0.0) {
             return Vec3::ZERO;
         }
-        let Some(facet) = (out - self.direction).try_normalize() else { return Vec3::ZERO };
-        let glass = lobes.glass_reflection * refract(self.direction, facet, self.eta).0;
-        let reflected = metal(lobes, self.direction, facet) + coat(lobes, self.direction, facet) + glass;
-        let density = microfacet::density(facet.dot(self.normal).clamp(0.0, 1.0), lobes.alpha);
-        let seen = microfacet::seen_by_both(cos_in.min(1.0), cos_out.min(1.0), lobes.alpha);
-        reflected * (density * seen / (4.0 * cos_in * cos_out))
+        let seen = |cos_out: f32| microfacet::seen_by_both(cos_in.min(1.0), cos_out.min(1.0), lobes.alpha);
+        let of_facets = |out: Vec3, seen: f32| {
+            let facet = (out - self.direction).try_normalize();
+            let Some(facet) = facet.filter(|facet| facet.dot(self.normal) > 0.0) else { return Vec3::ZERO };
+            let glass = lobes.glass_reflection * refract(self.direction, facet, self.eta).0;
+            let reflected = metal(lobes, self.direction, facet) + coat(lobes, self.direction, facet) + glass;
+            let density = microfacet::density(facet.dot(self.normal).min(1.0), lobes.alpha);
+            reflected * (density * seen / (4.0 * cos_in * cos_out))
+        };
+        if !lobes.multiscatter {
+            return of_facets(out, seen(cos_out));
+        }
+        // And of the facets that send light to the wrong side, where it is mirrored back.
+        of_facets(out, seen(1.0)) + of_facets(reflect(out, self.geometric), seen(1.0))
     }
 
     /// Whether light keeps its directions well enough on a way to make caustics.
@@ -371,6 +399,57 @@ mod tests {
 
     fn incoming(angle: f32, downwards: f32) -> Vec3 {
         Vec3::new(angle.sin(), 0.0, -downwards * angle.cos())
+    }
+
+    /// What is drawn is what shadow rays are told, and all of it goes on; of metal alone, F D G1/(4 cos), mirrored up from below.
+    #[test]
+    fn light_that_facets_hide_from_each_other_goes_on_where_it_is_kept() {
+        let mut scene = scene("\"black\"");
+        let (metal, alpha) = (Vec3::splat(0.6), 0.64);
+        let lobes = Lobes { metal, edge: Vec3::ONE, alpha, multiscatter: true, ..Lobes::NONE };
+        let facets = Facets { alpha: alpha.into() };
+        for angle in [0.1, 0.8, 1.3] {
+            scene.objects[0].material = crate::scene::Material::Lobes(lobes);
+            let direction = incoming(angle, 1.0);
+            let towards = -direction.as_dvec3();
+            let of_facets = |out: DVec3| {
+                let half = (out + towards).normalize();
+                let fresnel = 0.6 + 0.4 * (1.0 - half.dot(towards)).powi(5);
+                let is_there = half.z > 0.0;
+                let value =
+                    fresnel * facets.density(half.z) * facets.seen([towards.z, 1.0]) / (4.0 * towards.z);
+                if is_there { value } else { 0.0 }
+            };
+            let function = |out: DVec3| match out.z > 0.0 {
+                true => of_facets(out) + of_facets(out * DVec3::new(1.0, 1.0, -1.0)),
+                false => 0.0,
+            };
+            check("metal that keeps its light", &scene, direction, function);
+            let (lobes, hit, interior) = met(&scene, direction);
+            let found = Encounter::new(&scene, &hit, direction, &interior, lobes, [0.3, 0.4]);
+            for out in [Vec3::new(0.6, 0.2, 0.7), Vec3::new(-0.3, 0.9, 0.1), Vec3::new(0.2, 0.0, -0.5)] {
+                let out = out.normalize();
+                let expected = (function(out.as_dvec3()) / f64::from(out.z)) as f32;
+                let found = found.towards(out).x;
+                assert!((found - expected).abs() <= 1e-4 * expected, "{found} for {expected}");
+            }
+        }
+        let white = [
+            Lobes { metal: Vec3::ONE, edge: Vec3::ONE, alpha, multiscatter: true, ..Lobes::NONE },
+            Lobes { diffuse: Vec3::ONE, coat: Vec3::ONE, alpha, multiscatter: true, ..Lobes::NONE },
+        ];
+        for lobes in white {
+            scene.objects[0].material = crate::scene::Material::Lobes(lobes);
+            let (_, hit, interior) = met(&scene, incoming(1.3, 1.0));
+            let mut random = Random::new([1, 1, 2, 3]);
+            let mut next = || [random.uniform(), random.uniform()];
+            for _ in 0..1000 {
+                let direction = incoming(1.3, 1.0);
+                let met = Encounter::new(&scene, &hit, direction, &interior, &lobes, next());
+                let way = met.draw(Vec3::ONE, next()[0], next()).expect("nothing is absorbed");
+                assert!((way.factor - 1.0).abs().max_element() < 1e-5 && way.direction.z > 0.0);
+            }
+        }
     }
 
     #[test]

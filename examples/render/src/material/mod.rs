@@ -28,6 +28,8 @@ pub enum Material {
     },
     /// Absorbs everything.
     Black,
+    /// Lets all light go straight on, as if nothing were there: it bounds a medium. No silhouette, no event of a light or eye path.
+    Clear,
     /// Any mixture of rough or smooth metal and glass, coats, diffuse reflection and transmission.
     Lobes(Lobes),
 }
@@ -56,6 +58,9 @@ pub struct Lobes {
     pub index: f32,
     /// GGX's α of metal, glass and coat, 0..=1; 0: smooth.
     pub alpha: f32,
+    /// Whether light that facets hide from each other goes on all the same, as if they did not, which is about what is left of it after many of
+    /// them (Blender's *multiple scattering*); else it is lost.
+    pub multiscatter: bool,
 }
 
 impl Lobes {
@@ -71,6 +76,7 @@ impl Lobes {
         transparent: Vec3::ZERO,
         index: 1.5,
         alpha: 0.0,
+        multiscatter: false,
     };
 
     /// Most light, per channel, that all of them together may send on.
@@ -91,6 +97,11 @@ impl Lobes {
         self.is_glass() || self.metal.max(self.edge).max(self.coat) != Vec3::ZERO
     }
 
+    /// Whether eye rays are followed from it.
+    pub(crate) fn shows_through(&self) -> bool {
+        self.shines() || self.transparent != Vec3::ZERO
+    }
+
     /// Whether it is rough, so that light of a lamp leaves it in all directions.
     pub(crate) fn is_rough(&self) -> bool {
         self.alpha > 0.0 && self.shines()
@@ -98,6 +109,43 @@ impl Lobes {
 }
 
 impl Material {
+    /// The same in the plainest form, which paths treat best: most surfaces are of one lobe. What is nearly smooth is.
+    pub fn of_lobes(mut lobes: Lobes) -> Self {
+        if lobes.alpha < SMOOTH {
+            lobes.alpha = 0.0;
+        }
+        let Lobes { diffuse, metal, edge, index, alpha, multiscatter, .. } = lobes;
+        let alone = |of: Lobes| lobes == Lobes { index, alpha, multiscatter, ..of };
+        let glass = Lobes { glass_reflection: Vec3::ONE, glass_transmission: Vec3::ONE, ..Lobes::NONE };
+        if lobes.transparent.min_element() >= 1.0 {
+            Self::Clear
+        } else if alone(Lobes::NONE) {
+            Self::Black
+        } else if alone(Lobes { diffuse, ..Lobes::NONE }) {
+            Self::Lambert { albedo: diffuse }
+        } else if alone(Lobes { metal, edge, ..Lobes::NONE }) && metal == edge && alpha == 0.0 {
+            Self::Mirror { reflectance: metal }
+        } else if alone(glass) && alpha == 0.0 {
+            if index == 1.0 { Self::Clear } else { Self::Dielectric { index } }
+        } else {
+            Self::Lobes(lobes)
+        }
+    }
+
+    /// Whether it lets all light go straight on.
+    pub fn is_clear(&self) -> bool {
+        matches!(self, Self::Clear)
+    }
+
+    /// Whether light that goes through it is inside of glass then, if what it bounds is closed.
+    pub(crate) fn has_inside(&self) -> bool {
+        match self {
+            Self::Dielectric { .. } => true,
+            Self::Lobes(lobes) => lobes.glass_transmission != Vec3::ZERO,
+            _ => false,
+        }
+    }
+
     /// The index of refraction of what the object is filled with; None: it is no dielectric.
     pub fn index(self) -> Option<f32> {
         match self {
@@ -114,7 +162,7 @@ impl Material {
             Self::Mirror { .. } => true,
             Self::Dielectric { index } => index != 1.0,
             Self::Lobes(lobes) => lobes.shines() && lobes.alpha <= FOCUSING,
-            Self::Black | Self::Lambert { .. } => false,
+            Self::Black | Self::Clear | Self::Lambert { .. } => false,
         }
     }
 
@@ -131,10 +179,14 @@ impl Material {
     pub(crate) fn transparent(self) -> Vec3 {
         match self {
             Self::Lobes(lobes) => lobes.transparent,
+            Self::Clear => Vec3::ONE,
             _ => Vec3::ZERO,
         }
     }
 }
+
+/// GGX's α below which a surface is smooth: it turns light by less than half a pixel of most pictures.
+pub(crate) const SMOOTH: f32 = 1e-3;
 
 /// Rougher surfaces than this one's α spread light over 20° and more, and make no caustics.
 pub(crate) const FOCUSING: f32 = 0.25;

@@ -3,7 +3,7 @@
 //! A path is a tree. Whatever is certain is not left to chance: what passes a medium goes on with what is left of it, and what the medium
 //! scatters is drawn as often as that is worth. Where light scatters, several directions are looked at, and those go on that are worth it.
 
-use super::{GOING_ON, LONG_PATH, Photon, PhotonTracer, beam_of, choose_light};
+use super::{GOING_ON, LONG_PATH, Photon, PhotonTracer, choose_light};
 use crate::guidance::{Guidance, mean};
 use crate::light::cosine_direction;
 use crate::media;
@@ -127,20 +127,22 @@ impl Tree<'_, '_> {
         let scene = tracer.scene;
         let hit = scene.intersect(photon.origin, photon.direction, f32::INFINITY);
         let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
+        // What is farther away gets no light of it.
+        let end = reach.min(photon.until);
         match photon.interior.medium(scene) {
             Some(id) => {
                 let fog = tracer.fogs[id as usize];
                 let mut knots = std::mem::take(&mut self.knots);
                 let column = media::column(&fog, photon.origin, photon.direction, reach, &mut knots);
                 if self.record != Record::Field {
-                    out.beams.extend(beam_of(&photon, id, hit.as_ref(), &fog, &column));
+                    out.beams.extend(photon.beam(id, hit.as_ref(), &fog, &column));
                 }
                 let opaque = media::opaque_distance(&fog, photon.origin, photon.direction, &column);
-                self.carry_field(&photon, reach.min(opaque), hit.as_ref(), Some(id), out);
-                let left = fog.transmittance(column.at(reach));
-                self.scatter(&photon, &fog, &column, [reach, reach.min(opaque)], &mut sampler, depth, out);
+                self.carry_field(&photon, reach.min(opaque), hit.as_ref(), Some((id, &fog, &column)), out);
+                let left = fog.transmittance(column.at(end));
+                self.scatter(&photon, &fog, &column, [end, end.min(opaque)], &mut sampler, depth, out);
                 photon.power *= left;
-                photon.field = self.field_at(&tracer.acting(&fog), reach, out);
+                photon.field = self.field_at(&tracer.acting(&fog), end, out);
                 self.knots = knots;
                 let left = mean(left);
                 if left < FAINT && !survives(&mut photon, (left / FAINT).max(1e-3), &mut sampler, out) {
@@ -149,19 +151,30 @@ impl Tree<'_, '_> {
             }
             None => {
                 self.carry_field(&photon, reach, hit.as_ref(), None, out);
-                photon.field = self.field_at(&Medium::default(), reach, out);
+                photon.field = self.field_at(&Medium::default(), end, out);
             }
         }
-        let Some(hit) = hit else {
+        let Some(hit) = hit.filter(|hit| hit.distance < photon.until) else {
             add(&mut out.energy.escaped, photon.power);
             return;
         };
-        if let Material::Lambert { albedo } = scene.objects[hit.object as usize].material {
-            self.reflect(photon, albedo, &hit, &mut sampler, depth, out);
-        } else if let Material::Dielectric { .. } = scene.objects[hit.object as usize].material {
-            self.cross(photon, &hit, sampler, depth, out);
-        } else if tracer.interact(&mut photon, &hit, &mut sampler, self.record, out) {
-            self.waiting.push((photon, sampler, depth + 1));
+        match *scene.material(&hit) {
+            Material::Lambert { albedo } if photon.is_lit(hit.distance) => {
+                self.reflect(photon, albedo, &hit, &mut sampler, depth, out);
+            }
+            Material::Dielectric { .. } => self.cross(photon, &hit, sampler, depth, out),
+            _ => {
+                if tracer.interact(&mut photon, &hit, &mut sampler, self.record, out) {
+                    self.wait((photon, sampler, depth + 1), out);
+                }
+            }
+        }
+    }
+
+    /// Follows a path later.
+    fn wait(&mut self, path: (Photon, PathSampler, u32), out: &mut PhotonRecord) {
+        if !self.tracer.is_spent(&path.0, out) {
+            self.waiting.push(path);
         }
     }
 
@@ -171,7 +184,7 @@ impl Tree<'_, '_> {
         photon: &Photon,
         length: f32,
         hit: Option<&Hit>,
-        medium: Option<u32>,
+        inside: Option<(u32, &Medium, &Column)>,
         out: &mut PhotonRecord,
     ) {
         let Some(field) = photon.field else {
@@ -180,7 +193,10 @@ impl Tree<'_, '_> {
         };
         let start = Instant::now();
         let segment = self.tracer.field_segment(photon, field, length, hit);
-        out.deposits.extend(medium.map(|id| (id, segment)));
+        let lit = inside.and_then(|(id, fog, column)| {
+            Some((id, photon.lit_segment(segment, fog, &self.tracer.acting(fog), column)?))
+        });
+        self.tracer.deposit(lit, out);
         self.segment = Some(segment);
         out.field_time += start.elapsed();
     }
@@ -213,8 +229,14 @@ impl Tree<'_, '_> {
         if !(scattered.max_element() > 0.0) {
             return;
         }
+        if !self.tracer.scene.allows(photon.bounces + 1) {
+            add(&mut out.energy.spent, scattered);
+            return;
+        }
         let importance = self.guidance.importance();
-        let found = importance.of_segment(fog, photon.origin, photon.direction, visible);
+        let dark = photon.dark.min(visible);
+        let from = photon.origin + dark * photon.direction;
+        let found = importance.of_segment(fog, from, photon.direction, visible - dark);
         let [unit, most_power] = self.limits(depth);
         let expected = (mean(photon.power) * found.scattered / unit)
             .max(LEAST * gone.max_element())
@@ -232,7 +254,7 @@ impl Tree<'_, '_> {
             let u = ((collision as f32 + shift) / count).min(1.0 - f32::EPSILON);
             let target = -(-u * gone[channel]).ln_1p() / extinction[channel];
             let distance = column.distance_at(target);
-            if !(distance < reach) {
+            if !(distance < reach && distance >= photon.dark) {
                 continue;
             }
             let density = extinction * fog.transmittance(target);
@@ -249,6 +271,8 @@ impl Tree<'_, '_> {
             child.normal = Vec3::ZERO;
             child.direct = false;
             child.specular = false;
+            child.bounces += 1;
+            child.begin();
             let direction =
                 |xi| Candidate { direction: fog.phase.sample(photon.direction, xi), origin: child.origin };
             let blur = match self.tracer.acts(Operator::Scattering) {
@@ -272,10 +296,14 @@ impl Tree<'_, '_> {
         out: &mut PhotonRecord,
     ) {
         let normal = facing_normal(hit, photon.direction);
-        photon.arrive(hit, normal, self.record, out);
+        photon.arrive(self.tracer.scene, hit, normal, self.record, out);
         let reflected = photon.power * albedo;
         add(&mut out.energy.surfaces, photon.power - reflected);
         if !(reflected.max_element() > 0.0) {
+            return;
+        }
+        if !self.tracer.scene.allows(photon.bounces + 1) {
+            add(&mut out.energy.spent, reflected);
             return;
         }
         add(&mut out.energy.roulette, reflected);
@@ -287,6 +315,8 @@ impl Tree<'_, '_> {
         photon.normal = normal;
         photon.direct = false;
         photon.specular = false;
+        photon.bounces += 1;
+        photon.begin();
         let direction = |xi| {
             let direction = cosine_direction(normal, xi);
             Candidate { direction, origin: hit.leave(direction) }
@@ -309,18 +339,25 @@ impl Tree<'_, '_> {
         let boundary = Boundary::new(tracer.scene, hit, photon.direction, &photon.interior);
         let Some(refracted) = boundary.refracted.filter(|_| boundary.reflectance > 0.0) else {
             let mut photon = photon;
-            tracer.cross(&mut photon, hit, &boundary, boundary.refracted);
-            self.waiting.push((photon, sampler, depth + 1));
+            if tracer.cross(&mut photon, hit, &boundary, boundary.refracted, out) {
+                self.wait((photon, sampler, depth + 1), out);
+            }
             return;
         };
+        if !(boundary.is_matched() || photon.is_lit(hit.distance)) {
+            add(&mut out.energy.surfaces, photon.power);
+            return;
+        }
         let [unit, most_power] = self.limits(depth);
         let ways = [
             (boundary.reflectance, None, boundary.reflected, photon.interior),
             (1.0 - boundary.reflectance, Some(refracted), refracted, boundary.beyond),
         ];
         let mut factors = ways.map(|(share, _, direction, interior)| {
+            let origin = hit.leave(direction);
+            let bounces = photon.bounces + 1;
             let worth =
-                self.guidance.of_ray(tracer.scene, &tracer.fogs, hit.leave(direction), direction, &interior);
+                self.guidance.of_ray(tracer.scene, &tracer.fogs, origin, direction, &interior, bounces);
             let power = share * mean(photon.power);
             (power * worth / unit).max(power / most_power).clamp(share, 1.0)
         });
@@ -334,8 +371,9 @@ impl Tree<'_, '_> {
                 let mut child = photon.clone();
                 child.power *= share * factor;
                 add(&mut out.energy.roulette, -child.power);
-                tracer.cross(&mut child, hit, &boundary, through);
-                self.waiting.push((child, sampler, depth + 1));
+                if tracer.cross(&mut child, hit, &boundary, through, out) {
+                    self.wait((child, sampler, depth + 1), out);
+                }
             }
         }
     }
@@ -366,7 +404,8 @@ impl Tree<'_, '_> {
         let worth = |candidate: &Candidate| {
             let Candidate { direction, origin } = *candidate;
             let tracer = self.tracer;
-            self.guidance.of_ray(tracer.scene, &tracer.fogs, origin, direction, &photon.interior)
+            let Photon { interior, bounces, .. } = photon;
+            self.guidance.of_ray(tracer.scene, &tracer.fogs, origin, direction, interior, *bounces)
         };
         let mut factors: SmallVec<[f32; 8]> = candidates.iter().map(worth).collect();
         let granted = FOR_GRANTED * factors.iter().sum::<f32>() / count as f32;
@@ -384,7 +423,7 @@ impl Tree<'_, '_> {
                 }
                 add(&mut out.energy.roulette, -child.power);
                 let sampler = sampler.branch();
-                self.waiting.push((child, sampler, depth + 1));
+                self.wait((child, sampler, depth + 1), out);
             }
         }
     }

@@ -3,8 +3,10 @@
 use super::Method;
 use crate::compare::luminance;
 use crate::film::{Film, FilmError, Picture};
-use crate::plan::{FirstSurfaces, middle};
+use crate::plan::FirstSurfaces;
 use crate::scene::Scene;
+use crate::sight::Sight;
+use crate::starts::EyeStarts;
 use serde::Serialize;
 
 /// First of the seeds, which no run of a method has.
@@ -97,12 +99,13 @@ fn shares(scene: &Scene, passes: u32, pictures: &[Picture]) -> ErrorBudget {
 
 /// Of each pixel, its place among [`PLACES`].
 fn places(scene: &Scene) -> Vec<usize> {
-    let surfaces = FirstSurfaces::new(scene);
+    let surfaces = FirstSurfaces::new(scene, &|| false).expect("never cancelled");
+    let starts = EyeStarts::new(scene);
     let camera = &scene.camera;
     let place = |pixel: u32| {
         let (x, y) = (pixel % camera.width, pixel / camera.width);
-        let hit = scene.intersect(camera.position, middle(camera, x, y), f32::INFINITY);
-        let material = hit.map(|hit| scene.objects[hit.object as usize].material);
+        let seen = Sight::new(scene, &starts.middle(x, y)).surface;
+        let material = seen.map(|(hit, _)| *scene.material(&hit));
         match material {
             _ if surfaces.has_edge(x, y) => 0,
             Some(material) if material.bends_light() => 1,

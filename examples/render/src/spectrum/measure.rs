@@ -187,7 +187,7 @@ fn origin_of(scene: &Scene, beam: &Beam, before: Origin) -> Origin {
     }
     // The surface is just behind the start, which was moved off it.
     let behind = scene.intersect(beam.origin, -beam.start_normal, f32::INFINITY);
-    match behind.map(|hit| scene.objects[hit.object as usize].material) {
+    match behind.map(|hit| *scene.material(&hit)) {
         _ if beam.start_normal == Vec3::ZERO => Origin::Scattered,
         Some(material) if material.bends_light() || material.index().is_some() => Origin::Specular,
         _ => Origin::Scattered,

@@ -1,18 +1,15 @@
-//! Meshes, instances, casts and edges.
+//! Meshes and instances.
 
 use super::memory::{array, array_mut, fits, free, new_handle, object, set};
 use super::run;
-use crate::failure::invalid;
+use crate::cast::{HitRecord, cast};
 use crate::geometry::Geometry;
 use crate::mesh::MeshArrays;
-use crate::records::HitRecord;
-use crate::threads;
 use core::ffi::c_void;
-use covbeam::{Edge, MOST_EDGES};
 use std::time::Duration;
 
 /// Of handles.
-const GEOMETRY: u64 = u64::from_ne_bytes(*b"geometry");
+pub(super) const GEOMETRY: u64 = u64::from_ne_bytes(*b"geometry");
 
 /// Makes an empty geometry.
 #[unsafe(no_mangle)]
@@ -136,7 +133,7 @@ pub unsafe extern "C" fn covbeam_rays_geometry_info(
 ) -> i32 {
     // SAFETY: the contract of this module.
     run(|| unsafe {
-        let scene = object::<Geometry>(geometry, GEOMETRY, "geometry")?.scene()?;
+        let scene = object::<Geometry>(geometry, GEOMETRY, "geometry")?.built()?;
         let (min, max) = scene.bounds();
         let value = covbeam_rays_info {
             triangle_count: scene.triangle_count() as u64,
@@ -148,53 +145,20 @@ pub unsafe extern "C" fn covbeam_rays_geometry_info(
     })
 }
 
-/// Casts rays: 3 floats each of `origins` and `directions`, `lengths` one a ray or one for all.
+/// Casts rays: 3 floats each of `origins` and `directions`, of length 1.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_rays_geometry_cast(
     geometry: *const c_void,
     count: usize,
     origins: *const [f32; 3],
     directions: *const [f32; 3],
-    length_count: usize,
-    lengths: *const f32,
     hits: *mut HitRecord,
 ) -> i32 {
     // SAFETY: the contract of this module.
     run(|| unsafe {
-        let scene = object::<Geometry>(geometry, GEOMETRY, "geometry")?.scene()?;
+        let geometry = object::<Geometry>(geometry, GEOMETRY, "geometry")?.built()?;
         let (origins, directions) =
             (array(origins, count, "origins")?, array(directions, count, "directions")?);
-        let lengths = array(lengths, length_count, "lengths")?;
-        if ![1, count].contains(&length_count) {
-            return Err(invalid!("lengths: {length_count} for {count} rays; give one a ray, or one"));
-        }
-        let hits = array_mut(hits, count, "hits")?;
-        threads::pool()?.install(|| scene.cast_many(origins, directions, lengths, hits))
-    })
-}
-
-/// Searches the edges beside rays whose hits are known: `counts` one a ray, `edges` four a ray; `through` one byte a material, not 0
-/// for those that cast no shadow.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_rays_geometry_edges(
-    geometry: *const c_void,
-    count: usize,
-    origins: *const [f32; 3],
-    directions: *const [f32; 3],
-    hits: *const HitRecord,
-    material_count: usize,
-    through: *const u8,
-    counts: *mut u8,
-    edges: *mut [Edge; MOST_EDGES],
-) -> i32 {
-    // SAFETY: the contract of this module.
-    run(|| unsafe {
-        let scene = object::<Geometry>(geometry, GEOMETRY, "geometry")?.scene()?;
-        let (origins, directions) =
-            (array(origins, count, "origins")?, array(directions, count, "directions")?);
-        let hits = array(hits, count, "hits")?;
-        let through = array(through, material_count, "through")?;
-        let (counts, edges) = (array_mut(counts, count, "counts")?, array_mut(edges, count, "edges")?);
-        threads::pool()?.install(|| scene.edges_many(origins, directions, hits, through, counts, edges))
+        cast(&geometry, origins, directions, array_mut(hits, count, "hits")?)
     })
 }

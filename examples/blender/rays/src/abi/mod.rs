@@ -1,7 +1,7 @@
 //! The C interface, and the one place with unsafe code.
 //!
 //! What the only caller, the Python module, promises: a pointer shows the array or struct that the function says,
-//! readable (or writable, if it is not const) during the call, or until the end of the work that the call starts;
+//! readable (or writable, if it is not const) during the call;
 //! outputs overlap nothing else; handles come from here and are not used after they are freed. Everything else is
 //! checked: NULL, alignment, counts, and every number. Any thread may call, several at once.
 //!
@@ -9,23 +9,23 @@
 //! changed nothing but its outputs. No panic leaves.
 #![allow(unsafe_code)]
 
-mod gather;
+mod description;
 mod geometry;
 mod memory;
+mod session;
 
-pub use gather::*;
+pub use description::*;
 pub use geometry::*;
+pub use session::*;
 
 use crate::failure::{Failure, Result};
-use crate::threads;
 use core::ffi::c_char;
-use memory::set;
 use std::cell::RefCell;
-use std::ffi::CString;
+use std::ffi::{CStr, CString};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Rises when anything here changes.
-const ABI: u32 = 2;
+const ABI: u32 = 3;
 
 thread_local! {
     static LAST: RefCell<Option<CString>> = const { RefCell::new(None) };
@@ -50,21 +50,19 @@ pub extern "C" fn covbeam_rays_abi_version() -> u32 {
     ABI
 }
 
+/// The version of the library, as text.
+#[unsafe(no_mangle)]
+pub extern "C" fn covbeam_rays_version() -> *const c_char {
+    const VERSION: &CStr =
+        match CStr::from_bytes_with_nul(concat!(env!("CARGO_PKG_VERSION"), "\0").as_bytes()) {
+            Ok(version) => version,
+            Err(_) => c"",
+        };
+    VERSION.as_ptr()
+}
+
 /// The message of the thread's latest call that failed, until its next one that fails.
 #[unsafe(no_mangle)]
 pub extern "C" fn covbeam_rays_last_error() -> *const c_char {
     LAST.with_borrow(|last| last.as_deref().unwrap_or(c"").as_ptr())
-}
-
-/// Sets how many threads the calls from now on use; 0 = one a core.
-#[unsafe(no_mangle)]
-pub extern "C" fn covbeam_rays_set_threads(count: usize) -> i32 {
-    run(|| threads::set(count))
-}
-
-/// How many threads the calls use.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_rays_get_threads(out: *mut usize) -> i32 {
-    // SAFETY: the contract of this module.
-    run(|| unsafe { set(out, threads::pool()?.current_num_threads(), "out") })
 }

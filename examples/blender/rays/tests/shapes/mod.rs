@@ -2,13 +2,34 @@
 
 #![allow(dead_code, reason = "each test binary uses the part it needs")]
 
+use covbeam_geometry::hit::Hit;
+use covbeam_geometry::instances::Instances;
+use covbeam_rays::describe::CameraFields;
 use covbeam_rays::geometry::Geometry;
 use covbeam_rays::mesh::MeshArrays;
-use covbeam_rays::scene::Scene;
 use glam::{DMat4, DQuat, DVec3, EulerRot, Vec3};
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Duration;
+
+/// Looks along z from -4.
+pub(crate) const CAMERA: CameraFields = CameraFields {
+    position: [0.0, 0.0, -4.0],
+    right: [1.0, 0.0, 0.0],
+    up: [0.0, 1.0, 0.0],
+    forward: [0.0, 0.0, 1.0],
+    left: -0.4,
+    top: 0.4,
+    step: [0.05; 2],
+    near: 0.0,
+    aperture: 0.0,
+    focus: 0.0,
+    rotation: 0.0,
+    ratio: 0.0,
+    blades: 0,
+    width: 16,
+    height: 16,
+};
 
 /// SplitMix64 (Steele, Lea and Flood 2014).
 pub(crate) struct Random(pub(crate) u64);
@@ -163,18 +184,30 @@ pub(crate) fn add(
 }
 
 /// Builds and waits.
-pub(crate) fn built(geometry: &Geometry) -> Arc<Scene> {
+pub(crate) fn built(geometry: &Geometry) -> Arc<Instances> {
     geometry.build().expect("starts");
     while !geometry.wait(Duration::from_secs(1)).expect("builds") {}
-    geometry.scene().expect("is built")
+    geometry.built().expect("is built")
 }
 
 /// A scene of one shape in one place.
-pub(crate) fn alone(shape: &Shape, normals: Option<&[[[f32; 3]; 3]]>, matrix: DMat4) -> Arc<Scene> {
+pub(crate) fn alone(shape: &Shape, normals: Option<&[[[f32; 3]; 3]]>, matrix: DMat4) -> Arc<Instances> {
     let geometry = Geometry::default();
     let mesh = add(&geometry, shape, 0, normals);
     geometry.add_instance(mesh, &rows(matrix), 0, -1).expect("a valid instance");
     built(&geometry)
+}
+
+/// The nearest hit with distance in (0, max_distance).
+pub(crate) fn cast(scene: &Instances, origin: Vec3, direction: Vec3, max_distance: f32) -> Option<Hit> {
+    let hit = scene.intersect(origin.as_dvec3(), direction.as_dvec3(), max_distance.into());
+    hit.map(|hit| scene.describe(&hit))
+}
+
+/// The same of a ray that meets something.
+#[track_caller]
+pub(crate) fn hit(scene: &Instances, origin: Vec3, direction: Vec3) -> Hit {
+    cast(scene, origin, direction, f32::INFINITY).expect("something is hit")
 }
 
 /// Distance to a triangle in double precision (Möller and Trumbore 1997).

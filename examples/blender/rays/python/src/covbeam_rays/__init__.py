@@ -1,18 +1,18 @@
-"""covbeam_rays: what would be a loop in Python for each ray, on native threads.
+"""covbeam_rays: renders the light that fog scatters, on native threads.
 
-- Geometry: meshes and instances; nearest hits with curvature, and the silhouettes beside rays.
-- Gather: covbeam's BeamMap.gather and Film.picture on many threads.
-- threads: how many.
+- Geometry: meshes and their instances.
+- Scene: a geometry with materials, media, lights and a camera.
+- Session: passes and pictures of a scene.
 
-Results are the same, to the bit, for any number of threads. Arguments that are wrong raise ValueError or TypeError with
-what to do. A long call asks its `poll` at least every 50 ms whether to go on, and raises Cancelled if not. What covbeam
-or the order of calls refuses raises covbeam.Error.
+Results are the same, to the bit, for any number of threads. Whatever numbers arguments have, those that are wrong raise ValueError or
+TypeError with the name of the field and what to do, and change nothing. A long call asks its `poll` at least every 50 ms whether to go on,
+and raises Cancelled if not. What the order of calls refuses raises Error; a picture that memory cannot hold raises MemoryError.
 """
 
-from covbeam import Cancelled
+from ._geometry import HIT, Geometry
+from ._library import Cancelled, Error
+from ._library import version as __version__
+from ._scene import MATERIAL, Scene
+from ._session import Picture, Session
 
-from ._gather import Gather
-from ._geometry import EDGE, HIT, Geometry
-from ._library import threads
-
-__all__ = ["EDGE", "HIT", "Cancelled", "Gather", "Geometry", "threads"]
+__all__ = ["HIT", "MATERIAL", "Cancelled", "Error", "Geometry", "Picture", "Scene", "Session", "__version__"]

@@ -1,4 +1,4 @@
-"""numpy arrays as the library takes them: packed, of one dtype. Inputs of another layout are copied."""
+"""Numbers and numpy arrays as the library takes them: packed, of one dtype. Inputs of another layout are copied."""
 
 import numpy as np
 
@@ -17,15 +17,22 @@ def packed(name, value, dtype, shape):
     if array.ndim != len(shape) or any(want not in (None, got) for want, got in zip(shape, array.shape)):
         wanted = ", ".join("n" if want is None else str(want) for want in shape)
         raise ValueError(f"{name}: shape {array.shape}; give ({wanted}{',' if len(shape) == 1 else ''})")
-    return np.ascontiguousarray(array, dtype=dtype)
+    # What is too large becomes infinite, which the library refuses by name.
+    with np.errstate(over="ignore", invalid="ignore"):
+        return np.ascontiguousarray(array, dtype=dtype)
 
 
-def result(name, out, dtype, shape):
-    """A new array, or `out` if it can be written as it is."""
-    if out is None:
-        return np.empty(shape, dtype)
-    if not isinstance(out, np.ndarray) or out.dtype != dtype:
-        raise TypeError(f"{name}: give a numpy array of {dtype if dtype.names is None else ', '.join(dtype.names)}")
-    if out.shape != shape or not out.flags.c_contiguous or not out.flags.writeable or not out.flags.aligned:
-        raise ValueError(f"{name}: shape {out.shape}; give a packed, aligned, writeable array of shape {shape}")
-    return out
+def number(name, value):
+    """One number."""
+    array = np.asarray(value, np.float64)
+    if array.ndim != 0:
+        raise ValueError(f"{name}: shape {array.shape}; give one number")
+    return array.item()
+
+
+def whole(name, value, least=0, most=2**32 - 1):
+    """A whole number within bounds."""
+    number = int(value)
+    if number != value or not least <= number <= most:
+        raise ValueError(f"{name}: {value}; give a whole number from {least} to {most}")
+    return number

@@ -1,12 +1,11 @@
-"""Meshes, instances, and what rays hit."""
+"""Meshes and their instances."""
 
 import ctypes
 
-import covbeam
 import numpy as np
 
-from ._arrays import packed, result
-from ._library import INTERVAL, Handle, Info, check, lib, stopped
+from ._arrays import packed, whole
+from ._library import Handle, check, lib, wait
 
 #: Where a ray meets a surface [m]. inf = nothing hit, then all else is 0 but material and object, which are -1.
 HIT = np.dtype(
@@ -15,23 +14,25 @@ HIT = np.dtype(
         ("position", np.float32, (3,)),  # moved onto the surface
         ("geometric_normal", np.float32, (3,)),  # unit, of the triangle: counter-clockwise from its front
         ("normal", np.float32, (3,)),  # unit shading normal, on the same side
-        ("curvature", covbeam.CURVATURE),  # of the field of shading normals, positive = convex on their side
         ("material", np.int32),  # given with the instance, or if that is -1 with the triangle
         ("object", np.int32),  # given with the instance
-        ("offset", np.float32),  # a ray that leaves starts at position +- offset * geometric_normal
-    ],
-    align=True,
+    ]
 )
-
-#: An edge of an occluder beside a ray: distance along the ray at which it passes by [m], distance from the ray there
-#: [m], unit direction from the ray to it.
-EDGE = np.dtype([("depth", np.float32), ("distance", np.float32), ("towards", np.float32, (3,))], align=True)
 
 _FLOAT, _INT, _DOUBLE = np.dtype(np.float32), np.dtype(np.int32), np.dtype(np.float64)
 
 
+class _Info(ctypes.Structure):
+    _fields_ = [
+        ("triangle_count", ctypes.c_uint64),
+        ("memory", ctypes.c_uint64),
+        ("min", ctypes.c_float * 3),
+        ("max", ctypes.c_float * 3),
+    ]
+
+
 class Geometry:
-    """Meshes and their instances: first added, then built, then hit. Closed with the last reference or by close()."""
+    """Meshes and their instances: first added, then built. Closed with the last reference or by close()."""
 
     def __init__(self):
         self._handle = Handle(lib.covbeam_rays_geometry_new, lib.covbeam_rays_geometry_free)
@@ -39,7 +40,7 @@ class Geometry:
         self.dropped = 0
 
     def close(self):
-        """Gives the memory up, which goes when no call uses it any more; nothing happens the second time."""
+        """Gives the memory up, which goes when no scene uses it any more; nothing happens the second time."""
         self._handle = None
 
     def add_mesh(self, positions, triangles, materials, normals=None) -> int:
@@ -78,10 +79,12 @@ class Geometry:
 
         - mesh: of add_mesh.
         - matrix: (4, 4), affine, mesh to world [m]. One that flattens is refused: leave such an instance out.
-        - object: number that its hits bear.
-        - material: number that its hits bear; -1 for those of the triangles.
+        - object: its number in a scene.
+        - material: number of the material of all of it; -1 for those of the triangles.
         """
         matrix = packed("matrix", matrix, _DOUBLE, (4, 4))
+        mesh, object = whole("mesh", mesh), whole("object", object, -(2**31), 2**31 - 1)
+        material = whole("material", material, -(2**31), 2**31 - 1)
         check(lib.covbeam_rays_geometry_add_instance(self._open(), mesh, matrix.ctypes.data, object, material))
 
     def build(self, poll=None):
@@ -89,73 +92,27 @@ class Geometry:
 
         - poll: a function asked at least every 50 ms: False stops, which raises Cancelled and closes the geometry.
         """
-        done = ctypes.c_uint32()
         check(lib.covbeam_rays_geometry_build(self._open()))
         try:
-            while not done.value:
-                check(lib.covbeam_rays_geometry_wait(self._open(), INTERVAL, ctypes.addressof(done)))
-                if not done.value and poll is not None and not poll():
-                    raise stopped()
-        finally:
-            if not done.value:
-                # Without waiting for the threads, which work on copies.
-                self.close()
+            wait(lib.covbeam_rays_geometry_wait, self._open(), poll)
+        except BaseException:
+            # Without waiting for the threads, which work on copies.
+            self.close()
+            raise
 
-    def cast(self, origins, directions, lengths=np.inf, *, out=None):
-        """The nearest hits, with distance in (0, length): HIT (n,).
+    def cast(self, origins, directions):
+        """The nearest hits of rays, to look at what was built: HIT (n,).
 
         - origins: float32 (n, 3) [m].
         - directions: float32 (n, 3), unit.
-        - lengths: float32 (n,), or one number [m] >= 0.
         """
         origins = packed("origins", origins, _FLOAT, (None, 3))
         count = len(origins)
         directions = packed("directions", directions, _FLOAT, (count, 3))
-        lengths = np.atleast_1d(lengths)
-        lengths = packed("lengths", lengths, _FLOAT, (1,) if len(lengths) == 1 else (count,))
-        hits = result("out", out, HIT, (count,))
-        check(
-            lib.covbeam_rays_geometry_cast(
-                self._open(),
-                count,
-                origins.ctypes.data,
-                directions.ctypes.data,
-                len(lengths),
-                lengths.ctypes.data,
-                hits.ctypes.data,
-            )
-        )
+        hits = np.empty(count, HIT)
+        addresses = (array.ctypes.data for array in (origins, directions, hits))
+        check(lib.covbeam_rays_geometry_cast(self._open(), count, *addresses))
         return hits
-
-    def edges(self, origins, directions, hits, through=()):
-        """The silhouettes beside rays up to their hits, up to four a ray that mask light most, sorted by depth.
-
-        - origins, directions: as in cast.
-        - hits: what cast returned for them.
-        - through: bool (m,), for each material number whether it casts no shadow, such as the bounds of fog; none beyond these.
-
-        Returns how many of each ray, uint8 (n,), and these, EDGE (n, 4). About 30 to 80 casts a ray.
-        """
-        origins = packed("origins", origins, _FLOAT, (None, 3))
-        count = len(origins)
-        directions = packed("directions", directions, _FLOAT, (count, 3))
-        hits = packed("hits", hits, HIT, (count,))
-        through = packed("through", np.asarray(through, bool), np.dtype(bool), (None,))
-        counts, edges = np.empty(count, np.uint8), np.empty((count, 4), EDGE)
-        check(
-            lib.covbeam_rays_geometry_edges(
-                self._open(),
-                count,
-                origins.ctypes.data,
-                directions.ctypes.data,
-                hits.ctypes.data,
-                len(through),
-                through.ctypes.data,
-                counts.ctypes.data,
-                edges.ctypes.data,
-            )
-        )
-        return counts, edges
 
     @property
     def triangle_count(self) -> int:
@@ -174,7 +131,7 @@ class Geometry:
         return np.array(info.min, np.float32), np.array(info.max, np.float32)
 
     def _info(self):
-        info = Info()
+        info = _Info()
         check(lib.covbeam_rays_geometry_info(self._open(), ctypes.addressof(info)))
         return info
 

@@ -6,10 +6,8 @@ import platform
 import sys
 from pathlib import Path
 
-from covbeam import Cancelled, Error, Status
-
 #: Of the library: ABI in abi/mod.rs.
-ABI_VERSION = 2
+ABI_VERSION = 3
 
 FILE_NAME = {"darwin": "libcovbeam_rays.dylib", "win32": "covbeam_rays.dll"}.get(sys.platform, "libcovbeam_rays.so")
 
@@ -19,8 +17,6 @@ INTERVAL = 40
 _p, _z, _u, _i = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_uint32, ctypes.c_int32
 
 PROTOTYPES = {
-    "covbeam_rays_set_threads": [_z],
-    "covbeam_rays_get_threads": [_p],
     "covbeam_rays_geometry_new": [_p],
     "covbeam_rays_geometry_free": [_p],
     "covbeam_rays_geometry_add_mesh": [_p, _z, _p, _z, _p, _z, _p, _p, _p, _p],
@@ -29,24 +25,26 @@ PROTOTYPES = {
     "covbeam_rays_geometry_wait": [_p, _u, _p],
     "covbeam_rays_geometry_cancel": [_p],
     "covbeam_rays_geometry_info": [_p, _p],
-    "covbeam_rays_geometry_cast": [_p, _z, _p, _p, _z, _p, _p],
-    "covbeam_rays_geometry_edges": [_p, _z, _p, _p, _p, _z, _p, _p, _p],
-    "covbeam_rays_gather_new": [_p, _p],
-    "covbeam_rays_gather_free": [_p],
-    "covbeam_rays_gather_start": [_p, _p, _p, _p, _z, _p, _z, _z, _p, _p, _z],
-    "covbeam_rays_picture_start": [_p, _p, _u, _u, _p, _z],
-    "covbeam_rays_gather_wait": [_p, _u, _p, _p],
-    "covbeam_rays_gather_stop": [_p],
+    "covbeam_rays_geometry_cast": [_p, _z, _p, _p, _p],
+    "covbeam_rays_scene_new": [_p, _p, _p],
+    "covbeam_rays_scene_free": [_p],
+    "covbeam_rays_session_new": [_p, _p, _p],
+    "covbeam_rays_session_free": [_p],
+    "covbeam_rays_session_start": [_p, _u],
+    "covbeam_rays_session_wait": [_p, _u, _p],
+    "covbeam_rays_session_stop": [_p],
+    "covbeam_rays_session_restart": [_p, _u],
+    "covbeam_rays_session_info": [_p, _p],
+    "covbeam_rays_session_picture": [_p, _z, _p, _p, _p, _p, _p],
 }
 
 
-class Info(ctypes.Structure):
-    _fields_ = [
-        ("triangle_count", ctypes.c_uint64),
-        ("memory", ctypes.c_uint64),
-        ("min", ctypes.c_float * 3),
-        ("max", ctypes.c_float * 3),
-    ]
+class Error(Exception):
+    """A call came too early or too late, or the library has a defect."""
+
+
+class Cancelled(Exception):
+    """A poll has said no. What was done before is kept."""
 
 
 def find() -> Path:
@@ -80,32 +78,28 @@ def load(path: Path) -> ctypes.CDLL:
             "Take module and library from the same version: install one covbeam_rays wheel."
         )
     for name, parameters in PROTOTYPES.items():
-        function = getattr(library, name)
+        function = getattr(library, name, None)
+        if function is None:
+            raise ImportError(
+                f"covbeam_rays: {path} has no {name}. Take module and library from the same version: install one covbeam_rays wheel."
+            )
         function.argtypes = parameters
         function.restype = ctypes.c_int32
-    library.covbeam_rays_last_error.restype = ctypes.c_char_p
+    library.covbeam_rays_last_error.restype = library.covbeam_rays_version.restype = ctypes.c_char_p
     return library
 
 
 lib = load(find())
 
+version = lib.covbeam_rays_version().decode()
 
-def check(status: int, covbeam_status: int = 0):
-    """Raises what a status means. `covbeam_status` is what the call of covbeam returned, if that is what failed."""
-    if status == 0:
-        return
-    message = lib.covbeam_rays_last_error().decode()
-    match status:
-        case 1:
-            raise ValueError(message)
-        case 2:
-            raise Error(Status.WRONG_ORDER, message)
-        case 3:
-            raise Cancelled(Status.CANCELLED, message)
-        case 4:
-            raise Error(Status(covbeam_status), message)
-        case _:
-            raise Error(Status.PANICKED, message)
+_EXCEPTIONS = {1: ValueError, 2: Error, 3: Cancelled, 4: MemoryError, 5: Error}
+
+
+def check(status: int):
+    """Raises what a status means."""
+    if status != 0:
+        raise _EXCEPTIONS[status](lib.covbeam_rays_last_error().decode())
 
 
 class Handle:
@@ -123,17 +117,12 @@ class Handle:
             self._free(self._as_parameter_)
 
 
-def stopped():
-    """What a poll that said no raises."""
-    return Cancelled(Status.CANCELLED, "stopped by poll")
-
-
-def threads(count: int | None = None) -> int:
-    """How many native threads calls use, after setting it to `count` if that is given; 0 = one a core."""
-    if count is not None:
-        if count < 0:
-            raise ValueError(f"count: {count}; give 0 for one a core, or how many")
-        check(lib.covbeam_rays_set_threads(count))
-    number = ctypes.c_size_t()
-    check(lib.covbeam_rays_get_threads(ctypes.addressof(number)))
-    return number.value
+def wait(function, handle, poll):
+    """Calls a function that waits for what goes on until that has ended; raises Cancelled if `poll` says no meanwhile."""
+    done = ctypes.c_uint32()
+    while True:
+        check(function(handle, INTERVAL, ctypes.addressof(done)))
+        if done.value:
+            return
+        if poll is not None and not poll():
+            raise Cancelled("stopped by poll")

@@ -1,0 +1,70 @@
+//! How large the things are that a picture is about: what light from infinitely far away is aimed at.
+
+use super::Description;
+use covbeam_geometry::MAX_COORDINATE;
+use covbeam_geometry::instances::Instances;
+use covbeam_render::scene::Ball;
+use glam::DVec3;
+
+/// The world's fog is looked at as far as this optical depth from camera and lights.
+const DEPTH: f64 = 4.0;
+
+/// Where fog is, and all that a scene has.
+pub(super) struct Lit {
+    /// A ball around all fog; without any, one around the camera.
+    pub(super) media: Ball,
+    /// A ball around that and all geometry.
+    pub(super) scene: Ball,
+}
+
+impl Lit {
+    /// Of numbers that may be wrong, which gives a ball that means nothing.
+    pub(super) fn new(description: &Description, geometry: &Instances) -> Self {
+        let bounds = (!geometry.is_empty()).then(|| geometry.bounds());
+        let bounds = bounds.map(|(min, max)| (min.as_dvec3(), max.as_dvec3()));
+        let world = usize::try_from(description.world_volume).ok();
+        let boxes =
+            description.volumes.iter().enumerate().map(|(index, volume)| match Some(index) == world {
+                true => world_box(description, volume.extinction(), bounds),
+                false => volume.bounds(),
+            });
+        let unite = |(a, b): (DVec3, DVec3), (c, d): (DVec3, DVec3)| (a.min(c), b.max(d));
+        let place = description.camera.place();
+        let media = boxes.reduce(unite).unwrap_or((place - 1.0, place + 1.0));
+        let all = bounds.map_or(media, |bounds| unite(media, bounds));
+        Self { media: ball(media), scene: ball(all) }
+    }
+}
+
+fn ball((min, max): (DVec3, DVec3)) -> Ball {
+    let ball = Ball::around(min.as_vec3(), max.as_vec3());
+    Ball { radius: ball.radius.max(1.0 / MAX_COORDINATE), ..ball }
+}
+
+/// Where the world's fog matters: what camera, lights and geometry fill.
+fn world_box(description: &Description, extinction: f64, bounds: Option<(DVec3, DVec3)>) -> (DVec3, DVec3) {
+    let lights = description.lights.iter().flat_map(|light| {
+        let corners = light.triangles.iter().flatten().map(|corner| DVec3::from(corner.map(f64::from)));
+        let is_somewhere = !light.fields.is_mesh() && !light.fields.is_far();
+        corners.chain(is_somewhere.then(|| DVec3::from(light.fields.position)))
+    });
+    let (mut min, mut max) = (description.camera.place(), description.camera.place());
+    let mut count = 1;
+    for place in lights {
+        (min, max, count) = (min.min(place), max.max(place), count + 1);
+    }
+    let size = (max - min).length().max(1e-6);
+    if let Some((bottom, top)) = bounds {
+        // Geometry farther away than twice the camera from the lights is background.
+        let seen = if extinction > 0.0 { DEPTH / extinction } else { size };
+        let reach = if count > 1 { seen.min(2.0 * size) } else { seen };
+        let near = |corner: DVec3| corner.max(min - reach).min(max + reach);
+        (min, max) = (min.min(near(bottom)), max.max(near(top)));
+    }
+    // With nothing around, the camera looks into fog as far as it sees.
+    let diagonal = (max - min).length();
+    let alone = if extinction > 0.0 { extinction.recip() } else { 1.0 };
+    let margin = if diagonal > 1e-6 { 0.1 * diagonal } else { alone };
+    let limit = DVec3::splat(f64::from(MAX_COORDINATE));
+    ((min - margin).max(-limit), (max + margin).min(limit))
+}

@@ -1,0 +1,188 @@
+//! Media, and where they are.
+
+use super::fields::Fields;
+use crate::failure::{Result, invalid};
+use covbeam::{GridLayout, Medium, PhaseFunction, PhaseKind};
+use covbeam_geometry::MAX_COORDINATE;
+use covbeam_render::fogs::{AddedFogs, FogSum, FogVolume};
+use covbeam_render::scene::{MediumDensity, MediumId, SceneMedium};
+use covbeam_render::volume::{MAX_DENSITY, MAX_VOXELS, Volume as Voxels};
+use glam::{DVec3, Vec3};
+
+/// A medium and where it is. See Volume in the extension's `host/scene.py`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VolumeFields {
+    /// Coefficient where the relative density is 1 \[1/m\].
+    pub scattering: [f64; 3],
+    /// The same.
+    pub absorption: [f64; 3],
+    /// Lower corner of what it fills \[m\]; the world's is not read.
+    pub min: [f64; 3],
+    /// Upper corner.
+    pub max: [f64; 3],
+    /// Mean cosine of Henyey-Greenstein, in (-1, 1).
+    pub asymmetry: f64,
+    /// Lower corner of the voxels of the density \[m\]; these three are not read without.
+    pub density_min: [f64; 3],
+    /// Upper corner.
+    pub density_max: [f64; 3],
+    /// Voxels along x, y and z.
+    pub cells: [u32; 3],
+    /// 0 = isotropic, 1 = Henyey-Greenstein, 2 = Rayleigh.
+    pub phase: u32,
+}
+
+/// The same with its arrays.
+#[derive(Clone, Copy, Debug)]
+pub struct Volume<'a> {
+    /// All that is a number.
+    pub fields: VolumeFields,
+    /// Density, one number a voxel; None = 1 everywhere.
+    pub densities: Option<&'a [f32]>,
+    /// Numbers of the volumes that this is the sum of, where all of them and no others are.
+    pub parts: &'a [i32],
+}
+
+impl Volume<'_> {
+    /// Corners, as given.
+    pub(super) fn bounds(&self) -> (DVec3, DVec3) {
+        (DVec3::from(self.fields.min), DVec3::from(self.fields.max))
+    }
+
+    /// Mean extinction of the channels, as given \[1/m\].
+    pub(super) fn extinction(&self) -> f64 {
+        let VolumeFields { scattering, absorption, .. } = self.fields;
+        scattering.iter().chain(&absorption).sum::<f64>() / 3.0
+    }
+
+    fn medium(&self, index: usize) -> Result<SceneMedium> {
+        let fields = Fields::of("volumes", index);
+        let coefficient = |name, value| fields.color(name, value, f64::from(MAX_COORDINATE));
+        let kind = match self.fields.phase {
+            0 => PhaseKind::Isotropic,
+            1 => PhaseKind::HenyeyGreenstein,
+            2 => PhaseKind::Rayleigh,
+            other => return Err(fields.wrong("phase", other, "0, 1 or 2")),
+        };
+        let most = f64::from(1.0_f32.next_down());
+        let asymmetry = fields.number("asymmetry", self.fields.asymmetry, -most..=most)?;
+        let medium = Medium {
+            scattering: coefficient("scattering", self.fields.scattering)?,
+            absorption: coefficient("absorption", self.fields.absorption)?,
+            phase: PhaseFunction { kind, asymmetry },
+            ..Medium::default()
+        };
+        let density = match self.densities {
+            None => MediumDensity::Uniform,
+            Some(densities) => MediumDensity::Grid(self.voxels(&fields, densities)?),
+        };
+        Ok(SceneMedium { medium, density })
+    }
+
+    fn voxels(&self, fields: &Fields, densities: &[f32]) -> Result<Voxels> {
+        let VolumeFields { cells, density_min, density_max, .. } = self.fields;
+        if !(1..=MAX_VOXELS as usize).contains(&densities.len()) {
+            return Err(fields.wrong(
+                "density.cells",
+                cells,
+                format_args!("1 to {MAX_VOXELS} voxels in all"),
+            ));
+        }
+        let min = fields.point("density.min", density_min)?;
+        let max = fields.point("density.max", density_max)?;
+        let voxel = (max - min) / glam::UVec3::from(cells).as_dvec3();
+        if !(voxel.min_element() >= f64::from(1.0 / MAX_COORDINATE)) {
+            return Err(fields.wrong(
+                "density.max",
+                density_max,
+                "a box whose voxels are at least 1e-9 m wide",
+            ));
+        }
+        let most = f64::from(MAX_DENSITY) / self.extinction().max(1.0);
+        let is_density = |density: &f32| (0.0..=most).contains(&f64::from(*density));
+        if let Some(wrong) = densities.iter().position(|density| !is_density(density)) {
+            let name = format!("density.values[{wrong}]");
+            let wanted = "numbers from 0 to 1e9, and products with the coefficients up to 1e9";
+            return Err(fields.wrong(&name, densities[wrong], wanted));
+        }
+        let layout = GridLayout { min: min.as_vec3(), max: max.as_vec3(), cells };
+        Ok(Voxels { layout, values: densities.to_vec() })
+    }
+}
+
+/// The media of a scene.
+pub(super) struct Media {
+    /// By volume.
+    pub(super) all: Vec<SceneMedium>,
+    /// That of the world.
+    pub(super) outside: Option<MediumId>,
+    /// Which fills a place.
+    pub(super) fogs: AddedFogs,
+    /// By volume: its number among those that fill objects.
+    places: Vec<Option<u8>>,
+}
+
+impl Media {
+    pub(super) fn new(volumes: &[Volume], world: i32) -> Result<Self> {
+        let all = volumes.iter().enumerate().map(|(index, volume)| volume.medium(index));
+        let all = all.collect::<Result<Vec<_>>>()?;
+        let outside = match world {
+            -1 => None,
+            _ => {
+                let number = usize::try_from(world).ok().filter(|number| *number < volumes.len());
+                let count = volumes.len();
+                Some(number.ok_or_else(|| {
+                    invalid!("world_volume: {world}; give -1, or the number of one of the {count} volumes")
+                })? as MediumId)
+            }
+        };
+        let (mut places, mut bodies, mut sums) = (Vec::new(), Vec::new(), Vec::new());
+        for (index, volume) in volumes.iter().enumerate() {
+            let medium = index as MediumId;
+            let is_body = Some(medium) != outside && volume.parts.is_empty();
+            places.push(is_body.then_some(bodies.len()));
+            if is_body {
+                let fields = Fields::of("volumes", index);
+                let corner = |name, value| fields.point(name, value).map(|corner| corner.as_vec3());
+                let [min, max] = [corner("min", volume.fields.min)?, corner("max", volume.fields.max)?];
+                if !(min.cmple(max).all()) {
+                    return Err(fields.wrong(
+                        "max",
+                        volume.fields.max,
+                        "an upper corner above the lower one",
+                    ));
+                }
+                bodies.push(FogVolume { medium, min, max });
+            }
+        }
+        for (index, volume) in volumes.iter().enumerate().filter(|(_, volume)| !volume.parts.is_empty()) {
+            let place = |&part: &i32| {
+                let place = usize::try_from(part).ok().and_then(|part| *places.get(part)?);
+                place.ok_or_else(|| {
+                    let wanted = "numbers of volumes that are neither the world's nor sums";
+                    Fields::of("volumes", index).wrong("parts", volume.parts, wanted)
+                })
+            };
+            let parts = volume.parts.iter().map(place).collect::<Result<_>>()?;
+            sums.push(FogSum { parts, medium: index as MediumId });
+        }
+        let fogs = AddedFogs::new(bodies, &sums).map_err(|error| invalid!("volumes: {error}"))?;
+        // At most 64.
+        let places = places.into_iter().map(|place| place.map(|place| place as u8)).collect();
+        Ok(Self { all, outside, fogs, places })
+    }
+
+    /// The number among what fills objects of a volume; None: it is none of these.
+    pub(super) fn place_of(&self, volume: i32) -> Option<u8> {
+        usize::try_from(volume).ok().and_then(|volume| *self.places.get(volume)?)
+    }
+
+    /// Per channel, 1 where light from infinitely far away gets through what is outside of all objects, else 0.
+    pub(super) fn far_light(&self) -> Vec3 {
+        let Some(outside) = self.outside else { return Vec3::ONE };
+        let SceneMedium { medium, .. } = &self.all[outside as usize];
+        let extinction = medium.scattering + medium.absorption;
+        Vec3::from(extinction.to_array().map(|extinction| if extinction == 0.0 { 1.0 } else { 0.0 }))
+    }
+}

@@ -1,0 +1,112 @@
+//! Where eye rays start: at the camera, in its lens or in its plane, and inside of what.
+
+use crate::optics::Interior;
+use crate::random::{Random, mix};
+use crate::scene::Scene;
+use covbeam::path_number;
+use glam::Vec3;
+
+/// Sequence of places in the lens.
+const LENS_SEQUENCE: u32 = 0x001e_4500;
+
+/// An eye ray where it starts.
+#[derive(Clone, Copy, Debug)]
+pub struct EyeStart {
+    /// Where: what is nearer to the camera is not there.
+    pub origin: Vec3,
+    /// Unit.
+    pub direction: Vec3,
+    /// What it is inside of.
+    pub interior: Interior,
+}
+
+/// Where eye rays of a scene start.
+#[derive(Clone, Copy)]
+pub struct EyeStarts<'a> {
+    scene: &'a Scene,
+    /// Of the camera's position.
+    interior: Interior,
+}
+
+impl<'a> EyeStarts<'a> {
+    /// Those of a scene.
+    pub fn new(scene: &'a Scene) -> Self {
+        Self { scene, interior: Interior::at(scene, scene.camera.position) }
+    }
+
+    /// What the camera's position is inside of.
+    pub fn interior(&self) -> Interior {
+        self.interior
+    }
+
+    /// The eye ray through a picture point and a place in the lens, as [`Camera::ray`] has them.
+    pub fn at(&self, [x, y]: [f32; 2], lens: [f32; 2]) -> EyeStart {
+        let camera = &self.scene.camera;
+        let (origin, direction) = camera.ray(x, y, lens);
+        if origin == camera.position {
+            return EyeStart { origin: self.scene.beside(origin), direction, interior: self.interior };
+        }
+        // What is too near to be seen bounds media all the same.
+        let interior = self.interior.moved(self.scene, camera.position, origin);
+        EyeStart { origin, direction, interior }
+    }
+
+    /// The same through the middle of a pixel and of the lens.
+    pub fn middle(&self, x: u32, y: u32) -> EyeStart {
+        self.at([x as f32 + 0.5, y as f32 + 0.5], [0.0; 2])
+    }
+
+    /// The same through some place in the lens.
+    pub(crate) fn anywhere(&self, point: [f32; 2], random: &mut Random) -> EyeStart {
+        let has_lens = self.scene.camera.lens.is_some();
+        self.at(point, if has_lens { [random.uniform(), random.uniform()] } else { [0.0; 2] })
+    }
+
+    /// A place in the lens for a pixel: even over the looks that this takes through it, numbered on over the passes.
+    pub(crate) fn place_in_lens(&self, seed: u32, pixel: u32, look: u32) -> [f32; 2] {
+        if self.scene.camera.lens.is_none() {
+            return [0.0; 2];
+        }
+        // The same points for all pixels, turned differently in each.
+        let turn = mix((u64::from(seed) << 32 | u64::from(pixel)) ^ u64::from(LENS_SEQUENCE));
+        let turns = [(turn >> 32) as u32, turn as u32];
+        [0, 1].map(|axis| {
+            let turn = f64::from(turns[axis]) / 2.0_f64.powi(32);
+            let point = f64::from(path_number(seed, LENS_SEQUENCE, look, axis as u32)) + turn;
+            (point.fract() as f32).min(1.0 - f32::EPSILON)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Lens;
+    use std::path::Path;
+
+    #[test]
+    fn looks_of_a_pixel_fill_the_lens_evenly_and_others_otherwise() {
+        let text = "[camera]\nposition = [0, 0, 0]\nlook_at = [0, 0, 1]\nvertical_fov = 40\nwidth = 4\nheight = 4\n\
+             [[light]]\nkind = \"point\"\nposition = [0, 4, 0]\nintensity = 1\n";
+        let mut scene = Scene::parse(text, "nothing", Path::new("")).expect("a valid scene");
+        assert_eq!(EyeStarts::new(&scene).place_in_lens(1, 2, 3), [0.0; 2]);
+        let lens = Lens { radius: 0.1, focus_distance: 1.0, blades: 0, rotation: 0.0, ratio: 1.0 };
+        scene.camera.lens = Some(lens);
+        let starts = EyeStarts::new(&scene);
+        let (mut first, mut spread) = (Vec::new(), 0.0);
+        for pixel in 0..50 {
+            let mut cells = [0_i32; 16];
+            for look in 0..64 {
+                let [u, v] = starts.place_in_lens(7, pixel, look);
+                cells[(4.0 * u) as usize * 4 + (4.0 * v) as usize] += 1;
+            }
+            let squares = cells.iter().map(|count| f64::from((count - 4) * (count - 4)));
+            spread += squares.sum::<f64>() / (16.0 * 50.0);
+            first.push(starts.place_in_lens(7, pixel, 0)[0]);
+        }
+        // Four in each cell, but for what turns move across the borders of cells. Of random places, 64 x 1/16 x 15/16.
+        assert!(spread < 3.75 / 3.0, "{spread}");
+        first.sort_by(f32::total_cmp);
+        assert!(first.windows(2).all(|two| two[0] < two[1]), "each pixel has a turn of its own");
+    }
+}

@@ -1,0 +1,244 @@
+//! Pictures of fog in parts, of panes, and of placed geometry against the same scenes by other ways.
+
+use super::scenes::{
+    Part, ball, block, bound, camera, cube, inverted, lamp, lobes, medium, part, scene, sheet, volume,
+};
+use covbeam::GridLayout;
+use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::photon::{PhotonRecord, PhotonTracer, Record};
+use covbeam_render::random::Emission;
+use covbeam_render::scene::{Lobes, Material, MediumDensity, Scene, Sees};
+use covbeam_render::volume::Volume;
+use covbeam_tests::statistics::Sample;
+use glam::Vec3;
+
+/// Mean radiance of the picture's passes for some seeds; straight light by shadow rays, other light by guided paths.
+fn guided(scene: &Scene, seeds: u32, passes: u32) -> Sample {
+    means(scene, seeds, passes, |seed| {
+        let mut renderer = Renderer::new(scene, Method::Adaptive, scene.settings.guided_photons, seed);
+        renderer.light_by_kind();
+        renderer
+    })
+}
+
+/// The same by connections of paths with the camera, which have no kernels, no shadow rays along eye rays and no guidance.
+fn traced(scene: &Scene, photons: u32, seeds: u32) -> Sample {
+    means(scene, seeds, 1, |seed| Renderer::new(scene, Method::LightTrace, photons, 100 + seed))
+}
+
+fn means<'a>(_: &'a Scene, seeds: u32, passes: u32, make: impl Fn(u32) -> Renderer<'a>) -> Sample {
+    let mean = |seed| {
+        let mut renderer = make(seed);
+        let mut of_pass = |pass| {
+            let (image, _) = renderer.pass(pass, &|| false).expect("not cancelled");
+            let sum: f64 = image.radiance.iter().map(|color| f64::from(color.element_sum()) / 3.0).sum();
+            sum / image.radiance.len() as f64
+        };
+        (1..=passes).map(&mut of_pass).sum::<f64>() / f64::from(passes)
+    };
+    Sample::of(&(0..seeds).map(mean).collect::<Vec<_>>())
+}
+
+/// - `bias`: what may be wrong; `noise`: four standard errors of the difference may be this at most, all relative.
+fn agree(name: &str, found: Sample, expected: Sample, bias: f64, most: f64) {
+    let change = found.mean / expected.mean - 1.0;
+    let noise = 4.0 * found.error.hypot(expected.error) / expected.mean;
+    println!("{name}: {:+.4} ± {noise:.4}", change);
+    assert!(expected.mean > 0.0 && noise < most, "{name}: noise of {noise} hides all");
+    assert!(change.abs() < bias + noise, "{name}: {change}, noise {noise}");
+}
+
+fn text(media: &str) -> String {
+    [&camera([0.0, 0.0, -4.0], [0.0; 3], 40.0, 16), &lamp([1.3, 1.1, 0.9], 10.0), media].concat()
+}
+
+fn fog() -> String {
+    medium("fog", 0.3, 0.1)
+}
+
+/// Cubes of the same fog.
+fn fogs(boxes: &[(Vec3, Vec3)], media: &str) -> Scene {
+    let parts: Vec<Part> =
+        boxes.iter().zip(0..).map(|(&(min, max), fog)| bound(cube(min, max), fog)).collect();
+    scene(&text(media), &parts, boxes.iter().map(|&(min, max)| volume(0, min, max)).collect())
+}
+
+const WHOLE: (Vec3, Vec3) = (Vec3::NEG_ONE, Vec3::ONE);
+
+fn parts() -> Vec<(&'static str, Vec<(Vec3, Vec3)>)> {
+    let v = Vec3::new;
+    vec![
+        ("touching", vec![(WHOLE.0, v(0.0, 1.0, 1.0)), (v(0.0, -1.0, -1.0), WHOLE.1)]),
+        ("overlapping", vec![(WHOLE.0, v(0.4, 1.0, 1.0)), (v(-0.3, -1.0, -1.0), WHOLE.1)]),
+        ("nested", vec![WHOLE, (Vec3::splat(-0.5), Vec3::splat(0.5))]),
+        ("nested on the same floor", vec![WHOLE, (v(-0.5, -1.0, -0.5), Vec3::splat(0.5))]),
+        ("twice", vec![WHOLE, WHOLE]),
+    ]
+}
+
+#[test]
+fn two_halves_or_a_part_within_or_overlaps_are_one_piece_of_fog() {
+    let expected = guided(&fogs(&[WHOLE], &fog()), 8, 3);
+    for (name, boxes) in parts() {
+        // Kernels end at bounds, which costs some of them their shape.
+        agree(name, guided(&fogs(&boxes, &fog()), 8, 3), expected, 0.01, 0.05);
+    }
+}
+
+/// The bound as a shape of a scene file: a dielectric that bends nothing.
+#[test]
+fn fog_in_a_placed_cube_is_that_in_a_box() {
+    let object = "[[object]]\nshape = \"box\"\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\nmaterial = { dielectric = { index = 1 } }\n\
+        inside = \"fog\"\n";
+    let expected = scene(&text(&[&fog(), object].concat()), &[], Vec::new());
+    agree("box", guided(&fogs(&[WHOLE], &fog()), 8, 3), guided(&expected, 8, 3), 0.005, 0.05);
+}
+
+/// Of straight light, which has next to no noise.
+#[test]
+fn fog_within_the_same_fog_changes_nothing_wherever_lamp_and_camera_are() {
+    // The lamp is out of the picture: beside it fog is as bright as one looks closely.
+    let view = camera([0.0, 0.0, -4.0], [0.0; 3], 40.0, 16);
+    let world = ["outside_medium = \"fog\"\n", &view, &lamp([1.3, 2.8, 0.9], 10.0), &fog()].concat();
+    let picture = |parts: &[Part], volumes| {
+        let mut scene = scene(&world, parts, volumes);
+        scene.settings.bounces = Some(0);
+        guided(&scene, 4, 3)
+    };
+    let expected = picture(&[], Vec::new());
+    for half in [Vec3::ONE, Vec3::splat(2.0), Vec3::new(2.0, 4.0, 6.0)] {
+        let (min, max) = (-half, half);
+        let found = picture(&[bound(cube(min, max), 0)], vec![volume(0, min, max)]);
+        agree(&format!("{half}"), found, expected, 0.002, 0.05);
+    }
+}
+
+/// A cloud of voxels, whole and in two halves, each with a bound and a medium of its own: straight light is left to beams.
+#[test]
+fn light_goes_on_from_one_half_of_a_cloud_into_the_other() {
+    let layout = GridLayout { min: Vec3::NEG_ONE, max: Vec3::ONE, cells: [8; 3] };
+    let values = (0..512).map(|i| {
+        let place = Vec3::new((i % 8) as f32, (i / 8 % 8) as f32, (i / 64) as f32) / 3.5 - 1.0;
+        (-3.0 * (place - Vec3::new(-0.3, 0.2, 0.0)).length_squared()).exp()
+    });
+    let density = MediumDensity::Grid(Volume { layout, values: values.collect() });
+    let cloud = |boxes: &[(Vec3, Vec3)]| {
+        let media = [medium("left", 2.0, 0.1), medium("right", 2.0, 0.1)].concat();
+        let mut scene = fogs(boxes, &media);
+        let volumes = boxes.iter().zip(0..).map(|(&(min, max), fog)| volume(fog, min, max)).collect();
+        let parts: Vec<Part> =
+            boxes.iter().zip(0..).map(|(&(min, max), fog)| bound(cube(min, max), fog)).collect();
+        scene.placed = Some(super::scenes::placed(&parts, volumes, &[]));
+        scene.media.iter_mut().for_each(|medium| medium.density = density.clone());
+        scene
+    };
+    let halves = [(WHOLE.0, Vec3::new(0.0, 1.0, 1.0)), (Vec3::new(0.0, -1.0, -1.0), WHOLE.1)];
+    agree("cloud", guided(&cloud(&halves), 8, 3), guided(&cloud(&[WHOLE]), 8, 3), 0.015, 0.1);
+}
+
+/// A pane without thickness has no inside: taken for solid it would cost half of the light.
+#[test]
+fn a_pane_without_thickness_leaves_the_fog_behind_it_lit() {
+    let lamp = lamp([0.3, 0.4, 2.5], 10.0);
+    let text =
+        ["outside_medium = \"fog\"\n", &camera([0.0, 0.0, -4.0], [0.0; 3], 40.0, 16), &lamp, &fog()].concat();
+    let expected = guided(&scene(&text, &[], Vec::new()), 8, 3);
+    let air = Material::of_lobes(Lobes {
+        glass_reflection: Vec3::ONE,
+        glass_transmission: Vec3::ONE,
+        ..lobes(1.0001)
+    });
+    let pane = sheet(Vec3::new(-9.0, -9.0, 0.5), Vec3::X * 18.0, Vec3::Y * 18.0);
+    for mesh in [pane.clone(), inverted(pane)] {
+        let scene = scene(&text, &[Part { is_closed: false, ..part(mesh, air) }], Vec::new());
+        // Straight light has come through glass then, and its beams have kernels.
+        agree("pane", guided(&scene, 8, 6), expected, 0.03, 0.2);
+    }
+}
+
+#[test]
+fn fog_whose_bound_is_seen_edge_on_is_there() {
+    let view = |y: f32| {
+        let text =
+            [&camera([0.0, y, -4.0], [0.0, y, 0.0], 40.0, 16), &lamp([1.3, 1.1, 0.9], 10.0), &fog()[..]]
+                .concat();
+        guided(&scene(&text, &[bound(block(1.0, Vec3::ZERO), 0)], vec![volume(0, WHOLE.0, WHOLE.1)]), 8, 3)
+    };
+    // The camera lies in the plane of the upper face, and two thousandths above it.
+    agree("edge on", view(1.0), view(1.002), 0.01, 0.1);
+}
+
+/// Fog on a floor gets the light that the floor sends back. The same paths but for a millimetre.
+#[test]
+fn fog_that_stands_on_a_floor_keeps_the_light_that_the_floor_sends_back() {
+    let floor = Material::Lambert { albedo: Vec3::splat(0.8) };
+    let text =
+        [&camera([0.0, 0.5, -4.0], [0.0, -0.6, 0.0], 40.0, 16), &lamp([0.3, 0.4, 0.2], 10.0), &fog()[..]]
+            .concat();
+    let plane = sheet(Vec3::new(-2.0, -1.0, -2.0), Vec3::Z * 4.0, Vec3::X * 4.0);
+    let found = [-1.0, -0.999].map(|bottom| {
+        let min = Vec3::new(-1.0, bottom, -1.0);
+        let parts = [bound(cube(min, Vec3::ONE), 0), part(plane.clone(), floor)];
+        let mut scene = scene(&text, &parts, vec![volume(0, min, Vec3::ONE)]);
+        scene.sees = Sees::FogAlone;
+        guided(&scene, 20, 3)
+    });
+    // What the floor sends back is some 5 %.
+    agree("floor", found[0], found[1], 0.005, 0.04);
+}
+
+/// Fog alone, bounded, on a floor that is not seen, around a glass ball and metal that are: paths of any number of bounces and of few.
+#[test]
+fn pictures_of_fog_alone_are_those_of_connected_paths() {
+    let text =
+        [&camera([0.0, 0.5, -4.0], [0.0, -0.2, 0.0], 40.0, 16), &lamp([0.3, 1.8, 0.2], 10.0), &fog()[..]]
+            .concat();
+    let metal =
+        Material::of_lobes(Lobes { metal: Vec3::splat(0.8), edge: Vec3::ONE, alpha: 0.3, ..lobes(1.5) });
+    let parts = [
+        bound(cube(Vec3::new(-1.2, -1.0, -1.2), Vec3::splat(1.2)), 0),
+        part(
+            cube(Vec3::new(-2.0, -2.0, -2.0), Vec3::new(2.0, -1.0, 2.0)),
+            Material::Lambert { albedo: Vec3::splat(0.8) },
+        ),
+        part(ball(0.4, Vec3::new(0.5, -0.55, 0.9), 32), metal),
+    ];
+    let volumes = vec![volume(0, Vec3::new(-1.2, -1.0, -1.2), Vec3::splat(1.2))];
+    let mut scene = scene(&text, &parts, volumes);
+    scene.sees = Sees::FogAlone;
+    for bounces in [None, Some(0), Some(1), Some(2)] {
+        scene.settings.bounces = bounces;
+        // The light that the metal mirrors is not in the connected paths': two thousandths or so.
+        agree(&format!("{bounces:?}"), guided(&scene, 8, 4), traced(&scene, 20_000, 8), 0.01, 0.06);
+    }
+}
+
+/// Of half of space, of albedo a: 1 - √(1 - a) H(1) of the light that falls straight down comes back, H(1) = 1.8501 for a = 0.9
+/// (S. Chandrasekhar, *Radiative Transfer*, 1950, table XI).
+#[test]
+fn half_of_space_sends_back_what_the_h_function_says() {
+    let spot = "[[light]]\nkind = \"spot\"\nposition = [0, 1, 0]\nlook_at = [0, 0, 0]\nintensity = 1\ninner_angle = 0\nouter_angle = 0.1\n";
+    let text = [&camera([0.0, 3.0, -4.0], [0.0; 3], 40.0, 8), spot, &medium("fog", 9.0, 1.0)].concat();
+    // So large that next to nothing gets to its other sides.
+    let (min, max) = (Vec3::splat(-20.0), Vec3::new(20.0, 0.0, 20.0));
+    let scene = scene(&text, &[bound(cube(min, max), 0)], vec![volume(0, min, max)]);
+    let tracer = PhotonTracer::new(&scene, 0, Emission::LowDiscrepancy);
+    let mut record = PhotonRecord::default();
+    let paths = 8192;
+    (0..paths).for_each(|index| tracer.trace(0, index, paths, Record::Beams, &mut record));
+    let back = record.energy.escaped[0] / record.energy.emitted[0];
+    // A photon comes back or not: a standard error of .0055.
+    assert!((back - (1.0 - 0.1_f64.sqrt() * 1.8501)).abs() < 0.02, "{back}");
+}
+
+/// Bounds that are flat, inside out or open are no reason to fail.
+#[test]
+fn odd_bounds_make_finite_pictures() {
+    let plane = sheet(Vec3::new(-1.0, -1.0, 0.0), Vec3::X * 2.0, Vec3::Y * 2.0);
+    let flat = cube(Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, 1.0, 0.0));
+    for mesh in [plane.clone(), inverted(plane), flat, inverted(block(1.0, Vec3::ZERO))] {
+        let scene = scene(&text(&fog()), &[bound(mesh, 0)], vec![volume(0, WHOLE.0, WHOLE.1)]);
+        let found = guided(&scene, 2, 1);
+        assert!(found.mean.is_finite() && found.mean >= 0.0, "{found:?}");
+    }
+}
