@@ -199,6 +199,71 @@ class Picture(unittest.TestCase):
         self.assertGreater(centre, 3 * np.concatenate([picture[:8], picture[-8:]]).mean())
 
 
+class Example(unittest.TestCase):
+    """examples/python/shadow.py."""
+
+    def setUp(self):
+        sys.path.insert(0, str(REPOSITORY / "examples" / "python"))
+        self.addCleanup(sys.path.pop, 0)
+        import shadow
+
+        self.shadow = shadow
+
+    def scattered_once(self, size):
+        """The light that homogeneous fog scatters once from a point to the example's camera, with the shadow of its ball: (h, w), by the
+        midpoint rule in the angle at the lamp. Shares nothing with the code under test."""
+        eye, lamp, ball, s, a, g = np.array([0, 0.5, -5]), np.array([0, 2.5, 0]), 0.5, 0.2, 0.05, 0.4
+        forward = -eye / np.linalg.norm(eye)
+        right = np.cross(forward, (0, 1, 0)) / np.linalg.norm(np.cross(forward, (0, 1, 0)))
+        at = ((np.arange(size) + 0.5) * 2 / size - 1) * math.tan(math.radians(17.5))
+        d = forward + at[None, :, None] * right - at[:, None, None] * np.cross(right, forward)
+        d = d.reshape(-1, 3) / np.linalg.norm(d.reshape(-1, 3), axis=1, keepdims=True)
+
+        def ball_at(origin, direction):
+            middle = -np.sum(origin * direction, axis=-1)
+            rest = ball**2 - np.sum(origin * origin, axis=-1) + middle**2
+            return np.where((rest > 0) & (middle > 0), middle - np.sqrt(np.maximum(rest, 0)), np.inf)
+
+        end = np.minimum(ball_at(eye, d), 200)
+        foot = d @ (lamp - eye)
+        aside = np.linalg.norm(eye + foot[:, None] * d - lamp, axis=1)
+        low, high = np.arctan(-foot / aside), np.arctan((end - foot) / aside)
+        total, steps = np.zeros(len(d)), 1500
+        for i in range(steps):
+            far = foot + aside * np.tan(low + (i + 0.5) / steps * (high - low))
+            light = eye + far[:, None] * d - lamp
+            length = np.linalg.norm(light, axis=1)
+            light /= length[:, None]
+            cosine = -np.sum(light * d, axis=1)
+            phase = (1 - g * g) / (4 * np.pi * (1 + g * g - 2 * g * cosine) ** 1.5)
+            # dt = (aside^2 + t^2) / aside d(angle), and the lamp's 1/d^2 cancels the bracket.
+            arrives = np.where(ball_at(lamp, light) < length, 0, np.exp(-(s + a) * (far + length)))
+            total += phase * arrives * (high - low) / (steps * aside)
+        return (25 * s * total).reshape(size, size)
+
+    def test_the_shadow_of_a_ball_is_that_of_its_integral(self):
+        size = 32
+        runs = [self.shadow.render(size, 4, 20_000, seed)[0] for seed in range(12)]
+        expected = self.scattered_once(size)
+
+        def regions(picture):
+            return picture.reshape(8, 4, 8, 4).mean(axis=(1, 3))
+
+        values = np.array([regions(run) for run in runs]) / regions(expected)
+        error = values.std(axis=0, ddof=1) / 12**0.5
+        # Kernels may err by 1 %, at borders of the shadow by more, where the light bends most.
+        np.testing.assert_array_less(np.abs(values.mean(axis=0) - 1), 0.02 + 5 * error)
+        self.assertLess(np.median(error), 0.01, "noise hides nothing")
+        self.assertLess(abs(np.mean([run.sum() for run in runs]) / expected.sum() - 1), 0.01)
+
+    def test_beams_are_narrow_where_the_shadow_has_its_border(self):
+        _, radii = self.shadow.render(48, 4, 20_000)
+        # Below the ball: across both borders of its shadow, and in its middle.
+        below = radii[24:36].mean(axis=0)
+        border = below[[12, 13, 14, 15, 32, 33, 34, 35]].mean()
+        self.assertLess(border, 0.9 * below[22:26].mean())
+
+
 class Segments(unittest.TestCase):
     def test_a_segment_with_edges_is_the_same_one_cut_by_hand(self):
         whole = lamp_segments(50)
