@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Builds the extension for the machine that this runs on: covbeam-VERSION-PLATFORM.zip, to be dropped into Blender.
 
-Needs Python 3.11 or newer with hatchling. Builds the two libraries with cargo, unless COVBEAM_LIBRARY and
-COVBEAM_RAYS_LIBRARY name built ones. The same input gives the same bytes.
+Needs Python 3.11 or newer with hatchling. Builds the library with cargo, unless COVBEAM_RAYS_LIBRARY names a built one.
+The same input gives the same bytes.
 """
 
 import argparse
@@ -18,8 +18,8 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ADDON = HERE / "addon"
 
-#: The projects of the two wheels.
-PROJECTS = (HERE.parent.parent / "ffi" / "python", HERE / "rays" / "python")
+#: The project of the wheel.
+PROJECT = HERE / "rays" / "python"
 
 #: The line of the manifest that is replaced.
 PLACE = "# build.py puts version, platforms and wheels here.\n"
@@ -35,15 +35,15 @@ PLATFORMS = {
 }
 
 
-def build_wheels(folder):
-    """Builds both wheels into `folder`; returns their paths."""
-    for project in PROJECTS:
-        print(f"building the wheel of {project.relative_to(HERE.parent.parent)}, with its library", flush=True)
-        command = [sys.executable, "-m", "hatchling", "build", "--target", "wheel", "--directory", str(folder)]
-        ended = subprocess.run(command, cwd=project, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-        if ended.returncode != 0:
-            sys.exit(f"{ended.stdout}\nbuild.py: {project} could not be built (above).")
-    return sorted(folder.glob("*.whl"))
+def build_wheel(folder):
+    """Builds the wheel into `folder`; returns its path."""
+    print(f"building the wheel of {PROJECT.relative_to(HERE.parent.parent)}, with its library", flush=True)
+    command = [sys.executable, "-m", "hatchling", "build", "--target", "wheel", "--directory", str(folder)]
+    ended = subprocess.run(command, cwd=PROJECT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if ended.returncode != 0:
+        sys.exit(f"{ended.stdout}\nbuild.py: {PROJECT} could not be built (above).")
+    (wheel,) = folder.glob("*.whl")
+    return wheel
 
 
 def platform_of(wheel):
@@ -55,13 +55,13 @@ def platform_of(wheel):
     sys.exit(f"build.py: Blender has no name for the platform of {wheel.name}.")
 
 
-def manifest(version, platform, wheels):
+def manifest(version, platform, wheel):
     """The text of the manifest, with what is known only now."""
     text = (ADDON / "blender_manifest.toml").read_text(encoding="utf-8")
     if text.count(PLACE) != 1:
         sys.exit(f"build.py: blender_manifest.toml must have this line once: {PLACE}")
     # Strings of JSON are strings of TOML.
-    lines = {"version": version, "platforms": [platform], "wheels": [f"./wheels/{wheel.name}" for wheel in wheels]}
+    lines = {"version": version, "platforms": [platform], "wheels": [f"./wheels/{wheel.name}"]}
     return text.replace(PLACE, "".join(f"{key} = {json.dumps(value)}\n" for key, value in lines.items()))
 
 
@@ -79,16 +79,16 @@ def write_zip(path, contents):
 def build(output):
     """Builds the zip into the folder `output`; returns its path."""
     with tempfile.TemporaryDirectory() as folder:
-        wheels = build_wheels(Path(folder))
-        version, platform = wheels[0].stem.split("-")[1], platform_of(wheels[0])
-        contents = {f"wheels/{wheel.name}": wheel.read_bytes() for wheel in wheels}
-        contents["blender_manifest.toml"] = manifest(version, platform, wheels).encode()
+        wheel = build_wheel(Path(folder))
+        version, platform = wheel.stem.split("-")[1], platform_of(wheel)
+        contents = {f"wheels/{wheel.name}": wheel.read_bytes()}
+        contents["blender_manifest.toml"] = manifest(version, platform, wheel).encode()
         contents["LICENSE"] = (ADDON / "LICENSE").read_bytes()
         for source in ADDON.rglob("*.py"):
             contents[source.relative_to(ADDON).as_posix()] = source.read_bytes()
         output.mkdir(parents=True, exist_ok=True)
         path = output / f"covbeam-{version}-{platform}.zip"
-        print(f"packing {len(contents)} files: {', '.join(wheel.name for wheel in wheels)} and the extension", flush=True)
+        print(f"packing {len(contents)} files: {wheel.name} and the extension", flush=True)
         write_zip(path, contents)
     return path
 

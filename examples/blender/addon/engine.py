@@ -2,7 +2,7 @@
 """The render engine: Blender's calls, turned into an export and a session of passes.
 
 Everything happens in the thread that Blender calls from. Blender locks its interface while `update` reads the scene;
-`render` touches nothing of Blender but the engine itself.
+`render` touches nothing of Blender but the engine itself. Viewports have engines of their own: `view_update`, `view_draw`.
 """
 
 import traceback
@@ -13,6 +13,7 @@ import bpy
 
 from . import latest, requirements, text
 from .budget import Budget
+from .settings import session_settings
 
 #: Name, channels, their letters and kind of each pass, in Blender's words.
 PASSES = (
@@ -34,6 +35,9 @@ class CovbeamEngine(bpy.types.RenderEngine):
     # Materials are those of Cycles: EEVEE shows them in the material preview.
     bl_use_eevee_viewport = True
     bl_use_shading_nodes_custom = False
+
+    #: What the viewport needs, if this is the engine of one.
+    view3d = None
 
     def update_render_passes(self, scene, view_layer):
         for name, channels, letters, kind in PASSES:
@@ -90,6 +94,21 @@ class CovbeamEngine(bpy.types.RenderEngine):
         job.record.figures += passes.figures()
         job.record.outcome = latest.Outcome.CANCELLED if passes.cancelled else latest.Outcome.DONE
 
+    def view_update(self, context, depsgraph):
+        problem = requirements.check()
+        if problem is not None:
+            self.update_stats("", f"Covbeam: {problem}")
+            return
+        if self.view3d is None:
+            from .view3d import View3D
+
+            self.view3d = View3D()
+        self.view3d.update(self, context, depsgraph)
+
+    def view_draw(self, context, depsgraph):
+        if self.view3d is not None:
+            self.view3d.draw(self, context, depsgraph)
+
     def goes_on(self):
         """Whether the artist has not stopped the render."""
         return not self.test_break()
@@ -126,26 +145,13 @@ class _Job:
 
     def __init__(self, depsgraph, record, poll):
         from .export.scene import export
-        from .host.session import Settings
 
-        # Settings can be animated: the evaluated scene has their values.
         scene = depsgraph.scene_eval
         chosen = scene.covbeam
         self.record = record
         self.view_layer = depsgraph.view_layer.name
         self.budget = Budget(chosen.passes, chosen.time_limit)
-        self.settings = Settings(
-            seed=chosen.seed_of(scene.frame_current),
-            photons=chosen.photons,
-            grid=chosen.grid,
-            # Like Cycles: a unit of Blender is a metre, whatever it is shown as.
-            radius=chosen.radius,
-            quality=chosen.quality,
-            bounces=chosen.bounces or None,
-            beyond=chosen.beyond,
-            # Blender answers with all processors where the artist has set no number.
-            threads=scene.render.threads,
-        )
+        self.settings = session_settings(scene)
         self.start = perf_counter()
         self.scene, report = export(depsgraph, poll=poll)
         geometry = self.scene.geometry

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panels in the render properties: settings, adding beams to Cycles, and the report."""
+"""Panels in the render properties: settings, adding beams to Cycles, threads and pixels, and the report."""
 
 import bpy
 
@@ -103,6 +103,23 @@ class COVBEAM_PT_beams_advanced(_RenderPanel, bpy.types.Panel):
         _draw_advanced(self.layout, context.scene.covbeam)
 
 
+class COVBEAM_PT_performance(_RenderPanel, bpy.types.Panel):
+    bl_label = "Performance"
+    bl_parent_id = "COVBEAM_PT_sampling"
+    bl_options = {"DEFAULT_CLOSED"}
+    COMPAT_ENGINES = {CovbeamEngine.bl_idname}
+
+    def draw(self, context):
+        # Blender shows them in panels of its own engines only.
+        render = context.scene.render
+        column = _column(self.layout)
+        column.prop(render, "threads_mode")
+        fixed = column.column()
+        fixed.enabled = render.threads_mode == "FIXED"
+        fixed.prop(render, "threads")
+        column.prop(render, "preview_pixel_size", text="Viewport Pixel Size")
+
+
 def _draw_report(layout):
     record = latest.get()
     layout.label(text=record.outcome.value, icon="ERROR" if record.outcome == latest.Outcome.FAILED else "INFO")
@@ -143,6 +160,7 @@ _CLASSES = (
     COVBEAM_PT_beams,
     COVBEAM_PT_advanced,
     COVBEAM_PT_beams_advanced,
+    COVBEAM_PT_performance,
     COVBEAM_PT_report,
     COVBEAM_PT_beams_report,
 )

@@ -36,11 +36,14 @@ class CovbeamSettings(bpy.types.PropertyGroup):
     )
     photons: IntProperty(
         name="Photons",
-        description="Light paths of each pass. More make a pass slower and less noisy, and need more memory",
-        default=50_000,
-        min=1000,
+        description=(
+            "Light paths of each pass, which go where the image needs them. More make a pass slower and less noisy, and need more memory. "
+            "0: as many as suit the scene"
+        ),
+        default=0,
+        min=0,
         max=10_000_000,
-        soft_max=1_000_000,
+        soft_max=100_000,
     )
     quality: FloatProperty(
         name="Accepted Blur",
@@ -58,11 +61,11 @@ class CovbeamSettings(bpy.types.PropertyGroup):
     grid: IntProperty(
         name="Grid Resolution",
         description=(
-            "Voxels along the longest side of the fog, which keep how fine the light is at each place. More "
-            "tell finer features apart, and need more photons to fill"
+            "Voxels along the longest side of the light that is seen, which keep how fine the light is at each place. More "
+            "tell finer features apart, and need more photons to fill. 0: as many as suit the scene"
         ),
-        default=48,
-        min=4,
+        default=0,
+        min=0,
         max=256,
     )
     radius: FloatProperty(
@@ -120,6 +123,25 @@ class CovbeamSettings(bpy.types.PropertyGroup):
             return self.seed
         # An odd multiplier is a bijection of 32 bits: no two frames in a row share a seed.
         return (self.seed + frame * 0x9E3779B1) & 0x7FFFFFFF
+
+
+def session_settings(scene):
+    """The host.session.Settings of a scene. Settings can be animated: one that was evaluated for a render has their values."""
+    from .host.session import Settings
+
+    chosen = scene.covbeam
+    return Settings(
+        seed=chosen.seed_of(scene.frame_current),
+        photons=chosen.photons,
+        grid=chosen.grid,
+        # Like Cycles: a unit of Blender is a metre, whatever it is shown as.
+        radius=chosen.radius,
+        quality=chosen.quality,
+        bounces=chosen.bounces or None,
+        beyond=chosen.beyond,
+        # Blender answers with all processors where the artist has set no number.
+        threads=scene.render.threads,
+    )
 
 
 def register():

@@ -9,6 +9,7 @@ pictures and differences of these and of 16 regions x 3 channels, and exits with
 """
 
 import argparse
+import os
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +21,7 @@ from mathutils import Matrix
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 import cycles_scenes as scenes
+import smoke_scenes
 from addon.export.scene import export
 from addon.host.session import Session, Settings
 
@@ -151,6 +153,21 @@ def computed_sky():
     return build, 0
 
 
+def sky_texture():
+    """A ball of fog under a Sky Texture and its sun, which are about as bright in it."""
+
+    def build(scene):
+        under_sky()[0](scene)
+        tree = scene.world.node_tree
+        sky, background = tree.nodes.new("ShaderNodeTexSky"), next(node for node in tree.nodes if node.type == "BACKGROUND")
+        # The best that this Blender has, and it begins with.
+        sky.sun_elevation, sky.sun_rotation, sky.sun_size = 0.5, 2.0, 0.1
+        tree.links.new(sky.outputs[0], background.inputs["Color"])
+        background.inputs["Strength"].default_value = 0.1
+
+    return build, 0
+
+
 def out_of_focus():
     """The shadow of a black ball that the lens blurs, as far as to a third of the picture, with five blades."""
 
@@ -230,6 +247,18 @@ def cloud(bounces):
     return build, bounces
 
 
+def smoke(bounces):
+    """Smoke of a simulation."""
+
+    def build(scene):
+        scenes.wire(scene.world, [])
+        fog = scenes.material("Smoke", ("ShaderNodeVolumePrincipled", {"Color": (1.0, 0.8, 0.5, 1), "Density": 4.0}, "Volume"))
+        smoke_scenes.domain(20, 6, fog)
+        scenes.lamp("AREA", (1.0, 0.5, 3.0), (0, 0, 0), energy=300, shape="SQUARE", size=0.6)
+
+    return build, bounces
+
+
 def overlapping(bounces):
     """Two boxes of fog that overlap each other in fog of the world, one of them with a gradient, and a black ball across their faces."""
 
@@ -259,6 +288,38 @@ def _glass_ball():
     scenes.ball("Lens", (0.2, 0.1, 2.15), 0.3, scenes.material("Glass", glass))
 
 
+def _card(closure, output):
+    """A square below the lamp, one of whose inputs an image of 4 x 4 pixels gives: colours, and an alpha of 0 or 1."""
+    bpy.ops.mesh.primitive_plane_add(size=2.4, location=(0.2, 0.1, 2.6))
+    pixels = np.random.default_rng(3).random((4, 4, 4)).astype(np.float32)
+    pixels[..., 3] = np.round(pixels[..., 3])
+    of = bpy.data.images.new("Pattern", 4, 4, alpha=True, float_buffer=True)
+    of.colorspace_settings.name, of.alpha_mode = "Linear Rec.709", "CHANNEL_PACKED"
+    of.pixels.foreach_set(pixels.ravel())
+    card = scenes.material("Card", (closure, {}, "Surface"))
+    bpy.context.object.data.materials.append(card)
+    texture = card.node_tree.nodes.new("ShaderNodeTexImage")
+    texture.image, texture.interpolation = of, "Closest"
+    surface = next(node for node in card.node_tree.nodes if node.bl_idname == closure)
+    card.node_tree.links.new(texture.outputs[output], surface.inputs[output if output in surface.inputs else "Color"])
+
+
+def _holes():
+    _card("ShaderNodeBsdfPrincipled", "Alpha")
+
+
+def _panes():
+    _card("ShaderNodeBsdfTransparent", "Color")
+
+
+def _veil():
+    _card("ShaderNodeBsdfTranslucent", "Color")
+
+
+def _screen():
+    _card("ShaderNodeEmission", "Color")
+
+
 def _shining_square():
     bpy.ops.mesh.primitive_plane_add(size=0.5, location=(0, 0, 2.3))
     shine = ("ShaderNodeEmission", {"Color": (1.0, 0.5, 0.2, 1), "Strength": 30.0}, "Surface")
@@ -284,14 +345,21 @@ SCENES = {
     "WORLD": under_sky(),
     "SKY": under_sky(picture=True),
     "COMPUTED SKY": computed_sky(),
+    "SKY TEXTURE": sky_texture(),
     "MESH": fog_box([_shining_square], bounces=0),
     "CLOUD": cloud(0),
     "WHITE CLOUD": cloud(16),
+    "SMOKE": smoke(0),
+    "WHITE SMOKE": smoke(16),
     "OVERLAP": overlapping(0),
     "OVERLAPS": overlapping(8),
     "MULTIPLE": fog_box([], bounces=16, medium=scenes.fog((1, 0.9, 0.8), 0.4, -0.4)),
     "DIFFUSE": fog_box([], _tinted("Diffuse"), bounces=1),
     "METAL": fog_box([], _tinted("Glossy", Roughness=0.4), bounces=1),
+    "HOLES": fog_box([_holes], bounces=0),
+    "PANES": fog_box([_panes], bounces=0),
+    "VEIL": fog_box([_veil], bounces=1),
+    "SCREEN": fog_box([_screen], bounces=0),
     "GLASS": fog_box([_glass_ball], bounces=8, medium=scenes.fog((1, 0.9, 0.8), 0.02)),
 }
 
@@ -392,4 +460,7 @@ def main(words):
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    status = main(sys.argv[1:])
+    sys.stdout.flush()
+    # Mantaflow ends the process in a way of its own if that is not done here.
+    os._exit(status)

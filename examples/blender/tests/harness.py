@@ -21,6 +21,17 @@ def main():
     os._exit(not program.result.wasSuccessful())
 
 
+def start_gpu():
+    """Lets Blender draw: in background it has no GPU, nor what stands in for one, before something was rendered with it."""
+    scene = bpy.data.scenes.new("Start")
+    scene.render.engine = "BLENDER_WORKBENCH"
+    scene.render.resolution_x = scene.render.resolution_y = 4
+    scene.camera = bpy.data.objects.new("Start", bpy.data.cameras.new("Start"))
+    scene.collection.objects.link(scene.camera)
+    bpy.ops.render.render(scene=scene.name)
+    bpy.data.scenes.remove(scene)
+
+
 def write_exr(image_settings, *, layers=True):
     """32 bits, uncompressed, so that exr.py can read it."""
     if bpy.app.version >= (5, 0, 0):

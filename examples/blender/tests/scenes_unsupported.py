@@ -66,7 +66,7 @@ def _objects(scene):
         | _all('Object "Cloud"', "OpenVDB volume")
         | _all('Object "Pencil"', "grease pencil")
         | _all('Object "Fluffy"', "hair of particle system Fur")
-        | _all('Object "Smoke"', "smoke domain")
+        | _all('Object "Smoke"', "smoke domain without smoke")
         | _all('Object "Diced"', "adaptive subdivision")
         | _all('Object "Broken"', "coordinates that are too large")
     )

@@ -343,8 +343,8 @@ class Layout:
         assert icon in self.icons, icon
         self.drawn.append(text)
 
-    def prop(self, data, name):
-        self.drawn.append(data.bl_rna.properties[name].name)
+    def prop(self, data, name, text=None):
+        self.drawn.append(text or data.bl_rna.properties[name].name)
 
     def operator(self, name, text="", icon="NONE"):
         assert icon in self.icons, icon
@@ -376,6 +376,10 @@ class Panels(InBlender):
         for setting in self.scene.covbeam.bl_rna.properties:
             if setting.identifier not in ("rna_type", "name"):
                 self.assertGreater(len(setting.description), 20, setting.identifier)
+
+    def test_threads_and_pixels_have_their_place_where_no_panel_of_blenders_shows_them(self):
+        self.assertLessEqual({"Threads Mode", "Threads", "Viewport Pixel Size"}, set(self.draw("COVBEAM")))
+        self.assertNotIn("Threads", self.draw("CYCLES"))
 
     def test_the_report_is_drawn_for_both_ways_to_use_it(self):
         self.render()

@@ -17,6 +17,7 @@ from mathutils import Matrix, Vector
 sys.path[:0] = [str(Path(__file__).parents[1]), str(Path(__file__).parent)]
 
 import scenes_export as scenes  # noqa: E402
+from host_scenes import directions as eye_rays  # noqa: E402
 
 from addon.export.camera import camera, frame  # noqa: E402
 from addon.export.report import Untranslatable  # noqa: E402
@@ -45,7 +46,7 @@ class CameraTest(unittest.TestCase):
         matrix = np.array(self.eye.matrix_world)
         points = rng.uniform((-2, -2, -6), (2, 2, -3), (50, 3)) @ matrix[:3, :3].T + matrix[:3, 3]
         seen = np.array([world_to_camera_view(self.scene, self.eye, Vector(p)) for p in points])
-        directions = made.directions(seen[:, 0] * width - left, (1 - seen[:, 1]) * height - top)
+        directions = eye_rays(made, seen[:, 0] * width - left, (1 - seen[:, 1]) * height - top)
         expected = points - made.position
         expected /= np.linalg.norm(expected, axis=1, keepdims=True)
         # Single precision, of positions 5 m away.
@@ -97,7 +98,7 @@ class CameraTest(unittest.TestCase):
         made = self.export()
         self.assertEqual(shown.shape, (made.height, made.width))
         y, x = (k.ravel() + 0.5 for k in np.indices(shown.shape))
-        directions = made.directions(x, y)
+        directions = eye_rays(made, x, y)
         hit = made.position + directions * (-made.position[2] / directions[:, 2:])
         expected = ((hit[:, 0] > 0) & (hit[:, 1] > 0)).reshape(shown.shape)
         # Cycles' sample lies anywhere in the pixel: the square's two borders may be a pixel off.

@@ -169,7 +169,7 @@ class Package(unittest.TestCase):
             for name in python:
                 self.assertTrue(archive.read(name).startswith(b"# SPDX-License-Identifier: GPL-3.0-or-later\n"), name)
         self.assertEqual(sorted(manifest["wheels"]), wheels)
-        self.assertEqual(len(wheels), 2)
+        self.assertEqual(len(wheels), 1)
         self.assertEqual(len(manifest["platforms"]), 1)
         self.assertEqual(manifest["blender_version_min"], "4.2.0")
 
@@ -179,8 +179,8 @@ class Life(InProfile):
         output = self.run_blender("""
 install()
 print("enabled:", module in addons(), hasattr(bpy.types.Scene, "covbeam"))
-import covbeam, covbeam_rays
-print("from:", covbeam.__file__, covbeam_rays.__file__)
+import covbeam_rays
+print("from:", covbeam_rays.__file__)
 fog()
 render("picture.png")
 print("rendered:", os.path.getsize("picture.png") > 0, extension("latest").get().outcome)
@@ -207,10 +207,10 @@ bpy.ops.extensions.package_uninstall(repo_directory=directory, pkg_id="covbeam")
             "engine: False",
         )
         self.assertIn(
-            f"from: {self.site / 'covbeam' / '__init__.py'} {self.site / 'covbeam_rays' / '__init__.py'}", output
+            f"from: {self.site / 'covbeam_rays' / '__init__.py'}", output
         )
         self.assertFalse(self.installed.exists())
-        self.assertFalse((self.site / "covbeam").exists())
+        self.assertFalse((self.site / "covbeam_rays").exists())
 
     def test_an_installed_extension_works_after_a_restart(self):
         self.run_blender("install()")
@@ -269,26 +269,18 @@ extension("preferences").CovbeamPreferences.draw(Self, bpy.context)
         self.assertNotIn("Traceback", output)
         return read
 
-    def library(self, name="covbeam"):
-        return next((self.site / name).glob(f"lib{name}.*"))
+    def library(self):
+        return next((self.site / "covbeam_rays").glob("libcovbeam_rays.*"))
 
     def test_a_missing_library(self):
-        for name in ("covbeam", "covbeam_rays"):
-            with self.subTest(name):
-                shutil.rmtree(self.profile, ignore_errors=True)
-                self.profile.mkdir()
-                read = self.after_breaking(lambda name=name: self.library(name).unlink())
-                self.assertIn(f"module {name} does not run here", read)
-                self.assertIn("Install from Disk", read)
+        read = self.after_breaking(lambda: self.library().unlink())
+        self.assertIn("module covbeam_rays does not run here", read)
+        self.assertIn("Install from Disk", read)
 
     def test_a_damaged_library(self):
-        for name in ("covbeam", "covbeam_rays"):
-            with self.subTest(name):
-                shutil.rmtree(self.profile, ignore_errors=True)
-                self.profile.mkdir()
-                read = self.after_breaking(lambda name=name: self.library(name).write_text("no library"))
-                self.assertIn(f"module {name} does not run here", read)
-                self.assertIn("damaged", read)
+        read = self.after_breaking(lambda: self.library().write_text("no library"))
+        self.assertIn("module covbeam_rays does not run here", read)
+        self.assertIn("damaged", read)
 
     def test_a_library_for_another_processor(self):
         def other_processor():
@@ -300,25 +292,22 @@ extension("preferences").CovbeamPreferences.draw(Self, bpy.context)
 
         self.assertIn("for another system", self.after_breaking(other_processor))
 
-    def test_a_library_with_another_abi(self):
-        def other_abi():
-            path = self.site / "covbeam" / "_abi.py"
-            text = path.read_text()
-            self.assertIn("ABI_VERSION = ", text)
-            path.write_text(text + "\nABI_VERSION = 999\n")
+    def change(self, before, after):
+        """Changes the text of the module that loads the library."""
+        path = self.site / "covbeam_rays" / "_library.py"
+        text = path.read_text()
+        self.assertEqual(text.count(before), 1)
+        path.write_text(text.replace(before, after))
 
-        read = self.after_breaking(other_abi)
+    def test_a_library_with_another_abi(self):
+        read = self.after_breaking(lambda: self.change("\nABI_VERSION = ", "\nABI_VERSION = 999 + "))
         self.assertIn("of another version", read)
-        self.assertIn("ABI 999", read)
+        self.assertRegex(read, "ABI 10[0-9][0-9]|ABI 999")
 
     def test_a_library_that_lacks_a_function(self):
-        def one_more_function():
-            path = self.site / "covbeam" / "_abi.py"
-            path.write_text(path.read_text() + '\nPROTOTYPES["covbeam_nothing"] = ""\n')
-
-        read = self.after_breaking(one_more_function)
+        read = self.after_breaking(lambda: self.change("\nPROTOTYPES = {", '\nPROTOTYPES = {"covbeam_rays_nothing": [],'))
         self.assertIn("of another version", read)
-        self.assertIn("covbeam_nothing", read)
+        self.assertIn("covbeam_rays_nothing", read)
 
     def test_a_missing_wheel(self):
         read = self.after_breaking(lambda: shutil.rmtree(self.site / "covbeam_rays"))

@@ -46,36 +46,49 @@ def camera(depsgraph, camera_object, width, height, border):
         ),
         np.float64,
     )
-    # A direction (x, y, -1) of camera space appears at projection[:2, :2] @ (x, y) - projection[:2, 2], where -1 to 1
-    # spans the picture.
-    scale, shift = np.diag(projection)[:2], projection[:2, 2]
-    low, high = (shift - 1) / scale, (shift + 1) / scale
-    step = (high - low) / (width, height)
-    x_axis, y_axis, z_axis, position = np.array(evaluated.matrix_world, np.float64)[:3].T
-    forward = -z_axis / np.linalg.norm(z_axis)
-    right = _unit_across(x_axis, forward)
-    # Scale does not change a camera, but a mirrored one stays mirrored.
-    up = np.cross(right, forward)
-    up *= 1.0 if up @ y_axis > 0 else -1.0
+    corner, step = tangents(projection, width, height)
+    position, right, up, forward = axes(np.array(evaluated.matrix_world, np.float64))
     left, top, right_end, bottom = border
     return Camera(
         position=position,
         right=right,
         up=up,
         forward=forward,
-        left=float(low[0] + left * step[0]),
-        top=float(high[1] - top * step[1]),
-        step=(float(step[0]), float(step[1])),
+        left=corner[0] + left * step[0],
+        top=corner[1] - top * step[1],
+        step=step,
         width=right_end - left,
         height=bottom - top,
         # Cycles' rays begin here too: without, fog is 1 % darker at the default of 0.1 m.
         near=evaluated.data.clip_start,
-        aperture=_aperture(evaluated.data, depsgraph, position, forward),
+        aperture=aperture(evaluated.data, depsgraph, position, forward),
     )
 
 
-def _aperture(data, depsgraph, position, forward):
-    """The opening of Cycles' lens, or None without depth of field."""
+def tangents(projection, width, height):
+    """Of a perspective projection (4, 4) of Blender's, as host.scene.Camera has them: those at the upper left corner of its picture, and a
+    pixel's if that has so many."""
+    # A direction (x, y, -1) of camera space appears at projection[:2, :2] @ (x, y) - projection[:2, 2], where -1 to 1
+    # spans the picture.
+    scale, shift = np.diag(projection)[:2], projection[:2, 2]
+    low, high = (shift - 1) / scale, (shift + 1) / scale
+    step = (high - low) / (width, height)
+    return (float(low[0]), float(high[1])), (float(step[0]), float(step[1]))
+
+
+def axes(matrix):
+    """Position, and unit vectors to the right, up and forward, of a camera with that transform (4, 4)."""
+    x_axis, y_axis, z_axis, position = matrix[:3].T
+    forward = -z_axis / np.linalg.norm(z_axis)
+    right = _unit_across(x_axis, forward)
+    # Scale does not change a camera, but a mirrored one stays mirrored.
+    up = np.cross(right, forward)
+    up *= 1.0 if up @ y_axis > 0 else -1.0
+    return position, right, up, forward
+
+
+def aperture(data, depsgraph, position, forward):
+    """The opening of the lens that Cycles has for a camera's evaluated data, or None without depth of field."""
     dof = data.dof
     if not dof.use_dof:
         return None

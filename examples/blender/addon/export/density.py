@@ -3,13 +3,16 @@
 
 from dataclasses import dataclass
 
-import covbeam
 import numpy as np
 
 from ..host import ask
+from ..host.scene import Density
 
 #: Voxels along the longest side, from the first trial to the last; and the mean error over the mean density that ends the trials.
 _SIDES, _WANTED = (24, 48, 96), 0.01
+
+#: No more voxels than this, however fine what an object holds: 32 MiB.
+_MOST = 1 << 23
 
 #: Places where the error is measured; and places that are looked at together.
 _TRIALS, _SLICE = 4096, 65536
@@ -21,7 +24,7 @@ class Baked:
 
     scattering: np.ndarray
     absorption: np.ndarray
-    density: covbeam.Density | None
+    density: Density | None
     #: Voxels along x, y, z.
     cells: tuple[int, int, int]
     #: Mean error of the density between the voxels' middles, over its mean.
@@ -30,35 +33,47 @@ class Baked:
     coloured: float
 
 
-def bake(coefficients, low, high, poll):
+def bake(coefficients, low, high, finest, poll):
     """Voxels between the corners `low` and `high` [m] for what `coefficients` says: a function of places, float64 (n, 3), that returns
     scattering and absorption coefficients there, (n, 3) both [1/m], in the same order.
 
+    - finest: voxels along x, y and z that show all there is to see, int (3,); ones if that is not known.
     - poll: as for export.
     """
     low, high = np.asarray(low, np.float64), np.asarray(high, np.float64)
     # What is flat is as thick as a voxel.
     size = np.maximum(high - low, 1e-3 * float((high - low).max()))
     trials = low + np.random.default_rng(0).random((_TRIALS, 3)) * size
-    expected = _extinction(*coefficients(trials))
-    for side in _SIDES:
-        cells = np.maximum(1, np.ceil(size / (float(size.max()) / side) - 1e-6)).astype(int)
-        scattering, absorption = _at_middles(coefficients, low, size, cells, poll)
-        values = _extinction(scattering, absorption)
+    samples = coefficients(trials)
+    expected = _extinction(*samples)
+    for cells in _tries(size, finest):
+        values, sums = _at_middles(coefficients, low, size, cells, poll)
         found = _between(values.reshape(cells[::-1]), (trials - low) / size * cells - 0.5)
         mean = float(expected.mean())
         error = float(np.abs(found - expected).mean()) / mean if mean > 0 else 0.0
         if error <= _WANTED:
             break
-    largest, total = float(values.max()), float(values.sum())
+    largest = float(values.max())
     if not largest > 0:
         return Baked(np.zeros(3), np.zeros(3), None, tuple(cells.tolist()), 0.0, 0.0)
-    relative = values / largest
-    parts = [of.sum(axis=0) / relative.sum() for of in (scattering, absorption)]
-    other = sum(np.abs(of - relative[:, None] * part).sum() for of, part in zip((scattering, absorption), parts))
-    layout = covbeam.GridLayout(tuple(low.tolist()), tuple((low + size).tolist()), tuple(cells.tolist()))
-    density = covbeam.Density(layout, relative.astype(np.float32))
-    return Baked(*parts, density, layout.cells, error, float(other) / (3 * total))
+    relative = values / np.float32(largest)
+    parts = [of / relative.sum(dtype=np.float64) for of in sums]
+    other = sum(np.abs(of - (expected / largest)[:, None] * part).sum() for of, part in zip(samples, parts))
+    density = Density(low, low + size, relative.astype(np.float32).reshape(cells[::-1]))
+    coloured = float(other) / max(3 * float(expected.sum()), 1e-30)
+    return Baked(*parts, density, tuple(cells.tolist()), error, coloured)
+
+
+def _tries(size, finest):
+    """Numbers of voxels along x, y and z, int (3,), from few to many. If the finest is known, that, and half of that for voxels that lie
+    otherwise than what an object holds: a wisp of smoke may be where no trial is."""
+    if np.prod(finest) == 1:
+        return [np.maximum(1, np.ceil(size / (float(size.max()) / side) - 1e-6)).astype(int) for side in _SIDES]
+    found = []
+    for cells in (finest, 2 * finest):
+        share = min(1.0, (_MOST / float(np.prod(cells, dtype=float))) ** (1 / 3))
+        found.append(np.maximum(1, cells * share).astype(int) if share < 1 else cells)
+    return found
 
 
 def _extinction(scattering, absorption):
@@ -67,19 +82,21 @@ def _extinction(scattering, absorption):
 
 
 def _at_middles(coefficients, low, size, cells, poll):
-    """Scattering and absorption coefficients at the middles of voxels, x first: (n, 3) both."""
+    """Extinction at the middles of voxels, x first, float32 (n,), and sums of scattering and absorption coefficients, (3,) both [1/m]."""
     nx, ny, _ = cells
-    found = []
+    found, sums = [], np.zeros((2, 3))
     for first in range(0, int(np.prod(cells)), _SLICE):
         ask(poll)
         index = np.arange(first, min(first + _SLICE, int(np.prod(cells))))
         place = np.stack([index % nx, index // nx % ny, index // (nx * ny)], axis=1)
-        found.append(coefficients(low + (place + 0.5) / cells * size))
-    return tuple(np.concatenate(parts) for parts in zip(*found))
+        parts = coefficients(low + (place + 0.5) / cells * size)
+        found.append(_extinction(*parts).astype(np.float32))
+        sums += [of.sum(axis=0) for of in parts]
+    return np.concatenate(found), sums
 
 
 def _between(values, at):
-    """Values (nz, ny, nx) between the middles of voxels, trilinear, as covbeam.Density has them; at: (n, 3) in voxels."""
+    """Values (nz, ny, nx) between the middles of voxels, trilinear, as host.scene.Density has them; at: (n, 3) in voxels."""
     most = np.array(values.shape[::-1]) - 1
     at = np.clip(at, 0, most)
     low = at.astype(int)

@@ -15,13 +15,17 @@ def mean_colour(image):
     # A million pixels are enough for a mean; an odd stride does not follow rows.
     pixels = pixels[:: len(pixels) >> 20 | 1]
     channels = [pixels[:, min(k, image.channels - 1)] for k in range(min(image.channels, 3))]
-    means = [float(np.mean(_linear(image, c), dtype=np.float64)) for c in channels]
+    means = [float(np.mean(linear(image, c), dtype=np.float64)) for c in channels]
     alpha = float(np.mean(pixels[:, 3], dtype=np.float64)) if image.channels == 4 else 1.0
     return np.array([*(means * 3 if len(means) == 1 else (*means, 0.0)[:3]), alpha])
 
 
 def picture(image):
-    """Linear Rec. 709 and alpha of a bpy.types.Image: float64 (h, w, 4), the bottom row first; or None if it has no pixels to read."""
+    """Colours and alpha of a bpy.types.Image between which Cycles interpolates: float64 (h, w, 4), the bottom row first; or None if it has
+    no pixels to read.
+
+    They are as the image keeps them, for `linear`, and times alpha where `is_multiplied` says so.
+    """
     pixels = _pixels(image)
     if pixels is None:
         return None
@@ -29,8 +33,19 @@ def picture(image):
     # Grey has one channel, or two with alpha.
     chosen = (0, 1, 2) if image.channels >= 3 else (0, 0, 0)
     alpha = pixels[:, -1:] if image.channels in (2, 4) else np.ones((len(pixels), 1))
-    found = np.concatenate([_linear(image, pixels[:, chosen]), alpha], axis=1)
+    if image.alpha_mode == "NONE":
+        alpha = np.ones_like(alpha)
+    colour = pixels[:, chosen]
+    # Those of floats are kept like that.
+    if is_multiplied(image) and not image.is_float:
+        colour = colour * alpha
+    found = np.concatenate([colour, alpha], axis=1)
     return np.nan_to_num(found, nan=0.0, posinf=0.0, neginf=0.0).reshape(height, width, 4).astype(np.float64)
+
+
+def is_multiplied(image):
+    """Whether Cycles sees the colours of a bpy.types.Image times its alpha."""
+    return image.alpha_mode in ("STRAIGHT", "PREMUL") and not image.colorspace_settings.is_data
 
 
 def blocks(image, columns):
@@ -42,7 +57,7 @@ def blocks(image, columns):
     width, height = image.size
     # Grey has one channel, or two with alpha.
     chosen = (0, 1, 2) if image.channels >= 3 else (0, 0, 0)
-    pixels = _linear(image, pixels.reshape(height, width, -1)[::-1, :, chosen])
+    pixels = linear(image, pixels.reshape(height, width, -1)[::-1, :, chosen])
     pixels = np.maximum(np.nan_to_num(pixels, nan=0.0, posinf=0.0, neginf=0.0), 0)
     size = -(-width // columns)
     for axis in (0, 1):
@@ -62,7 +77,7 @@ def _pixels(image):
     return pixels.reshape(-1, image.channels)
 
 
-def _linear(image, encoded):
+def linear(image, encoded):
     """Values of an image's pixels as light."""
     if image.is_float or image.colorspace_settings.name != "sRGB":
         return encoded

@@ -10,12 +10,13 @@ WEIGHTS = tuple(name for name in MATERIAL.names if MATERIAL[name].shape)
 
 
 class Lobes:
-    """What a surface's closures add up to: weights (3,) by field of MATERIAL, and emitted radiance [W/(m^2 sr)]."""
+    """What a surface's closures add up to: weights by field of MATERIAL, and emitted radiance [W/(m^2 sr)], each (3,), or (n, 3) where it
+    varies over n places."""
 
     def __init__(self):
         self.weights = {name: np.zeros(3) for name in WEIGHTS}
         self.emission = np.zeros(3)
-        # Lobes that have an ior or a roughness: (weight, ior or None, roughness).
+        # Lobes that have an ior or a roughness: (largest weight, ior or None, roughness), numbers as in arithmetic.py.
         self._specular = []
 
     def add(self, **weights):
@@ -26,36 +27,52 @@ class Lobes:
     def add_specular(self, ior, roughness, **weights):
         """The same for metal, glass and coat. ior: None if it has none; roughness: Blender's, in [0, 1]."""
         self.add(**weights)
-        weight = max(float(np.max(w)) for w in weights.values())
-        if weight > 0:
-            self._specular.append((weight, ior, min(max(roughness, 0.0), 1.0)))
+        largest = [np.max(np.atleast_1d(weight), axis=-1, keepdims=True) for weight in weights.values()]
+        weight = np.maximum.reduce(np.broadcast_arrays(*largest))
+        if np.any(weight > 0):
+            self._specular.append((weight, ior, np.clip(roughness, 0.0, 1.0)))
+
+    @property
+    def passing(self):
+        """What decides how light goes on behind the surface, and what it sends out: weights and radiance, (12,) or (n, 12)."""
+        parts = [self.weights[name] for name in ("transparent", "translucent", "glass_transmission")] + [self.emission]
+        return np.concatenate(np.broadcast_arrays(*parts), axis=-1)
 
     def row(self, note):
         """One element of MATERIAL. note(what, instead): called with what a row cannot say."""
-        row = np.zeros((), MATERIAL)
-        scale = 1.0
-        if self._total() > 1.0 + 1e-6:
-            scale = 1 / self._total()
-            note("reflects more light than it receives", f"all of its lobes are scaled by {scale:.3g}")
+        return self.rows(1, note)[0]
+
+    def rows(self, count, note):
+        """MATERIAL at all places, (count,)."""
+        rows = np.zeros(count, MATERIAL)
+        total = np.broadcast_to(self._total(), count)
+        scale = np.where(total > 1.0 + 1e-6, 1 / np.maximum(total, 1.0), 1.0)
+        if np.any(scale < 1):
+            note("reflects more light than it receives", f"all of its lobes are scaled by {scale.min():.3g}")
         for name, weight in self.weights.items():
-            row[name] = weight * scale
-        row["ior"] = self._strongest(1, note, "indices of refraction", 1.0)
-        row["roughness"] = self._strongest(2, note, "roughnesses", 0.0) ** 2
-        return row
+            rows[name] = weight * scale[:, None]
+        rows["ior"] = self._strongest(1, note, "indices of refraction", 1.0, count)
+        rows["roughness"] = self._strongest(2, note, "roughnesses", 0.0, count) ** 2
+        return rows
 
     def _total(self):
-        """Upper bound of what leaves, in the channel where it is largest."""
+        """Upper bound of what leaves, in the channel where it is largest: a number, or (n,)."""
         # Fresnel's equations share between both ways that glass takes, and between coat and diffuse.
         w = self.weights
         exclusive = [("diffuse", "coat"), ("metal", "edge"), ("glass_reflection", "glass_transmission")]
         total = sum(np.maximum(w[a], w[b]) for a, b in exclusive) + w["translucent"] + w["transparent"]
-        return float(np.max(total))
+        return np.max(total, axis=-1)
 
-    def _strongest(self, field, note, name, missing):
+    def _strongest(self, field, note, name, missing, count):
+        """What the strongest lobe has, at each place: (count,)."""
         lobes = [lobe for lobe in self._specular if lobe[field] is not None]
         if not lobes:
-            return missing
-        chosen = max(lobes, key=lambda lobe: lobe[0])[field]
-        if any(abs(lobe[field] - chosen) > 1e-3 for lobe in lobes):
-            note(f"several {name} in one material", f"that of the strongest, {chosen:.3g}, is used for all")
-        return chosen
+            return np.full(count, missing)
+        weights = np.array([np.broadcast_to(lobe[0], (count, 1))[:, 0] for lobe in lobes])
+        values = np.array([np.broadcast_to(lobe[field], (count, 1))[:, 0] for lobe in lobes])
+        chosen = values[np.argmax(weights, axis=0), np.arange(count)]
+        differ = (np.abs(values - chosen) > 1e-3) & (weights > 0)
+        if differ.any():
+            shown = chosen[np.argmax(differ.any(axis=0))]
+            note(f"several {name} in one material", f"that of the strongest, {shown:.3g}, is used for all")
+        return np.where(weights.max(axis=0) > 0, chosen, missing)

@@ -7,7 +7,8 @@ import bpy
 import numpy as np
 
 from .lobes import Lobes
-from .nodes import Values, follow
+from .nodes import PROBE, Values, follow
+from .report import Report
 from .surfaces import add_surface
 from .volumes import Fog, fog
 
@@ -42,18 +43,54 @@ def translate(material, report):
     if not has_nodes(material):
         lobes.add(diffuse=np.array(material.diffuse_color[:3], np.float64))
         return Translated(material.name, lobes.row(values.note), lobes.emission, None)
-    # None: nothing in it, black.
+    lobes = _lobes(values, material)
+    return Translated(material.name, lobes.row(values.note), lobes.emission, filling(material, report))
+
+
+def _lobes(values, material):
+    """The Lobes of a bpy.types.Material that nodes describe."""
+    lobes = Lobes()
     output = material.node_tree.get_output_node("CYCLES")
-    inside = None
+    # Without one there is nothing in it: black.
     if output is not None:
-        inside = fog(values, output.inputs["Volume"], may_vary=True)
         if not leads_somewhere(output.inputs["Surface"]) and leads_somewhere(output.inputs["Volume"]):
             lobes.add(transparent=1.0)
         add_surface(values, output.inputs["Surface"], (), 1.0, lobes)
         _note_displacement(values, material, output)
         if lobes.weights["transparent"].any() and not material.use_transparent_shadow:
             values.note("Transparent Shadows is off", "light passes what is transparent")
-    return Translated(material.name, lobes.row(values.note), lobes.emission, inside)
+    return lobes
+
+
+def is_patterned(material):
+    """Whether textures decide how light goes on behind a bpy.types.Material, or None, or how it shines."""
+    if material is None or not has_nodes(material):
+        return False
+    with np.errstate(all="ignore"):
+        passing = _lobes(Values("", Report(), places=PROBE), material).passing
+    return passing.ndim > 1 and bool((passing != passing[0]).any())
+
+
+def looked_at(material, report):
+    """The surface of such a material: a function of textures.Places and their number that returns MATERIAL and radiance there."""
+    values = Values(f'Material "{material.name}"', report)
+
+    def at(places, count):
+        with np.errstate(all="ignore"):
+            lobes = _lobes(values.at(places), material)
+            return lobes.rows(count, values.note), np.broadcast_to(lobes.emission, (count, 3))
+
+    return at
+
+
+def filling(material, report):
+    """The Fog that a bpy.types.Material fills a mesh with, or None."""
+    if material is None or not has_nodes(material):
+        return None
+    output = material.node_tree.get_output_node("CYCLES")
+    if output is None:
+        return None
+    return fog(Values(f'Material "{material.name}"', report), output.inputs["Volume"], may_vary=True)
 
 
 def leads_somewhere(socket):

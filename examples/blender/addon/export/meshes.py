@@ -49,6 +49,15 @@ def triangles(mesh):
     return Triangles(positions, corners, slots, np.flatnonzero(np.bincount(slots)), normals, extent)
 
 
+def box(low, high):
+    """The Triangles of a box between two corners [m], float64 (3,), faces to the outside."""
+    corners = np.array([[(low, high)[(k >> axis) & 1][axis] for axis in range(3)] for k in range(8)], np.float32)
+    faces = np.array([(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)], np.int32)
+    halves = np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])
+    extent = np.abs(corners).max(axis=0)
+    return Triangles(corners, halves, np.zeros(len(halves), np.int32), np.zeros(1, np.int64), None, extent)
+
+
 def _slots(mesh, count):
     indices = mesh.attributes.get("material_index")
     if indices is None:
@@ -93,3 +102,26 @@ def reach(mesh, matrix):
 def in_world(mesh, matrix):
     """Positions of these Triangles after a transform (4, 4): float32 (n, 3)."""
     return (mesh.positions @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
+
+
+#: How far the bounds of fog are drawn in, in shares of the scene's largest coordinate: four times what rays start off
+#: surfaces. Those of different objects differ, or the faces of fog in fog would still coincide; so many do.
+_INSET, _INSETS = 2.0**-18, 8
+
+
+def inset(matrix, low, high, reach, number):
+    """The transform (4, 4) of an object that does nothing but bound fog, made smaller by a hair, and its corners then.
+
+    Fog stands on floors and touches walls and other fog. Of two faces in one plane a ray would cross one only, or the
+    wrong one.
+
+    - low, high: corners of the object in the world [m]; reach: the largest coordinate of the scene [m].
+    - number: of the object.
+    """
+    low, high = np.asarray(low, np.float64), np.asarray(high, np.float64)
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    hair = np.minimum((1 + number % _INSETS) * _INSET * reach, 0.1 * half)
+    smaller = np.eye(4)
+    smaller[:3, :3] = np.diag(np.where(half > 0, 1 - hair / np.where(half > 0, half, 1), 1))
+    smaller[:3, 3] = middle - smaller[:3, :3] @ middle
+    return smaller @ matrix, low + hair, high - hair

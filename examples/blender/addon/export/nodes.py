@@ -2,13 +2,17 @@
 """Follows the links of shader nodes to values."""
 
 from typing import NamedTuple
+from zlib import crc32
 
 import numpy as np
 
 from .arithmetic import COMPUTED, NotConstant, as_colour, as_number
 from .images import mean_colour, picture
 from .report import Report
-from .textures import TEXTURES, UNLINKED, image_at
+from .textures import TEXTURES, UNLINKED, Places, image_at
+
+#: Stands for places where all that textures give is drawn at random, so many times, to see what depends on them.
+PROBE, _DRAWS = Places(), 64
 
 
 class End(NamedTuple):
@@ -122,6 +126,10 @@ class Values:
         except NotConstant as reason:
             return str(reason)
 
+    def held(self, node, identifier):
+        """The grids.Lookup of what a volume holds where the places are, and the name that an input has of it; None, and the name."""
+        return self._places.held if self._places is not None else None, find(node.inputs, identifier).default_value
+
     def note(self, what, instead, in_fog=False):
         """Adds to the report, for the source."""
         self.report.add(self.source, what, instead, in_fog)
@@ -146,14 +154,18 @@ class Values:
             socket = find(end.node.inputs, identifier)
             if socket is None:
                 raise NotConstant(end.node.name)
-            if identifier == "Vector" and end.node.type in UNLINKED and follow(socket, end.groups).node is None:
+            # A Sky Texture with a sun has its input switched off, and does not heed links to it.
+            unlinked = not socket.enabled or follow(socket, end.groups).node is None
+            if identifier == "Vector" and end.node.type in UNLINKED and unlinked:
                 place = getattr(self._places, UNLINKED[end.node.type])
                 if place is None:
                     raise NotConstant(end.node.name)
                 return place
             return self._evaluate(socket, end.groups)
 
-        if end.node.type == "TEX_IMAGE":
+        if self._places is PROBE and (end.node.type == "TEX_IMAGE" or end.node.type in TEXTURES):
+            value = _drawn(end.node.name, 1 if end.socket.type == "VALUE" else 3)
+        elif end.node.type == "TEX_IMAGE":
             value = self._image(end, argument)
         elif end.node.type in TEXTURES and self._places is None:
             self.varies = True
@@ -171,7 +183,8 @@ class Values:
     def _image(self, end, argument):
         """An image texture where the places are, or its mean if they are not known."""
         node = end.node
-        if follow(find(node.inputs, "Vector"), end.groups).node is not None:
+        on_surface = self._places is not None and self._places.surface is not None
+        if on_surface or follow(find(node.inputs, "Vector"), end.groups).node is not None:
             self.varies = True
             pixels = self._picture(node.image) if self._places is not None else None
             if pixels is not None:
@@ -192,6 +205,13 @@ class Values:
         if key not in self._pictures:
             self._pictures[key] = picture(image)
         return self._pictures[key]
+
+
+def _drawn(name, channels):
+    """Random numbers or colours of a node, with the ends of what they may be among them: (n, channels)."""
+    values = np.random.default_rng(crc32(name.encode())).random((_DRAWS, channels))
+    values[:2] = [[0.0], [1.0]]
+    return values
 
 
 def _plain(value):

@@ -5,25 +5,27 @@ import covbeam_rays
 import numpy as np
 
 from ..host import ask
-from ..host.extent import inset
 from ..host.scene import MATERIAL, Light, LightKind
 from .flags import note_instancer_flags, note_left_out, note_light_flags
 from .lights import light
-from .meshes import FARTHEST, in_world, reach
+from .meshes import FARTHEST, in_world, inset, reach
 from .shapes import TOO_FAR, Shapes
 from .volumes import Filled, Frame
 
 
 class Objects:
-    """What a depsgraph has in it. Fields as in host.scene.Scene; `geometry` is not built yet. `filled`: volumes.Filled, by volume."""
+    """What a depsgraph has in it. Fields as in host.scene.Scene; `geometry` is not built yet. `filled`: volumes.Filled, by volume.
 
-    def __init__(self, depsgraph, report, poll):
+    - shows: whether an evaluated object is there.
+    """
+
+    def __init__(self, depsgraph, shows, report, poll):
         self.geometry = covbeam_rays.Geometry()
         self.lights, self.filled, self.object_volumes, self.object_closed = [], [], [], []
         self._report, self._view_layer = report, depsgraph.view_layer_eval
         # Objects that make instances and have been looked at.
         self._instancers = set()
-        self._shapes = Shapes(self.geometry, self._view_layer, report)
+        self._shapes = Shapes(self.geometry, depsgraph, report, poll)
         # Corners of emitting triangles by material number: lists of float32 (n, 3, 3).
         self._emitting = {}
         # Largest coordinate of all that is placed [m], and what only bounds fog: shapes, transforms and names.
@@ -31,7 +33,7 @@ class Objects:
         for count, instance in enumerate(depsgraph.object_instances):
             if count % 64 == 0:
                 ask(poll)
-            if instance.show_self and not instance.object.hide_render:
+            if instance.show_self and shows(instance.object):
                 self._add(instance)
         for shape, matrix, name in self._bounds:
             self._bound(shape, matrix, name)
@@ -115,7 +117,8 @@ class Objects:
 
     def _fill(self, shape, matrix, name, low, high):
         """Adds the fog that fills a shape between two corners [m]."""
-        self.filled.append(Filled(name, shape.fog, np.float64(low), np.float64(high), Frame(matrix, *shape.texture_space)))
+        frame = Frame(matrix, *shape.texture_space, shape.grids)
+        self.filled.append(Filled(name, shape.fog, np.float64(low), np.float64(high), frame))
 
 
 def _invertible(matrix):

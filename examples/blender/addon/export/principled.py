@@ -11,48 +11,48 @@ def principled(values, node, groups, weight, lobes):
         return values.number(node, identifier, groups)
 
     def share(identifier):
-        return min(max(number(identifier), 0.0), 1.0)
+        return np.clip(number(identifier), 0.0, 1.0)
 
     base = np.maximum(values.colour(node, "Base Color", groups), 0)
     tint = np.maximum(values.colour(node, "Specular Tint", groups), 0)
-    ior, roughness = max(number("IOR"), 1e-5), number("Roughness")
+    ior, roughness = np.maximum(number("IOR"), 1e-5), number("Roughness")
     alpha = share("Alpha")
     lobes.add(transparent=weight * (1 - alpha))
-    weight *= alpha
+    weight = weight * alpha
     for name in ("Sheen Weight", "Coat Weight"):
-        if number(name) > 0:
+        if np.any(number(name) > 0):
             values.note(name.removesuffix(" Weight").lower(), "ignored")
     strength = number("Emission Strength")
-    if strength != 0:
-        lobes.emission += weight * strength * values.colour(node, "Emission Color", groups)
+    if np.any(strength != 0):
+        lobes.emission = lobes.emission + weight * strength * values.colour(node, "Emission Color", groups)
 
     metallic = share("Metallic")
-    if metallic > 0:
+    if np.any(metallic > 0):
         reflectance = np.minimum(base, 1)
         edge = edge_of_tint(values, reflectance, np.minimum(tint, 1))
         part = weight * metallic
         lobes.add_specular(None, roughness, metal=part * reflectance, edge=part * edge)
-    weight *= 1 - metallic
+    weight = weight * (1 - metallic)
 
     transmission = share("Transmission Weight")
-    if transmission > 0 and weight > 0:
+    if np.any(transmission * weight > 0):
         part = weight * transmission
         # Light passes two surfaces on its way through: each takes the root of the colour.
         through = part * np.sqrt(np.minimum(base, 1))
         lobes.add_specular(ior, roughness, glass_reflection=part, glass_transmission=through)
         _note_tint(values, tint)
-    weight *= 1 - transmission
-    if weight == 0:
+    weight = weight * (1 - transmission)
+    if not np.any(weight):
         return
 
-    level = max(number("Specular IOR Level"), 0.0)
+    level = np.maximum(number("Specular IOR Level"), 0.0)
     eta = _adjusted(ior, level)
-    if eta != 1:
+    if np.any(eta != 1):
         lobes.add_specular(eta, roughness, coat=weight)
         _note_tint(values, tint)
-    if share("Subsurface Weight") > 0:
+    if np.any(share("Subsurface Weight") > 0):
         values.note("subsurface scattering", "diffuse")
-    if values.number(node, "Diffuse Roughness", groups) > 0:
+    if np.any(values.number(node, "Diffuse Roughness", groups) > 0):
         values.note("roughness of diffuse", "smooth (Lambert)")
     lobes.add(diffuse=weight * base)
 
@@ -70,11 +70,9 @@ def edge_of_tint(values, base, tint):
 def _adjusted(ior, level):
     """The index of refraction whose reflectance at normal incidence is that of `ior`, times twice the level."""
     reflectance = ((ior - 1) / (ior + 1)) ** 2 * 2 * level
-    if level == 0.5:
-        return ior
-    root = min(reflectance, 0.99) ** 0.5
+    root = np.minimum(reflectance, 0.99) ** 0.5
     eta = (1 + root) / (1 - root)
-    return 1 / eta if ior < 1 else eta
+    return np.where(level == 0.5, ior, np.where(ior < 1, 1 / eta, eta))
 
 
 def _note_tint(values, tint):

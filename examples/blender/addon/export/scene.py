@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The whole evaluated scene -> host.scene.Scene."""
 
-import covbeam_rays
+from dataclasses import replace
+
 import numpy as np
 
-from ..host import Cancelled
 from ..host.scene import Scene
 from .camera import camera, frame
 from .materials import world_fog
@@ -26,23 +26,36 @@ def export(depsgraph, poll=None):
     camera_object = depsgraph.scene_eval.camera
     eye = camera(depsgraph, camera_object, *frame(depsgraph.scene_eval.render))
     note_settings(depsgraph, camera_object, report)
-    objects = Objects(depsgraph, report, poll)
+    scene, fog = _read(depsgraph, lambda thing: not thing.hide_render, report, poll)
+    note_clipping(depsgraph, camera_object, eye, scene.geometry.bounds, fog, report)
+    return replace(scene, camera=eye), report
+
+
+def export_view(depsgraph, space):
+    """Reads what `depsgraph`, evaluated for a viewport, has for `space`, its SpaceView3D.
+
+    Returns a host.scene.Scene without a camera, whose geometry is built, and a Report.
+    """
+    report = Report()
+    note_settings(depsgraph, None, report)
+    scene, _ = _read(depsgraph, lambda thing: thing.visible_in_viewport_get(space), report, None)
+    return scene, report
+
+
+def _read(depsgraph, shows, report, poll):
+    """A host.scene.Scene without a camera, and the world's volumes.Fog or None. shows: whether an evaluated object is there."""
+    objects = Objects(depsgraph, shows, report, poll)
     world = depsgraph.view_layer_eval.world_override or depsgraph.scene_eval.world
     filled, world_volume = objects.filled, -1
     fog = world_fog(world, report)
     lights = list(objects.lights)
     # Fog without end lets nothing through from infinitely far away.
-    background = sky(world, report) if fog is None else None
-    if background is not None:
-        lights.append(background)
+    if fog is None:
+        lights += sky(world, report, poll)
     if fog is not None:
         world_volume = len(filled)
         filled.append(Filled(world.name, fog, np.full(3, -np.inf), np.full(3, np.inf)))
-    try:
-        objects.geometry.build(poll)
-    except covbeam_rays.Cancelled:
-        raise Cancelled from None
-    note_clipping(depsgraph, camera_object, eye, objects.geometry.bounds, fog, report)
+    objects.geometry.build(poll)
     scene = Scene(
         geometry=objects.geometry,
         materials=objects.materials,
@@ -51,6 +64,6 @@ def export(depsgraph, poll=None):
         volumes=volumes(filled, report, poll),
         world_volume=world_volume,
         lights=lights,
-        camera=eye,
+        camera=None,
     )
-    return scene, report
+    return scene, fog

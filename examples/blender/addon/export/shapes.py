@@ -1,14 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Meshes with the materials that objects give them, each made once."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..host.scene import MATERIAL
+from .cutting import cut
 from .flags import note_mesh_flags
-from .materials import translate
-from .meshes import FARTHEST, Triangles, is_closed, reach, triangles
+from .grids import Grids
+from .lobes import Lobes
+from .materials import Translated, filling, is_patterned, looked_at, translate
+from .meshes import FARTHEST, Triangles, box, is_closed, reach, triangles
+from .quarters import Pieces, mesh_of
+from .smoke import gas_domain, smoke
+from .surface_places import Surface
 from .volumes import Fog
 
 #: What the report says of what is beyond meshes.FARTHEST.
@@ -33,17 +39,20 @@ class Shape:
     is_solid: bool
     #: For each material whose light reaches fog: its number and the corners of its triangles, int32 (n, 3).
     emitting: list
+    #: What it holds of its own, or None.
+    grids: Grids | None = None
 
 
 class Shapes:
     """Makes Shapes in a covbeam_rays.Geometry."""
 
-    def __init__(self, geometry, view_layer, report):
+    def __init__(self, geometry, depsgraph, report, poll):
         #: materials.Translated, by material number.
         self.materials = []
-        self._geometry, self._view_layer, self._report = geometry, view_layer, report
+        self._geometry, self._depsgraph, self._report = geometry, depsgraph, report
+        self._view_layer, self._poll = depsgraph.view_layer_eval, poll
         # By what identifies them in Blender as long as the depsgraph lives:
-        self._numbers, self._shapes, self._meshes = {}, {}, {}
+        self._numbers, self._shapes, self._meshes, self._cuts, self._patterned = {}, {}, {}, {}, {}
 
     def shape(self, thing):
         """The Shape of an evaluated mesh object, or None if it has nothing to render."""
@@ -55,13 +64,14 @@ class Shapes:
     def _make(self, thing):
         source = f'Object "{thing.name}"'
         note_mesh_flags(thing, self._view_layer, self._report)
-        if _is_smoke(thing):
-            self._report.add(source, "smoke domain", "left out", in_fog=True)
-            return None
+        if gas_domain(thing) is not None:
+            return self._of_grids(thing, smoke(thing, self._depsgraph), source)
         mesh, made = self._mesh(thing.data, source)
         if mesh is None:
             return None
         slots = [slot.material for slot in thing.material_slots] or [None]
+        if any(self._is_patterned(slots[min(slot, len(slots) - 1)]) for slot in mesh.used):
+            return self._in_pieces(thing, mesh, slots, source)
         of_slots = np.array([self._number(material) for material in slots], np.int32)
         # A slot that does not exist is the last one.
         used = np.unique(of_slots[np.minimum(mesh.used, len(slots) - 1)])
@@ -80,9 +90,112 @@ class Shapes:
             is_solid=bool((rows["glass_transmission"] > 0).any()) and is_closed(mesh),
             materials=materials,
             number=made[key],
-            fog=self._fog(mesh, used, source),
+            fog=self._fog(mesh, [self.materials[m].fog for m in used if self.materials[m].fog is not None], source),
             texture_space=np.array([thing.data.texspace_location, thing.data.texspace_size], np.float64),
             emitting=self._emitting(mesh, materials, used) if thing.visible_volume_scatter else [],
+        )
+
+    def _in_pieces(self, thing, mesh, slots, source):
+        """The Shape of an object of whose materials one differs from place to place; None if nothing is left of it."""
+        key = thing.data.as_pointer(), *(slot and slot.as_pointer() for slot in slots)
+        if key not in self._cuts:
+            self._cuts[key] = self._cut(thing.data, mesh, slots, source)
+        made, materials, number, fog, is_solid = self._cuts[key]
+        if made is None:
+            return None
+        return Shape(
+            mesh=made,
+            is_bound=bool((np.array([self.materials[m].row for m in made.used], MATERIAL)["transparent"] >= 1).all()),
+            is_solid=is_solid,
+            materials=materials,
+            number=number,
+            fog=fog,
+            texture_space=np.array([thing.data.texspace_location, thing.data.texspace_size], np.float64),
+            emitting=self._emitting(made, materials, made.used) if thing.visible_volume_scatter else [],
+        )
+
+    def _cut(self, data, mesh, slots, source):
+        """What _in_pieces needs: the mesh of the pieces, their materials, its number, what fills it, and whether it is of glass and closed."""
+        of_triangles, parts = np.minimum(mesh.slots, len(slots) - 1), []
+        surface, clear, fogs = Surface(data, mesh), [], []
+        for slot in np.unique(of_triangles):
+            triangles, material = np.flatnonzero(of_triangles == slot), slots[slot]
+            if self._is_patterned(material):
+                fog = filling(material, self._report)
+                made = self._cut_material(surface, triangles, material)
+                first = len(self.materials)
+                clear.append(first)
+                self.materials += [
+                    Translated(material.name, row, radiance, fog) for row, radiance in zip(made.rows, made.emission)
+                ]
+                parts.append(replace(made.pieces, kind=first + made.pieces.kind))
+            else:
+                number, none = self._number(material), np.zeros(len(triangles), np.int64)
+                fog = self.materials[number].fog
+                parts.append(Pieces(triangles, none, none, number + none))
+            fogs.append(fog)
+        pieces = Pieces.together(parts)
+        fog = self._fog(mesh, [fog for fog in fogs if fog is not None], source)
+        numbers = np.unique(pieces.kind)
+        rows = np.array([self.materials[m].row for m in numbers], MATERIAL)
+        is_solid = bool((rows["glass_transmission"] > 0).any()) and is_closed(mesh)
+        if fog is None and not is_solid:
+            # What is not there is left out: what light meets then has an edge.
+            pieces = pieces[~np.isin(pieces.kind, clear)]
+        if not len(pieces.kind):
+            return None, None, None, None, False
+        made, _ = mesh_of(mesh, pieces)
+        number = self._geometry.add_mesh(made.positions, made.corners, made.slots, made.normals)
+        return made, made.slots, number, fog, is_solid
+
+    def _cut_material(self, surface, triangles, material):
+        """The cutting.Cut of some triangles of a surface_places.Surface, with what it lacks reported."""
+        look = looked_at(material, self._report)
+
+        def at(triangles, shares):
+            return look(surface.places(triangles, shares), len(triangles))
+
+        areas, flat = surface.areas(triangles), surface.uv_areas(triangles)
+        # Half of the looks by how large triangles are, half by how much of an image is on them.
+        wanted = sum(of / max(float(of.sum()), 1e-300) for of in (areas, flat))
+        made = cut(triangles, areas, wanted, at, self._poll)
+        if made.error > 0.01:
+            self._report.add(
+                f'Material "{material.name}"',
+                "varies finely in what it lets through, or shines",
+                f"{len(made.pieces.kind):,} pieces, which are {made.error:.1%} off on average",
+            )
+        return made
+
+    def _is_patterned(self, material):
+        pointer = material.as_pointer() if material is not None else None
+        if pointer not in self._patterned:
+            self._patterned[pointer] = is_patterned(material)
+        return self._patterned[pointer]
+
+    def _of_grids(self, thing, grids, source):
+        """The Shape of an object that holds fog of its own: a box around that, or None if there is none."""
+        if grids is None:
+            self._report.add(source, "smoke domain without smoke", "empty; bake it, or play it from its first frame")
+            return None
+        # Without a material Cycles shows nothing.
+        fogs = [made for made in (filling(slot.material, self._report) for slot in thing.material_slots) if made is not None]
+        if not fogs:
+            return None
+        clear = Lobes()
+        clear.add(transparent=1.0)
+        self.materials.append(Translated(source, clear.row(lambda *_: None), clear.emission, None))
+        mesh = box(grids.low, grids.high)
+        return Shape(
+            mesh=mesh,
+            materials=len(self.materials) - 1,
+            number=self._geometry.add_mesh(mesh.positions, mesh.corners, len(self.materials) - 1, None),
+            fog=fogs[0],
+            texture_space=np.array([thing.data.texspace_location, thing.data.texspace_size], np.float64),
+            is_bound=True,
+            is_solid=False,
+            emitting=[],
+            grids=grids,
         )
 
     def _mesh(self, data, source):
@@ -104,8 +217,7 @@ class Shapes:
             self.materials.append(translate(material, self._report))
         return self._numbers[pointer]
 
-    def _fog(self, mesh, used, source):
-        fogs = [self.materials[m].fog for m in used if self.materials[m].fog is not None]
+    def _fog(self, mesh, fogs, source):
         if not fogs:
             return None
         if len(fogs) > 1:
@@ -117,10 +229,3 @@ class Shapes:
     def _emitting(self, mesh, materials, used):
         shining = [int(m) for m in used if self.materials[m].emission.any()]
         return [(m, mesh.corners if len(used) == 1 else mesh.corners[materials == m]) for m in shining]
-
-
-def _is_smoke(thing):
-    for modifier in thing.modifiers:
-        if modifier.type == "FLUID" and modifier.fluid_type == "DOMAIN":
-            return modifier.domain_settings.domain_type == "GAS"
-    return False

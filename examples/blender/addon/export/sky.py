@@ -8,33 +8,66 @@ from ..host.scene import Light, LightKind
 from .images import SKY_COLUMNS, blocks
 from .materials import has_nodes
 from .nodes import Values, closures, find, follow
+from .sky_texture import NoSky, sky_of
 from .textures import Places
 
 
-def sky(world, report):
-    """The light that comes from a bpy.types.World's background, or None if it is black.
+def sky(world, report, poll):
+    """The light that comes from a bpy.types.World's background: a list of host.scene.Light.
 
-    Colours, pictures of the whole sky, which may be turned, and what nodes compute from directions. In the world's own fog the caller must
-    not ask: that has no end, and nothing gets through.
+    Colours, pictures of the whole sky, which may be turned, and what nodes compute from directions, with the suns of Sky Textures. In the
+    world's own fog the caller must not ask: that has no end, and nothing gets through. poll: as for export.
     """
     if world is None:
-        return None
+        return []
     values = Values(f'World "{world.name}"', report, in_fog=True)
     if not has_nodes(world):
         return _light(world, np.array(world.color, np.float64), None)
     output = world.node_tree.get_output_node("CYCLES")
     if output is None:
-        return None
-    surface, trial = output.inputs["Surface"], values.quiet()
+        return []
+    surface, trial, suns = output.inputs["Surface"], values.quiet(), []
     constant, picture = _parts(trial, surface)
     if trial.varies:
-        constant, picture = _varied(values, surface), None
+        skies = _skies(world.node_tree, poll)
+        constant, picture = _varied(values, surface, skies), None
+        suns = [light for node, of in skies.values() if (light := _sun(world, values, surface, node, skies, of)) is not None]
     else:
         report.extend(trial.report)
-    light = _light(world, constant, picture)
-    if light is not None and not (world.cycles_visibility.scatter and world.cycles_visibility.diffuse):
+    lights = _light(world, constant, picture) + suns
+    if lights and not (world.cycles_visibility.scatter and world.cycles_visibility.diffuse):
         values.note("Ray Visibility of the background", "it lights fog and surfaces all the same", in_fog=True)
-    return light
+    return lights
+
+
+def _skies(tree, poll):
+    """By pointer of the Sky Textures of a tree, and of the groups in it: the node, and its sky_texture.Sky, or why there is none as text."""
+    found = {}
+    for node in tree.nodes:
+        if node.type == "GROUP" and node.node_tree is not None:
+            found |= _skies(node.node_tree, poll)
+        elif node.type == "TEX_SKY" and node.outputs[0].is_linked:
+            try:
+                made = sky_of(node, poll)
+            except NoSky as reason:
+                made = str(reason)
+            found[node.as_pointer()] = node, made
+    return found
+
+
+def _sun(world, values, surface, node, skies, sky):
+    """The disc of a Sky Texture's sun as a Light, or None."""
+    if isinstance(sky, str) or not sky.irradiance.any():
+        return None
+    # What becomes of the disc's mean radiance on its way to the background.
+    radiance = sky.irradiance / (np.pi * np.sin(sky.angle) ** 2)
+    off, on = (_radiance(values, surface, sky.direction[None], skies, suns)[0] for suns in ({}, {node.as_pointer(): radiance}))
+    share = np.maximum(on - off, 0) / np.where(radiance > 0, radiance, 1)
+    if not (share * sky.irradiance).any():
+        return None
+    return Light(
+        name=f"{world.name}, {node.name}", kind=LightKind.SUN, axis=-sky.direction, irradiance=share * sky.irradiance, angle=sky.angle
+    )
 
 
 def _parts(values, surface):
@@ -59,21 +92,27 @@ def _parts(values, surface):
     return constant, picture
 
 
-def _varied(values, surface):
+def _varied(values, surface, skies):
     """Radiance of a background that nodes compute for each direction: cells of equal angles, (h, w, 3)."""
     rows, columns = SKY_COLUMNS // 2, SKY_COLUMNS
     angle, azimuth = (np.arange(rows) + 0.5) * (np.pi / rows), np.pi - (np.arange(columns) + 0.5) * (2 * np.pi / columns)
     angle, azimuth = np.meshgrid(angle, azimuth, indexing="ij")
     towards = np.stack([np.sin(angle) * np.cos(azimuth), np.sin(angle) * np.sin(azimuth), np.cos(angle)], axis=-1).reshape(-1, 3)
+    return _radiance(values, surface, towards, skies, {}).reshape(rows, columns, 3)
+
+
+def _radiance(values, surface, towards, skies, suns):
+    """The same in some directions, unit, (n, 3); suns: of Sky Textures, as textures.Places has them."""
     # In Cycles the sky is a place in each direction, whose normal points back.
-    values = values.at(Places(towards, towards, towards, away=-towards, away_in_world=-towards))
-    total = np.zeros((rows * columns, 3))
+    skies = {pointer: sky for pointer, (_, sky) in skies.items()}
+    values = values.at(Places(towards, towards, towards, away=-towards, away_in_world=-towards, skies=skies, suns=suns))
+    total = np.zeros((len(towards), 3))
     # What is no number is dark.
     with np.errstate(all="ignore"):
         for node, groups, share in _backgrounds(values, surface):
             strength = share * values.number(node, "Strength", groups)
             total += np.nan_to_num(np.maximum(strength, 0) * _colour(values, node, groups), posinf=0.0)
-    return np.minimum(total, 1e30).reshape(rows, columns, 3)
+    return np.minimum(total, 1e30)
 
 
 def _backgrounds(values, surface):
@@ -99,11 +138,10 @@ def _left_out(values, what):
 
 
 def _light(world, constant, picture):
+    """What a background is, as a list of one Light or none."""
     cells, turn = (np.zeros((1, 1, 3)), np.eye(3)) if picture is None else picture
     cells = (cells + constant).astype(np.float32)
-    if not cells.any():
-        return None
-    return Light(world.name, LightKind.WORLD, sky=cells, turn=turn)
+    return [Light(world.name, LightKind.WORLD, sky=cells, turn=turn)] if cells.any() else []
 
 
 def _picture(values, node, groups):

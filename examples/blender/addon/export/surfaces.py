@@ -23,7 +23,7 @@ def _note_normal(values, node):
 
 
 def _diffuse(values, node, groups, weight, lobes):
-    if values.number(node, "Roughness", groups) > 0:
+    if np.any(values.number(node, "Roughness", groups) > 0):
         values.note("roughness of Diffuse", "smooth (Lambert)")
     lobes.add(diffuse=weight * values.colour(node, "Color", groups))
 
@@ -37,20 +37,20 @@ def _transparent(values, node, groups, weight, lobes):
 
 
 def _emission(values, node, groups, weight, lobes):
-    lobes.emission += weight * values.number(node, "Strength", groups) * values.colour(node, "Color", groups)
+    lobes.emission = lobes.emission + weight * values.number(node, "Strength", groups) * values.colour(node, "Color", groups)
 
 
 def _glass(values, node, groups, weight, lobes):
     colour = weight * values.colour(node, "Color", groups)
     roughness = _roughness(values, node, groups)
     note_thin_film(values, node, groups)
-    ior = max(values.number(node, "IOR", groups), 1e-5)
+    ior = np.maximum(values.number(node, "IOR", groups), 1e-5)
     lobes.add_specular(ior, roughness, glass_reflection=colour, glass_transmission=colour)
 
 
 def _refraction(values, node, groups, weight, lobes):
     values.note("Refraction BSDF", "refracts what Fresnel's equations leave, as glass, and reflects nothing")
-    ior = max(values.number(node, "IOR", groups), 1e-5)
+    ior = np.maximum(values.number(node, "IOR", groups), 1e-5)
     colour = weight * values.colour(node, "Color", groups)
     lobes.add_specular(ior, _roughness(values, node, groups), glass_transmission=colour)
 
@@ -78,7 +78,7 @@ def _metallic(values, node, groups, weight, lobes):
 
 def _roughness(values, node, groups):
     roughness = values.number(node, "Roughness", groups)
-    if roughness > 0 and node.distribution not in ("GGX", "MULTI_GGX"):
+    if np.any(roughness > 0) and node.distribution not in ("GGX", "MULTI_GGX"):
         values.note(f"{node.distribution.replace('_', ' ').title()} microfacets", "GGX with the same roughness")
     return roughness
 
@@ -100,13 +100,13 @@ def _portal(values, node, groups, weight, lobes):
 
 def note_anisotropy(values, node, groups, name):
     """Reports anisotropic microfacets; `name`: identifier of the input."""
-    if abs(values.number(node, name, groups)) > 1e-4:
+    if np.any(np.abs(values.number(node, name, groups)) > 1e-4):
         values.note("anisotropic reflection", "isotropic with the same roughness")
 
 
 def note_thin_film(values, node, groups):
     """Reports a thin film."""
-    if values.number(node, "Thin Film Thickness", groups) > 0:
+    if np.any(values.number(node, "Thin Film Thickness", groups) > 0):
         values.note("thin film", "ignored")
 
 

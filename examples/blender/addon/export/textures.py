@@ -9,10 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from mathutils import Euler
 
-from ..host.cells import sky_cells
 from .arithmetic import NotConstant, as_colour
 from .ies import Unreadable, measured
-from .images import SKY_COLUMNS, blocks
+from .images import SKY_COLUMNS, blocks, is_multiplied, linear
 from .noise import fractal, hashed, perlin
 
 #: Vectors are not larger.
@@ -21,7 +20,7 @@ _FAR = 1e12
 
 @dataclass(frozen=True)
 class Places:
-    """Places in an object, or directions from a lamp; each float64 (n, 3), or None where it has no meaning."""
+    """Places in or on an object, or directions from a lamp; each float64 (n, 3), or None where it has no meaning."""
 
     #: In the world, in the object's space [m], and from 0 to 1 across its texture space.
     world: np.ndarray | None = None
@@ -30,14 +29,41 @@ class Places:
     #: Unit vectors away from a lamp: in its own space, and in the world.
     away: np.ndarray | None = None
     away_in_world: np.ndarray | None = None
+    #: grids.Lookup of what a volume holds there; surface_places.OnSurface.
+    held: object = None
+    surface: object = None
+    #: sky_texture.Sky, or why there is none, by pointer of Sky Texture nodes; and suns to show, as radiance (3,), by the same.
+    skies: dict | None = None
+    suns: dict | None = None
+
+    @property
+    def uv(self):
+        """Texture coordinates, (n, 3)."""
+        return self.surface.uv() if self.surface is not None else None
 
 
 def _coordinates(node, output, argument, places):
     if output.identifier == "Object" and node.object is not None and places.world is not None:
         matrix = np.linalg.pinv(np.array(node.object.matrix_world, np.float64))
         return places.world @ matrix[:3, :3].T + matrix[:3, 3]
-    found = {"Generated": places.generated, "Object": places.object if node.object is None else None, "Normal": places.away}
+    found = {
+        "Generated": places.generated,
+        "Object": places.object if node.object is None else None,
+        "Normal": places.away,
+        "UV": None if node.from_instancer else places.uv,
+    }
     return _known(node, output, found.get(output.identifier))
+
+
+def _uv_map(node, output, argument, places):
+    return _known(node, output, None if node.from_instancer or places.surface is None else places.surface.uv(node.uv_map))
+
+
+def _colour_attribute(node, output, argument, places):
+    if places.surface is None:
+        raise NotConstant(node.name)
+    look = places.surface.alpha if output.identifier == "Alpha" else places.surface.colour
+    return look(node.layer_name)
 
 
 def _geometry(node, output, argument, places):
@@ -55,6 +81,28 @@ def _known(node, output, value):
 def _vector(argument):
     """The input Vector, (n, 3); (1, 3) if it is the same everywhere. What is no number is 0, and nothing is beyond _FAR."""
     return np.clip(np.nan_to_num(np.atleast_2d(as_colour(argument("Vector")))), -_FAR, _FAR)
+
+
+def _attribute(node, output, argument, places):
+    if node.attribute_type != "GEOMETRY":
+        raise NotConstant(node.name)
+    if places.surface is not None and node.attribute_name:
+        look = {"Fac": places.surface.number, "Alpha": places.surface.alpha}.get(output.identifier, places.surface.colour)
+        return look(node.attribute_name)
+    return _held(node, output.identifier, node.attribute_name, places)
+
+
+def _volume_info(node, output, argument, places):
+    return _held(node, {"Color": "Color"}.get(output.identifier, "Fac"), output.identifier.lower(), places)
+
+
+def _held(node, kind, name, places):
+    """What a volume holds by a name: nothing of it is 0, as in Cycles."""
+    if places.held is None:
+        raise NotConstant(node.name)
+    look = {"Fac": places.held.number, "Alpha": places.held.alpha}.get(kind, places.held.colour)
+    value, missing = look(name), 0.0 if kind in ("Fac", "Alpha") else np.zeros(3)
+    return missing if value is None else value
 
 
 def _mapping(node, output, argument, places):
@@ -121,8 +169,25 @@ def _environment(node, output, argument, places):
     return cells[sky_cells(vector / far, *cells.shape[:2])]
 
 
+def sky_cells(direction, rows, columns):
+    """Rows and columns of a sky (host.scene.Light) that lie in unit directions (n, 3): int (n,) both."""
+    row = np.clip(np.arccos(np.clip(direction[:, 2], -1, 1)) * (rows / np.pi), 0, rows - 1).astype(int)
+    azimuth = np.arctan2(direction[:, 1], direction[:, 0])
+    return row, np.clip((1 - azimuth / np.pi) * (0.5 * columns), 0, columns - 1).astype(int)
+
+
+def _sky(node, output, argument, places):
+    sky = (places.skies or {}).get(node.as_pointer())
+    if sky is None or isinstance(sky, str):
+        raise NotConstant(f"{node.name} ({sky})" if sky else node.name)
+    vector = _vector(argument)
+    far = np.maximum(np.linalg.norm(vector, axis=1, keepdims=True), 1e-30)
+    return sky.cells[sky_cells(vector / far, *sky.cells.shape[:2])] + (places.suns or {}).get(node.as_pointer(), np.zeros(3))
+
+
 def image_at(node, output, argument, pixels):
-    """Colour or alpha of an Image Texture node whose image has these pixels, (h, w, 4); raises NotConstant for what is not flat."""
+    """Colour or alpha of an Image Texture node whose image has these pixels, (h, w, 4), as images.picture has them; raises NotConstant for
+    what is not flat."""
     if node.projection != "FLAT" or node.extension not in ("REPEAT", "EXTEND", "CLIP"):
         raise NotConstant(f"{node.name} ({node.projection}, {node.extension})".lower())
     height, width, _ = pixels.shape
@@ -141,7 +206,13 @@ def image_at(node, output, argument, pixels):
             x, y = wrapped.astype(int).T
             weight = (rest[:, 0] if dx else 1 - rest[:, 0]) * (rest[:, 1] if dy else 1 - rest[:, 1])
             found = found + (weight[:, None] if len(steps) == 2 else 1) * np.where(inside, pixels[y, x], 0)
-    return found[:, 3:] if output.identifier == "Alpha" else found[:, :3]
+    colour, alpha = found[:, :3], found[:, 3:]
+    if output.identifier == "Alpha":
+        return alpha
+    # Cycles divides by alpha where that is asked for too.
+    if next(s for s in node.outputs if s.identifier == "Alpha").is_linked and is_multiplied(node.image):
+        colour = colour / np.where((alpha > 0) & (alpha < 1), alpha, 1)
+    return linear(node.image, colour)
 
 
 def _noise(node, output, argument, places):
@@ -178,7 +249,19 @@ TEXTURES = {
     "TEX_NOISE": _noise,
     "TEX_IES": _ies,
     "TEX_ENVIRONMENT": _environment,
+    "TEX_SKY": _sky,
+    "ATTRIBUTE": _attribute,
+    "VOLUME_INFO": _volume_info,
+    "UVMAP": _uv_map,
+    "VERTEX_COLOR": _colour_attribute,
 }
 
 #: What stands for an input "Vector" without a link: a field of Places.
-UNLINKED = {"TEX_GRADIENT": "generated", "TEX_NOISE": "generated", "TEX_IES": "away", "TEX_ENVIRONMENT": "world"}
+UNLINKED = {
+    "TEX_IMAGE": "uv",
+    "TEX_GRADIENT": "generated",
+    "TEX_NOISE": "generated",
+    "TEX_IES": "away",
+    "TEX_ENVIRONMENT": "world",
+    "TEX_SKY": "world",
+}

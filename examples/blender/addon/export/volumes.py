@@ -3,12 +3,12 @@
 
 from dataclasses import dataclass, replace
 
-import covbeam
 import numpy as np
 
-from ..host.scene import Volume
+from ..host.scene import Phase, Volume
 from . import phases
 from .density import bake
+from .grids import Grids, Lookup
 from .nodes import Values, closures
 from .textures import Places
 
@@ -35,7 +35,8 @@ class Fog:
         # Whatever nodes make of hostile numbers is brought to sound coefficients.
         with np.errstate(all="ignore"):
             _add(self.values.in_fog(places), self.socket, (), 1.0, total)
-        return total
+        # Cycles looks for fog where there is something of what it asks for.
+        return Sum() if places is not None and places.held.misses_all else total
 
 
 @dataclass(frozen=True)
@@ -47,13 +48,15 @@ class Frame:
     #: Middle and half size of the mesh's texture space, float64 (3,).
     middle: np.ndarray
     half: np.ndarray
+    #: What the object holds of its own, or None.
+    grids: Grids | None = None
 
     def places(self, world):
         """The textures.Places of places in the world [m], float64 (n, 3)."""
         inverse = np.linalg.pinv(self.matrix)
         inside = world @ inverse[:3, :3].T + inverse[:3, 3]
         half = np.where(self.half > 0, self.half, 1)
-        return Places(world, inside, 0.5 * (inside - self.middle) / half + 0.5)
+        return Places(world, inside, 0.5 * (inside - self.middle) / half + 0.5, held=Lookup(self.grids, inside))
 
 
 class Sum:
@@ -86,6 +89,18 @@ class Filled:
     high: np.ndarray
     frame: Frame | None = None
 
+    @property
+    def varies(self):
+        """Whether it varies from place to place."""
+        return self.fog.varies or (self.frame is not None and self.frame.grids is not None)
+
+    def cells(self, size):
+        """How many voxels of some `size` [m] are as fine as what the object holds of its own; ones if that is nothing: int (3,)."""
+        grids = self.frame.grids if self.frame is not None else None
+        if grids is None:
+            return np.ones(3, np.int64)
+        return np.maximum(1, np.round(np.minimum(grids.cells_a_metre(self.frame.matrix) * size, 1e6))).astype(np.int64)
+
 
 def _sound(coefficient):
     """Coefficients [1/m] without what is negative or no number; none is above _MOST."""
@@ -109,19 +124,19 @@ def fog(values, socket, may_vary=False):
 
 
 def _phase(values, lobes):
-    """Mean cosine and covbeam.Phase of a sum of phase functions."""
+    """Mean cosine and host.scene.Phase of a sum of phase functions."""
     if not lobes:
-        return 0.0, covbeam.Phase.isotropic()
+        return 0.0, Phase.ISOTROPIC
     if all(rayleigh for _, _, rayleigh in lobes):
-        return 0.0, covbeam.Phase.rayleigh()
+        return 0.0, Phase.RAYLEIGH
     weights, cosines = (np.array([lobe[k] for lobe in lobes]) for k in range(2))
     asymmetry = float(weights @ cosines / weights.sum())
     if np.ptp(cosines) > 1e-6 or any(rayleigh for _, _, rayleigh in lobes):
         values.note("sum of different phase functions", f"Henyey-Greenstein with their mean cosine, {asymmetry:.3g}")
     # As Cycles: so little anisotropy is none.
     if abs(asymmetry) < 1e-3:
-        return 0.0, covbeam.Phase.isotropic()
-    return asymmetry, covbeam.Phase.henyey_greenstein(asymmetry)
+        return 0.0, Phase.ISOTROPIC
+    return asymmetry, Phase.HENYEY_GREENSTEIN
 
 
 def _add(values, socket, groups, weight, total):
@@ -153,8 +168,15 @@ def _coefficients(values, node, groups, weight, total):
 
 
 def _principled(values, node, groups, weight, total):
-    density = _density(values, node, groups, weight)
-    colour = values.colour(node, "Color", groups)
+    density, colour = _density(values, node, groups, weight), values.colour(node, "Color", groups)
+    held, name = values.held(node, "Density Attribute")
+    of_object = held.number(name) if held is not None else None
+    if of_object is not None:
+        density = density * np.maximum(of_object, 0)
+    held, name = values.held(node, "Color Attribute")
+    of_object = held.colour(name) if held is not None else None
+    if of_object is not None:
+        colour = colour * of_object
     tint = np.sqrt(np.maximum(values.colour(node, "Absorption Color", groups), 0))
     total.scatter(density * colour, values.number(node, "Anisotropy", groups))
     total.absorb(density * np.maximum(1 - colour, 0) * np.maximum(1 - tint, 0))
@@ -242,7 +264,7 @@ def _volume(parts, poll):
     low = np.max([part.low for part in parts], axis=0)
     high = np.min([part.high for part in parts], axis=0)
     values, density = parts[0].fog.values, None
-    if any(part.fog.varies for part in parts):
+    if any(part.varies for part in parts):
         baked, lobes = _baked(parts, low, high, poll)
         scattering, absorption, density = baked.scattering, baked.absorption, baked.density
     else:
@@ -250,19 +272,19 @@ def _volume(parts, poll):
     asymmetry, phase = _phase(values, lobes)
     return Volume(
         name=parts[0].name,
-        medium=covbeam.Medium(tuple(scattering), tuple(absorption), phase, density),
         scattering=scattering,
         absorption=absorption,
+        phase=phase,
         asymmetry=asymmetry,
         min=low,
         max=high,
-        varies=density is not None,
+        density=density,
     )
 
 
 def _added(parts, world=None):
     """Scattering and absorption coefficients of some Filled together, and their phase functions; world: places, where they vary [m]."""
-    totals = [part.fog.at(part.frame.places(world) if part.fog.varies else None) for part in parts]
+    totals = [part.fog.at(part.frame.places(world) if part.varies else None) for part in parts]
     lobes = [lobe for total in totals for lobe in total.phases]
     return sum(total.scattering for total in totals), sum(total.absorption for total in totals), lobes
 
@@ -276,7 +298,9 @@ def _baked(parts, low, high, poll):
         return [np.broadcast_to(of, world.shape) for of in sums]
 
     lobes = []
-    baked, values = bake(coefficients, low, high, poll), next(part.fog.values for part in parts if part.fog.varies)
+    varying = [part for part in parts if part.varies]
+    finest = np.max([part.cells(high - low) for part in varying], axis=0)
+    baked, values = bake(coefficients, low, high, finest, poll), varying[0].fog.values
     if baked.error > 0.01:
         cells = " x ".join(map(str, baked.cells))
         values.note("density that varies finely", f"{cells} voxels, which are {baked.error:.1%} off on average")

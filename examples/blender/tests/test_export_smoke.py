@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Smoke domains: what they let through, pixel by pixel, against Cycles; voxels against Blender's own."""
+
+import sys
+import unittest
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+sys.path[:0] = [str(Path(__file__).parents[1]), str(Path(__file__).parent)]
+
+import harness  # noqa: E402
+import scenes_export as scenes  # noqa: E402
+import smoke_scenes  # noqa: E402
+from host_scenes import density_at  # noqa: E402
+from scenes_export import node, shader  # noqa: E402
+
+from addon.export.objects import Objects  # noqa: E402
+from addon.export.report import Report  # noqa: E402
+
+PRINCIPLED = shader("VolumePrincipled", {"Density": 3.0, "Color": (0.8, 0.5, 0.3)})
+
+
+def of_attributes(tree):
+    """Absorption by the smoke's own colour, and scattering by its fire."""
+    absorb, scatter, both = node(tree, "VolumeAbsorption"), node(tree, "VolumeScatter", {"Color": (1, 1, 1)}), node(tree, "AddShader")
+    smoke, info = node(tree, "Attribute", attribute_name="color"), node(tree, "VolumeInfo")
+    thick = node(tree, "Math", {"Value_001": 3.0}, operation="MULTIPLY")
+    tree.links.new(node(tree, "Attribute", attribute_name="density").outputs["Fac"], thick.inputs[0])
+    tree.links.new(thick.outputs[0], absorb.inputs["Density"])
+    tree.links.new(smoke.outputs["Color"], absorb.inputs["Color"])
+    tree.links.new(info.outputs["Flame"], scatter.inputs["Density"])
+    tree.links.new(absorb.outputs[0], both.inputs[0])
+    tree.links.new(scatter.outputs[0], both.inputs[1])
+    return both
+
+
+def of_nothing(tree):
+    """What a domain does not hold is 0, and no factor."""
+    principled = node(tree, "VolumePrincipled", {"Density Attribute": "nothing", "Color Attribute": "nothing"})
+    tree.links.new(node(tree, "Attribute", attribute_name="nothing").outputs["Fac"], principled.inputs["Anisotropy"])
+    return principled
+
+
+class Smoke(unittest.TestCase):
+    def setUp(self):
+        scene = scenes.empty()
+        scene.cycles.max_bounces = 0
+
+    def compare(self, coefficients, width=2.8, pixels=24, within=3e-3):
+        """What Cycles lets through along Z is what a function of places has between -2 and 2: extinction (n, 3) [1/m]."""
+        shown = self.shown(width, pixels)
+        looks, steps = 4, 300
+        across = ((np.arange(pixels * looks) + 0.5) / (pixels * looks) - 0.5) * width
+        x, y = np.meshgrid(across, -across)
+        depth = 0
+        for z in (np.arange(steps) + 0.5) / steps * 4 - 2:
+            depth = depth + coefficients(np.stack([x, y, np.full_like(x, z)], axis=-1).reshape(-1, 3)) * (4 / steps)
+        expected = np.exp(-depth).reshape(pixels, looks, pixels, looks, 3).mean(axis=(1, 3))
+        self.assertLess(expected.min(), 0.5)
+        # Cycles lets a sample through or not: 256 samples in each of 576 pixels, of which a fourth have smoke.
+        np.testing.assert_allclose(shown.mean(axis=(0, 1)), expected.mean(axis=(0, 1)), atol=within)
+        self.assertLess(np.abs(shown - expected).mean(), 4 * within)
+
+    def shown(self, width, pixels):
+        """What Cycles shows of a white background behind it all, (pixels, pixels, 3)."""
+        background = scenes.world(shader("Background", {"Color": (1, 1, 1)}))
+        background.cycles_visibility.scatter = False
+        eye = bpy.context.scene.camera
+        eye.data.type, eye.data.ortho_scale = "ORTHO", width
+        eye.location, eye.rotation_euler = (0, 0, 4), (0, 0, 0)
+        try:
+            return scenes.cycles(256, pixels, pixels)
+        finally:
+            bpy.context.scene.world = None
+
+    def see_through(self):
+        """Cycles shows no smoke."""
+        np.testing.assert_array_equal(self.shown(2.8, 8), 1)
+
+    def baked(self, reported=""):
+        """Extinction of the exported volume, as a function for `compare`."""
+        made, report = scenes.exported()
+        self.assertRegex(str(report), f"^{reported}$")
+        (volume,) = made.volumes
+        extinction = volume.scattering + volume.absorption
+        return lambda world: density_at(volume.density, world)[:, None] * extinction
+
+    def looked_up(self):
+        """Extinction by the nodes where it is asked for."""
+        (filled,) = Objects(bpy.context.evaluated_depsgraph_get(), lambda thing: not thing.hide_render, Report(), None).filled
+
+        def coefficients(world):
+            total = filled.fog.at(filled.frame.places(world))
+            return total.scattering + total.absorption
+
+        return coefficients
+
+    def test_smoke_is_as_dense_as_in_cycles(self):
+        smoke_scenes.domain(material=scenes.material("Smoke", volume=PRINCIPLED))
+        self.compare(self.baked())
+
+    def test_noise_makes_smoke_finer(self):
+        smoke_scenes.domain(material=scenes.material("Smoke", volume=PRINCIPLED), use_noise=True, noise_scale=2)
+        self.compare(self.baked())
+
+    def test_a_domain_that_follows_the_smoke_moves(self):
+        smoke_scenes.domain(24, 4, scenes.material("Smoke", volume=PRINCIPLED), use_adaptive_domain=True)
+        (volume,) = scenes.exported()[0].volumes
+        self.assertLess(volume.max[2], 0.7)
+        self.compare(self.baked())
+
+    def test_smoke_turns_and_stretches_with_its_object(self):
+        # No voxels are those of the smoke here: it is looked up where it is.
+        box = smoke_scenes.domain(material=scenes.material("Smoke", volume=PRINCIPLED))
+        around = scenes.add(None, "Around", rotation_euler=(0.3, 0.5, 0.2), scale=(1.2, 0.8, 1.0))
+        box.parent = around
+        bpy.context.view_layer.update()
+        self.compare(self.looked_up())
+        off = r'Material "Smoke": density that varies finely: .* voxels, which are \d+\.\d% off on average'
+        self.compare(self.baked(off), within=6e-3)
+
+    def test_nodes_read_what_the_domain_holds(self):
+        smoke_scenes.domain(material=scenes.material("Smoke", volume=of_attributes))
+        made, report = scenes.exported()
+        self.assertIn("colour that varies in a volume", str(report))
+        self.compare(self.looked_up())
+
+    def test_what_a_domain_does_not_hold_is_nothing(self):
+        smoke_scenes.domain(material=scenes.material("Smoke", volume=of_nothing))
+        (volume,) = scenes.exported()[0].volumes
+        self.assertFalse((volume.scattering + volume.absorption).any())
+        self.see_through()
+
+    def test_smoke_without_a_material_is_not_seen(self):
+        smoke_scenes.domain()
+        self.assertEqual(scenes.exported()[0].volumes, [])
+        self.see_through()
+
+    def test_voxels_are_those_of_the_domain(self):
+        box = smoke_scenes.domain(material=scenes.material("Smoke", volume=PRINCIPLED))
+        (volume,) = scenes.exported()[0].volumes
+        held = box.evaluated_get(bpy.context.evaluated_depsgraph_get()).modifiers[0].domain_settings
+        z, y, x = (2 * (np.indices((17, 17, 17)) + 0.5) / 17 - 1).reshape(3, -1)
+        found = density_at(volume.density, np.stack([x, y, z], axis=1)) * volume.scattering[0]
+        # Bounds are drawn in by a hair.
+        np.testing.assert_allclose(found, 2.4 * np.array(held.density_grid), atol=2e-3)
+
+    def test_a_domain_without_smoke_is_named(self):
+        box = scenes.box("Domain", material=scenes.material("Smoke", volume=PRINCIPLED))
+        modifier = box.modifiers.new("Fluid", "FLUID")
+        modifier.fluid_type = "DOMAIN"
+        modifier.show_viewport = modifier.show_render = False
+        made, report = scenes.exported()
+        self.assertEqual(made.volumes, [])
+        self.assertIn('Object "Domain": smoke domain without smoke', str(report))
+
+    def test_instances_of_smoke_are_smoke(self):
+        box = smoke_scenes.domain(material=scenes.material("Smoke", volume=PRINCIPLED))
+        kept = bpy.data.collections.new("Kept")
+        kept.objects.link(box)
+        scenes.add(None, "Again", instance_type="COLLECTION", instance_collection=kept, location=(5, 0, 0))
+        first, second = scenes.exported()[0].volumes
+        np.testing.assert_allclose(second.min - first.min, (5, 0, 0), atol=1e-3)
+        places = np.random.default_rng(1).uniform(-1, 1, (500, 3)).astype(np.float32)
+        found = density_at(second.density, places + np.float32((5, 0, 0)))
+        np.testing.assert_allclose(found, density_at(first.density, places), atol=2e-3)
+
+
+if __name__ == "__main__":
+    harness.main()
