@@ -60,7 +60,10 @@ class Passes:
         """Finds out what a pass and a picture cost, and gives passes as many light paths as there is time for."""
         trial = max(int(TRIAL * self.session.photons), 1)
         self.session.restart(trial)
+        planned = self.session.times["plan"]
         self._render_pass()
+        # The first pass finds out where light paths are needed.
+        self._pass -= self.session.times["plan"] - planned
         self._show(self._poll)
         left = self.budget.seconds - self._elapsed() - self._picture
         photons = int(trial * PASS_SHARE * left / max(self._pass, 1e-6))

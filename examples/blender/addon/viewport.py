@@ -12,7 +12,7 @@ import numpy as np
 
 from .host import Cancelled
 
-#: Light paths of a first pass, which tells what the eye rays cost.
+#: Light paths of a first pass, which tells what the eye rays cost, and what light paths do.
 _FEW = 1000
 
 #: What a pass is to take [s]. Where eye rays alone take half of that and more, it takes twice what they do, but at most `PATIENCE`.
@@ -166,6 +166,8 @@ class _Refinement:
             while (pixel := self._finer(level)) is not None and not self._is_late():
                 yield from self._refine(level, lambda: level.spent >= _HEAD_START)
                 level = yield from self._go_finer(level, pixel)
+            if level.is_plain and not self._is_late():
+                yield from self._guide(level, level.light)
             yield from self._refine(level, lambda: level.session.passes >= self._budget.passes)
             if not level.is_shown:
                 self._make_picture(level)
@@ -179,11 +181,12 @@ class _Refinement:
         start = self._clock()
         scene = replace(self._scene, camera=coarser(self._camera, pixel))
         level = _Level(self._make(scene, self._settings, self._poll(patience)), pixel)
+        level.most = level.session.photons
         self._levels.append(level)
         setup = self._clock() - start
         yield None
         start = self._clock()
-        level.session.restart(_FEW)
+        level.session.restart(_FEW, plain=True)
         level.session.render_pass(self._poll(patience))
         level.trial = self._clock() - start
         level.spent = setup + level.trial
@@ -201,16 +204,31 @@ class _Refinement:
             self._close_but(level)
             yield None
             return level
-        finer.is_hidden = True
-        yield from self._refine(finer, lambda: finer.light >= level.light or finer.session.passes >= self._budget.passes)
+        if self._finer(finer) is None:
+            yield from self._guide(finer, level.light)
+        else:
+            yield from self._catch_up(finer, level.light)
         if self._is_late() and finer.light < level.light:
             self._close_but(level)
             return level
-        finer.is_hidden = False
         self._close_but(finer)
         self._make_picture(finer)
         yield finer.picture
         return finer
+
+    def _guide(self, level, light):
+        """Begins anew, with light paths that go where they are needed. What finds that out takes a while, and is part of the first pass."""
+        level.is_plain = False
+        level.session.restart(_FEW)
+        level.session.render_pass(None)
+        yield None
+        yield from self._catch_up(level, light)
+
+    def _catch_up(self, level, light):
+        """Passes that nobody sees until there is as much light as before."""
+        level.is_hidden = True
+        yield from self._refine(level, lambda: level.light >= light or level.session.passes >= self._budget.passes)
+        level.is_hidden = False
 
     def _refine(self, level, enough):
         """Passes of a level until it has enough, or the view's time is over."""
@@ -226,12 +244,12 @@ class _Refinement:
         is_settled = session.passes >= _SETTLED
         photons = session.photons if is_settled else self._photons(level)
         if not session.photons <= 2 * photons <= 4 * session.photons:
-            session.restart(photons)
+            session.restart(photons, level.is_plain)
         start, photons = self._clock(), session.photons
         try:
             session.render_pass(self._poll(None if is_settled else max(2 * PATIENCE, 4 * level.trial)))
         except Cancelled:
-            session.restart(max(photons // 2, _FEW))
+            session.restart(max(photons // 2, _FEW), level.is_plain)
         took = self._clock() - start
         level.spent += took
         if photons >= 2 * _FEW:
@@ -258,7 +276,7 @@ class _Refinement:
         rate = self._learned.rate
         rays = max(level.trial - _FEW * rate, 0.0)
         time = min(max(2 * rays, SLICE), PATIENCE)
-        return min(max(int((time - rays) / rate), _FEW), self._settings.photons)
+        return min(max(int((time - rays) / rate), _FEW), level.most)
 
     def _finer(self, level):
         """The smallest pixels that there should be time for, or None if they are not smaller than a level's."""
@@ -296,13 +314,14 @@ class _Level:
     """A session, the side of its pixels, and its latest picture, a Shown.
 
     Seconds: `opening`, the longest of its making, its first pass and that pass' picture; `trial`, that pass; `spent`, all passes so far;
-    `seconds`, the latest picture; `display`, all pictures. is_hidden: whether no pictures are made.
+    `seconds`, the latest picture; `display`, all pictures. most: light paths that a pass may have; is_plain: whether they go anywhere;
+    is_hidden: whether no pictures are made.
     """
 
     def __init__(self, session, pixel):
         self.session, self.pixel, self.picture = session, pixel, None
         self.opening = self.trial = self.spent = self.seconds = self.display = 0.0
-        self.is_hidden = False
+        self.most, self.is_plain, self.is_hidden = _FEW, True, False
 
     @property
     def is_shown(self):

@@ -66,7 +66,7 @@ class Session:
     open = 0
     settings = []
     memory = 7_000_000
-    times = {"photons": 0.0, "gather": 0.0}
+    times = {"photons": 0.0, "plan": 0.0, "gather": 0.0}
 
     def __init__(self, scene, settings, poll=None):
         # Nobody's choice is the scene's own.
@@ -85,7 +85,7 @@ class Session:
             ask(poll)
         self.passes += 1
 
-    def restart(self, photons):
+    def restart(self, photons, plain=False):
         self.passes, self.photons = 0, min(photons, self._most)
 
     def picture(self, poll=None):

@@ -303,7 +303,7 @@ class Messages(InBlender):
         self.assertRegex(record.title, "^Scene, ViewLayer, frame 1$")
         self.assertIn("Geometry: 12 triangles, 0.0 MB", record.figures)
         self.assertTrue(any(line.startswith("Passes: 3 of 3 in ") for line in record.figures))
-        self.assertIn("Of the time: photons 0 %, gather 0 %", record.figures)
+        self.assertIn("Of the time: photons 0 %, plan 0 %, gather 0 %", record.figures)
         self.assertIn("Memory of light and image: 7.0 MB", record.figures)
 
     def test_each_frame_keeps_its_report_in_its_file(self):

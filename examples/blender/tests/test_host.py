@@ -232,7 +232,7 @@ class Sessions(unittest.TestCase):
     def test_a_pass_that_was_cancelled_anywhere_leaves_no_trace(self):
         scene = scenes.open_glass_ball(32)
         # The longer a pass takes, the more often it asks.
-        settings = {"seed": 1, "photons": 20_000, "threads": 1}
+        settings = {"seed": 1, "photons": 60_000, "threads": 1}
         expected = rendered(scene, 3, **settings).in_scattered
         made = session(scene, **settings)
         made.render_pass()

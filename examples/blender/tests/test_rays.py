@@ -95,6 +95,10 @@ class Cancel(unittest.TestCase):
 
     def test_a_session_stops_soon_after_it_is_told_to_and_goes_on_as_if_nothing_had_been(self):
         made = scene()
+        poll = Stop(after=0)
+        with self.assertRaises(rays.Cancelled):
+            rays.Session(scene(camera=camera(width=2000, height=2000)), poll=poll)
+        self.assertLess(time.perf_counter() - poll.said_no, PATIENCE)
         session = rays.Session(made, photons=200_000)
         for call in (session.render_pass, session.render_pass):
             poll = Stop()

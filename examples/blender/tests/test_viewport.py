@@ -65,7 +65,7 @@ class Fake:
         self.seed, self.lost, self.is_closed = settings.seed, 0, False
         computer.work(computer.setup * self.pixels, poll)
 
-    def restart(self, photons):
+    def restart(self, photons, plain=False):
         self.lost += self.passes
         self.passes, self.photons = 0, min(photons, self.settings.photons)
 

@@ -172,7 +172,7 @@ struct Shared {
 
 enum Order {
     Do(Task, Arc<Job<()>>),
-    Restart(u32),
+    Restart(u32, bool),
 }
 
 impl Drop for Order {
@@ -237,14 +237,15 @@ impl Session {
         job.into_iter().for_each(|job| job.cancel());
     }
 
-    /// Forgets all passes; those to come have so many light paths, at least one and at most those of the settings.
-    pub fn restart(&self, photons: u32) -> Result<()> {
+    /// Forgets all passes; those to come have so many light paths, at least one and at most those of the settings. Plain ones do without a
+    /// pilot that learns where light paths are needed: that is a first look, to be seen soon.
+    pub fn restart(&self, photons: u32, plain: bool) -> Result<()> {
         if lock(&self.job).is_some() {
             return Err(Failure::Order("session: work goes on; wait for its end, or stop it".into()));
         }
         let mut info = lock(&self.shared.info);
         let photons = photons.clamp(1, info.most_photons);
-        drop(self.orders.send(Order::Restart(photons)));
+        drop(self.orders.send(Order::Restart(photons, plain)));
         (info.passes, info.photons) = (0, photons);
         Ok(())
     }
@@ -317,7 +318,7 @@ fn serve(mut scene: Scene, given: &Given, beyond: bool, orders: &Receiver<Order>
     let (true, Some(mut state)) = (ready, state) else { return };
     for order in orders {
         match &order {
-            Order::Restart(photons) => state.restart(*photons),
+            Order::Restart(photons, plain) => state.restart(*photons, *plain),
             Order::Do(task, job) => {
                 let done = job.run(|| match task {
                     Task::Prepare => Ok(()),
@@ -339,26 +340,32 @@ struct State<'a> {
     beyond: bool,
     /// None: nothing lights any fog.
     surfaces: Option<Arc<FirstSurfaces>>,
-    /// What renders passes of few light paths, and of more: these have had a pilot. Made when they are needed.
+    /// What renders passes, and what renders plain ones. Made when they are needed.
     renderers: [Option<Renderer<'a>>; 2],
     film: Film,
     /// Light paths of a pass.
     photons: u32,
+    plain: bool,
 }
-
-/// Passes of fewer light paths do without a pilot, which has as many itself: a first look is to be seen soon.
-const WORTH_A_PILOT: u32 = 1024;
 
 impl<'a> State<'a> {
     fn new(scene: &'a Scene, beyond: bool, job: &Job<()>) -> Result<Self> {
         let surfaces = || FirstSurfaces::new(scene, &|| job.is_cancelled()).ok_or(Failure::Cancelled);
         let surfaces = scene.lights_fog().then(surfaces).transpose()?.map(Arc::new);
         let photons = scene.settings.guided_photons;
-        Ok(Self { scene, beyond, surfaces, renderers: [None, None], film: Film::of_scene(scene), photons })
+        Ok(Self {
+            scene,
+            beyond,
+            surfaces,
+            renderers: [None, None],
+            film: Film::of_scene(scene),
+            photons,
+            plain: false,
+        })
     }
 
-    fn restart(&mut self, photons: u32) {
-        self.photons = photons;
+    fn restart(&mut self, photons: u32, plain: bool) {
+        (self.photons, self.plain) = (photons, plain);
         self.film = Film::of_scene(self.scene);
         self.renderers.iter_mut().flatten().for_each(|renderer| renderer.restart(photons));
     }
@@ -366,16 +373,15 @@ impl<'a> State<'a> {
     /// What renders passes; None: they are black.
     fn renderer(&mut self) -> Option<&mut Renderer<'a>> {
         let surfaces = self.surfaces.as_ref()?;
-        let Self { scene, beyond, photons, .. } = *self;
-        let has_pilot = photons >= WORTH_A_PILOT;
-        Some(self.renderers[usize::from(has_pilot)].get_or_insert_with(|| {
+        let Self { scene, beyond, photons, plain, .. } = *self;
+        Some(self.renderers[usize::from(plain)].get_or_insert_with(|| {
             let mut made = Renderer::new(scene, Method::Adaptive, photons, scene.settings.seed);
             made.plan_by(Arc::clone(surfaces));
             made.keep_first_apart();
             if !beyond {
                 made.leave_out_beyond();
             }
-            made.light_by_parts(Parts { guided: has_pilot, ..Parts::DEFAULT });
+            made.light_by_parts(Parts { guided: !plain, ..Parts::DEFAULT });
             made
         }))
     }

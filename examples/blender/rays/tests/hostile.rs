@@ -432,7 +432,7 @@ fn settings_that_are_wrong_are_refused_and_calls_in_the_wrong_order() {
         assert_eq!(covbeam_rays_scene_free(scene), 0);
         assert_eq!(covbeam_rays_geometry_free(geometry), 0);
         refused(covbeam_rays_session_start(session, 0), 2, &["wait for its end"]);
-        refused(covbeam_rays_session_restart(session, 100), 2, &["wait for its end"]);
+        refused(covbeam_rays_session_restart(session, 100, 0), 2, &["wait for its end"]);
         assert_eq!(ended(session), 0, "{}", message());
         let mut done = 0;
         refused(covbeam_rays_session_wait(session, 0, &mut done), 2, &["no work goes on"]);
@@ -465,7 +465,7 @@ fn settings_that_are_wrong_are_refused_and_calls_in_the_wrong_order() {
         let mut info = SessionInfo::default();
         assert_eq!(covbeam_rays_session_info(session, &mut info), 0);
         assert_eq!((info.passes, info.photons, info.most_photons), (1, 300, 300));
-        assert_eq!(covbeam_rays_session_restart(session, 0), 0);
+        assert_eq!(covbeam_rays_session_restart(session, 0, 7), 0);
         assert_eq!(covbeam_rays_session_info(session, &mut info), 0);
         assert_eq!((info.passes, info.photons), (0, 1));
         refused(covbeam_rays_session_info(session, null_mut()), 1, &["info: NULL"]);

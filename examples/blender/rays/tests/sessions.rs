@@ -125,11 +125,20 @@ fn a_session_that_was_started_anew_is_as_one_with_so_many_photons() {
     let scene = scene();
     let session = ready(&scene, &SETTINGS);
     picture(&session, 2);
-    session.restart(700).expect("nothing goes on");
+    session.restart(700, true).expect("nothing goes on");
+    let plain = picture(&session, 1);
+    session.restart(700, false).expect("nothing goes on");
     assert_eq!((session.info().passes, session.info().photons), (0, 700));
     let other = ready(&scene, &SettingsFields { photons: 700, ..SETTINGS });
     assert_eq!(picture(&session, 2), picture(&other, 2));
-    session.restart(5000).expect("nothing goes on");
+    session.restart(700, true).expect("nothing goes on");
+    assert_eq!(picture(&session, 1), plain);
+    session.restart(700, false).expect("nothing goes on");
+    let guided = picture(&session, 1);
+    assert!(
+        guided != plain && guided == picture(&ready(&scene, &SettingsFields { photons: 700, ..SETTINGS }), 1)
+    );
+    session.restart(5000, false).expect("nothing goes on");
     assert_eq!(session.info().photons, 2000, "at most those of the settings");
 }
 

@@ -76,11 +76,16 @@ pub unsafe extern "C" fn covbeam_rays_session_stop(session: *const c_void) -> i3
     })
 }
 
-/// Forgets all passes; those to come have so many light paths, at most those of the settings.
+/// Forgets all passes; those to come have so many light paths, at most those of the settings. If `plain` is not 0, they are not guided:
+/// noisier, but there at once.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn covbeam_rays_session_restart(session: *const c_void, photons: u32) -> i32 {
+pub unsafe extern "C" fn covbeam_rays_session_restart(
+    session: *const c_void,
+    photons: u32,
+    plain: u32,
+) -> i32 {
     // SAFETY: the contract of this module.
-    run(|| unsafe { object::<Session>(session, SESSION, "session")?.restart(photons) })
+    run(|| unsafe { object::<Session>(session, SESSION, "session")?.restart(photons, plain != 0) })
 }
 
 /// Where a session stands.

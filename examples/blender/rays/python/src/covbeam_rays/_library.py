@@ -33,7 +33,7 @@ PROTOTYPES = {
     "covbeam_rays_session_start": [_p, _u],
     "covbeam_rays_session_wait": [_p, _u, _p],
     "covbeam_rays_session_stop": [_p],
-    "covbeam_rays_session_restart": [_p, _u],
+    "covbeam_rays_session_restart": [_p, _u, _u],
     "covbeam_rays_session_info": [_p, _p],
     "covbeam_rays_session_picture": [_p, _z, _p, _p, _p, _p, _p],
 }

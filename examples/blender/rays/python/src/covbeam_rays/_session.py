@@ -93,9 +93,10 @@ class Session:
         check(lib.covbeam_rays_session_picture(self._open(), height * width, *arrays))
         return Picture(*colors, *values)
 
-    def restart(self, photons):
-        """Forgets all passes; those to come have so many light paths, at most those of the settings."""
-        check(lib.covbeam_rays_session_restart(self._open(), whole("photons", photons)))
+    def restart(self, photons, plain=False):
+        """Forgets all passes; those to come have so many light paths, at most those of the settings. plain: light paths do not learn first
+        where they are needed: there is far more noise, but the first pass takes no longer than others."""
+        check(lib.covbeam_rays_session_restart(self._open(), whole("photons", photons), bool(plain)))
 
     def close(self):
         """Stops what goes on and gives all memory back; what was done can still be asked. Closing twice is harmless."""
