@@ -6,6 +6,9 @@ use covbeam_render::scene::Scene;
 use covbeam_tests::statistics::Sample;
 use std::path::Path;
 
+/// What a renderer is told before its first pass.
+type Prepare = fn(&mut Renderer);
+
 const SIZE: u32 = 16;
 const SCATTERING: f64 = 0.8;
 
@@ -26,10 +29,14 @@ fn fog_that_absorbs_nothing_is_as_bright_as_an_even_sky_but_for_what_is_seen_thr
         2.0 * -(-SCATTERING * 2.0 / f64::from(scene.camera.direction(x, y).z)).exp_m1()
     };
     let expected = (0..SIZE * SIZE).map(expected).sum::<f64>() / f64::from(SIZE * SIZE);
-    for method in [Method::Ppb, Method::Adaptive] {
+    // Beams of all light; and shadow rays for straight light.
+    let ways: [(Method, Prepare); 2] =
+        [(Method::Ppb, |_| ()), (Method::Adaptive, |renderer| renderer.light_by_kind())];
+    for (method, prepare) in ways {
         let runs: Vec<f64> = (0..4)
             .map(|seed| {
                 let mut renderer = Renderer::new(&scene, method, 10_000, seed);
+                prepare(&mut renderer);
                 let mut film = Film::new(SIZE, SIZE);
                 for pass in 1..=3 {
                     let (image, _) = renderer.pass(pass, &|| false).expect("not cancelled");

@@ -1,6 +1,7 @@
 //! Triangles that shine on both sides.
 
 use super::patch::{FRAC_1_SQRT_PI, diffuse_field, lifted};
+use super::tree::Tree;
 use super::triangle::SeenTriangle;
 use super::{EmittedPhoton, cosine_direction};
 use crate::geometry::unite;
@@ -29,6 +30,8 @@ struct Parts {
     /// Areas up to each triangle's end \[m²\].
     areas: Vec<f64>,
     bounds: (Vec3, Vec3),
+    /// To draw those that are near a place.
+    tree: Tree,
     /// To meet them by rays.
     met: Triangles,
 }
@@ -56,8 +59,9 @@ impl ShiningMesh {
             return None;
         }
         let has_area = |corners: &&[Vec3; 3]| area_vector(**corners) != DVec3::ZERO;
-        let corners: Vec<[Vec3; 3]> = triangles.iter().filter(has_area).copied().collect();
+        let mut corners: Vec<[Vec3; 3]> = triangles.iter().filter(has_area).copied().collect();
         let bounds = corners.iter().flatten().map(|&corner| (corner, corner)).reduce(unite)?;
+        let tree = Tree::new(&mut corners);
         let mut sum = 0.0;
         let areas = corners.iter().map(|&corners| {
             sum += 0.5 * area_vector(corners).length();
@@ -68,7 +72,7 @@ impl ShiningMesh {
         let local: Vec<_> =
             corners.iter().map(|corners| corners.map(|c| frame.local(c.as_dvec3()))).collect();
         let met = Triangles::new(frame, &local, &[]);
-        Some(Self { radiance, parts: Arc::new(Parts { corners, areas, bounds, met }) })
+        Some(Self { radiance, parts: Arc::new(Parts { corners, areas, bounds, tree, met }) })
     }
 
     fn area(&self) -> f64 {
@@ -102,19 +106,14 @@ impl ShiningMesh {
         origin.cmpge(min - margin).all() && origin.cmple(max + margin).all()
     }
 
-    /// A triangle by area, what its choice leaves of the number, and its share of the area.
-    fn pick(&self, number: f32) -> (usize, f64, f64) {
-        let areas = &self.parts.areas;
-        let at = f64::from(number) * self.area();
-        let index = areas.partition_point(|&end| end <= at).min(areas.len() - 1);
-        let before = if index == 0 { 0.0 } else { areas[index - 1] };
-        let area = areas[index] - before;
-        (index, ((at - before) / area).clamp(0.0, 1.0), area / self.area())
-    }
-
     /// A place evenly on the mesh, and the unit normal of its triangle.
     pub(crate) fn place(&self, [c, d]: [f32; 2]) -> (DVec3, DVec3) {
-        let (index, rest, _) = self.pick(c);
+        let areas = &self.parts.areas;
+        let at = f64::from(c) * self.area();
+        let index = areas.partition_point(|&end| end <= at).min(areas.len() - 1);
+        let before = if index == 0 { 0.0 } else { areas[index - 1] };
+        // What the choice leaves of the number.
+        let rest = ((at - before) / (areas[index] - before)).clamp(0.0, 1.0);
         let corners = self.parts.corners[index];
         let [a, b, c] = corners.map(|corner| corner.as_dvec3());
         let (root, v) = (rest.sqrt(), f64::from(d));
@@ -147,9 +146,9 @@ impl ShiningMesh {
         diffuse_field(direction, normal, self.equal_radius())
     }
 
-    /// As [`super::Light::flux_density`]: a triangle by area, and a point of it by solid angle.
+    /// As [`super::Light::flux_density`]: a triangle by how much the place sees of it, about, and a point of it by solid angle.
     pub(super) fn flux_density(&self, point: Vec3, [u, v]: [f32; 2]) -> (Vec3, Vec3) {
-        let (index, rest, share) = self.pick(u);
+        let (index, rest, share) = self.parts.tree.pick(point.as_dvec3(), f64::from(u));
         let [a, b, c] = self.parts.corners[index];
         let normal = area_vector([a, b, c]).normalize();
         let is_front = (point.as_dvec3() - a.as_dvec3()).dot(normal) > 0.0;

@@ -14,6 +14,7 @@ mod sphere;
 mod spot;
 mod stretch;
 mod sun;
+mod tree;
 mod triangle;
 
 pub use aim::Ball;
