@@ -216,7 +216,9 @@ impl<'a> PhotonTracer<'a> {
         let mut knots = Vec::new();
         for event in 1.. {
             let goes_on = self.step(&mut photon, &mut sampler, record, out, &mut knots);
-            if !goes_on || record == Record::Direct || self.is_spent(&photon, out) {
+            // Straight light goes on through bounds of fog that is placed.
+            let is_done = record == Record::Direct && !(photon.direct && self.scene.placed.is_some());
+            if !goes_on || is_done || self.is_spent(&photon, out) {
                 return;
             }
             if event > LONG_PATH {
@@ -585,7 +587,8 @@ impl<'a> PhotonTracer<'a> {
         let offset = camera.position - vertex;
         let distance2 = offset.length_squared();
         let distance = distance2.sqrt();
-        let arrives = passage(self.scene, &self.fogs, self.camera, camera.position, vertex);
+        let eye = self.scene.beside(camera.position);
+        let arrives = passage(self.scene, &self.fogs, self.camera, eye, vertex);
         if arrives == Vec3::ZERO {
             return;
         }
