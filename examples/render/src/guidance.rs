@@ -11,7 +11,8 @@ mod look;
 pub(crate) use branches::Spread;
 
 use crate::geometry::MOST_BOUNDS;
-use crate::optics::{Boundary, Interior};
+use crate::optics::Interior;
+use crate::passage::clear;
 use crate::scene::{Material, Scene};
 use covbeam::{
     Column, EmissionGuide, GridLayout, Importance, ImportanceCell, ImportanceGrid, ImportanceSums, Medium,
@@ -105,7 +106,7 @@ impl Guidance {
             }
             let Some(hit) = hit else { break };
             let most = if scene.material(&hit).is_clear() { MOST_BOUNDS } else { MOST_SEGMENTS };
-            let beyond = (segment < most).then(|| matched(scene, &hit, direction, &interior)).flatten();
+            let beyond = (segment < most).then(|| clear(scene, &hit, direction, &interior)).flatten();
             let Some(beyond) = beyond else {
                 worth += left * of_arrival(scene, &importance, &hit, may_bounce);
                 break;
@@ -113,18 +114,6 @@ impl Guidance {
             (origin, interior) = (hit.leave(direction), beyond);
         }
         worth
-    }
-}
-
-/// What a ray is inside of behind a boundary that does not bend it.
-fn matched(scene: &Scene, hit: &Hit, direction: Vec3, interior: &Interior) -> Option<Interior> {
-    match scene.material(hit) {
-        Material::Clear => Some(interior.through(scene, hit, direction)),
-        Material::Dielectric { .. } => {
-            let boundary = Boundary::new(scene, hit, direction, interior);
-            boundary.is_matched().then_some(boundary.beyond)
-        }
-        _ => None,
     }
 }
 
