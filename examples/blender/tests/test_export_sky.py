@@ -17,7 +17,7 @@ import harness  # noqa: E402
 import scenes_export as scenes  # noqa: E402
 from scenes_export import node, shader  # noqa: E402
 
-from addon.export import sky_texture  # noqa: E402
+from addon.export import other_blender, sky_texture  # noqa: E402
 from addon.host import Cancelled  # noqa: E402
 from addon.export.textures import sky_cells  # noqa: E402
 from addon.host.scene import LightKind  # noqa: E402
@@ -112,7 +112,7 @@ class SkyTexture(unittest.TestCase):
     def test_the_same_sky_is_asked_for_once(self):
         under(MODELS[0], sun_elevation=0.123)
         self.lights()
-        with mock.patch.object(sky_texture, "_run", side_effect=AssertionError):
+        with mock.patch.object(other_blender, "_run", side_effect=AssertionError):
             self.lights()
 
     def test_a_sky_in_a_group_is_found(self):
@@ -130,10 +130,10 @@ class SkyTexture(unittest.TestCase):
         self.assertGreater(sun.irradiance[0], 1)
 
     def test_without_a_blender_the_sky_is_named(self):
-        for command in (("/there/is/none",), (sys.executable, "-c", "raise SystemExit('no luck')")):
+        for command in (["/there/is/none"], [sys.executable, "-c", "raise SystemExit('no luck')"]):
             sky_texture._rendered.cache_clear()
             under(MODELS[0], sun_elevation=0.5)
-            with mock.patch.object(sky_texture, "_blender", return_value=command):
+            with mock.patch.object(other_blender, "command", return_value=command):
                 made, report = scenes.exported()
             self.assertEqual(made.lights, [])
             (entry,) = report.entries
@@ -147,15 +147,15 @@ class SkyTexture(unittest.TestCase):
         under(MODELS[0], sun_elevation=0.6)
         bpy.context.view_layer.update()
         asked = []
-        command = (sys.executable, "-c", "import time; time.sleep(60)")
+        command = [sys.executable, "-c", "import time; time.sleep(60)"]
 
         def poll():
             asked.append(None)
             return len(asked) < 20
 
-        with mock.patch.object(sky_texture, "_blender", return_value=command):
+        with mock.patch.object(other_blender, "command", return_value=command):
             self.assertRaises(Cancelled, export, bpy.context.evaluated_depsgraph_get(), poll)
-            with mock.patch.object(sky_texture, "_PATIENCE", 0.3):
+            with mock.patch.object(other_blender, "PATIENCE", 0.3):
                 self.assertIn("more than 0.3 s", str(scenes.exported()[1]))
 
 

@@ -8,7 +8,8 @@ from ..host.scene import Light, LightKind
 from .images import SKY_COLUMNS, blocks
 from .materials import has_nodes
 from .nodes import Values, closures, find, follow
-from .sky_texture import NoSky, sky_of
+from .other_blender import Failed
+from .sky_texture import sky_of
 from .textures import Places
 
 
@@ -49,7 +50,7 @@ def _skies(tree, poll):
         elif node.type == "TEX_SKY" and node.outputs[0].is_linked:
             try:
                 made = sky_of(node, poll)
-            except NoSky as reason:
+            except Failed as reason:
                 made = str(reason)
             found[node.as_pointer()] = node, made
     return found

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A program for Blender: renders what a Sky Texture looks like. Its arguments: the node's settings as JSON, and a file for numpy's arrays."""
+"""A program for Blender: renders what a Sky Texture looks like. Its arguments: the node's settings as JSON, and a folder for
+other_blender.answered."""
 
 import json
 import sys
@@ -87,16 +88,18 @@ def sun(scene, sky, direction, size, folder):
     return np.einsum("yxc,yx->c", pictures[0] - pictures[1], shares)
 
 
-def main(settings, path):
-    """Renders and writes."""
-    path = Path(path)
+def main(settings, folder):
+    """Renders and writes: the answer has the sun's `irradiance`, the array is all else."""
+    folder = Path(folder)
     direction, size = settings.pop("direction"), settings.get("sun_size", 0.0)
     has_sun = settings.get("sun_disc", False) and size > 0
     scene, sky = scene_of(settings)
-    irradiance = sun(scene, sky, direction, size, path.parent) if has_sun else np.zeros(3)
+    irradiance = sun(scene, sky, direction, size, folder) if has_sun else np.zeros(3)
     if hasattr(sky, "sun_disc"):
         sky.sun_disc = False
-    np.savez(path, cells=whole(scene, path.parent), irradiance=irradiance)
+    cells = whole(scene, folder)
+    cells.astype("<f4").tofile(folder / "0.f32")
+    (folder / "answer.json").write_text(json.dumps({"irradiance": irradiance.tolist(), "shapes": [cells.shape]}))
 
 
 if __name__ == "__main__":
