@@ -45,7 +45,10 @@ def _world(scene):
 def _objects(scene):
     add(bpy.data.hair_curves.new("Hair Curves"))
     add(bpy.data.pointclouds.new("Points"))
-    add(bpy.data.volumes.new("Cloud"))
+    cloud = bpy.data.volumes.new("Cloud")
+    cloud.filepath = "/there/is/no/cloud.vdb"
+    cloud.materials.append(scenes.material("Cloudy", volume=shader("VolumePrincipled")))
+    add(cloud)
     pencil = bpy.ops.object.grease_pencil_add if bpy.app.version >= (4, 3) else bpy.ops.object.gpencil_add
     pencil(type="EMPTY")
     bpy.context.object.name = "Pencil"
@@ -63,7 +66,7 @@ def _objects(scene):
     return (
         _all('Object "Hair Curves"', "hair curves")
         | _all('Object "Points"', "point cloud")
-        | _all('Object "Cloud"', "OpenVDB volume")
+        | _all('Object "Cloud"', "OpenVDB file cloud.vdb (cloud.vdb not found)")
         | _all('Object "Pencil"', "grease pencil")
         | _all('Object "Fluffy"', "hair of particle system Fur")
         | _all('Object "Smoke"', "smoke domain without smoke")

@@ -12,7 +12,7 @@ from ..host.scene import Density
 _SIDES, _WANTED = (24, 48, 96), 0.01
 
 #: No more voxels than this, however fine what an object holds: 32 MiB.
-_MOST = 1 << 23
+MOST = 1 << 23
 
 #: Places where the error is measured; and places that are looked at together.
 _TRIALS, _SLICE = 4096, 65536
@@ -71,7 +71,7 @@ def _tries(size, finest):
         return [np.maximum(1, np.ceil(size / (float(size.max()) / side) - 1e-6)).astype(int) for side in _SIDES]
     found = []
     for cells in (finest, 2 * finest):
-        share = min(1.0, (_MOST / float(np.prod(cells, dtype=float))) ** (1 / 3))
+        share = min(1.0, (MOST / float(np.prod(cells, dtype=float))) ** (1 / 3))
         found.append(np.maximum(1, cells * share).astype(int) if share < 1 else cells)
     return found
 

@@ -13,7 +13,6 @@ _LEFT_OUT = {
     "CURVES": "hair curves",
     "CURVE": None,
     "POINTCLOUD": "point cloud",
-    "VOLUME": "OpenVDB volume",
     "GPENCIL": "grease pencil",
     "GREASEPENCIL": "grease pencil",
 }
@@ -23,11 +22,11 @@ def note_left_out(thing, report):
     """Reports an object of a type that has no triangles, if Cycles would render it."""
     name = _LEFT_OUT.get(thing.type)
     if name is not None:
-        report.add(f'Object "{thing.name}"', name, "left out", in_fog=thing.type == "VOLUME")
+        report.add(f'Object "{thing.name}"', name, "left out")
 
 
 def note_mesh_flags(thing, view_layer, report):
-    """Reports settings of an evaluated object that has triangles."""
+    """Reports settings of an evaluated object that has triangles, or is a volume."""
     source = f'Object "{thing.name}"'
     _note_common(thing, source, report)
     if not thing.visible_shadow:

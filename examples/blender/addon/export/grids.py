@@ -2,6 +2,7 @@
 """What objects hold on lattices of their own, such as smoke: values by name, as Cycles looks them up."""
 
 from dataclasses import dataclass
+from zlib import crc32
 
 import bpy
 import numpy as np
@@ -45,15 +46,11 @@ class Grid:
 class Grids:
     """The grids of an object by name, read when they are first asked for."""
 
-    def __init__(self, read, cells, to_cells):
-        """read: function of a name that returns a Grid, or None if there is none; cells along x, y, z, int (3,), and to_cells: of the
-        finest Grid, or of one that has room for all."""
-        self._read, self._found, self._to_cells = read, {}, to_cells
-        back = np.linalg.inv(to_cells)
-        # A cell more on all sides, in which values fade: the middles of voxels in the box are those of cells.
-        ends = [(-1.5, n + 0.5) for n in cells]
-        corners = np.array([[ends[axis][k] for axis, k in enumerate(corner)] for corner in np.ndindex(2, 2, 2)])
-        corners = corners @ back[:3, :3].T + back[:3, 3]
+    def __init__(self, read, lattices):
+        """read: function of a name that returns a Grid, or None if there is none; lattices: cells along x, y, z, int (3,), and to_cells of
+        each Grid, or of one that has room for all."""
+        self._read, self._found, self._to_cells = read, {}, [to_cells for _, to_cells in lattices]
+        corners = np.concatenate([_corners(*lattice) for lattice in lattices])
         #: Corners of where there may be something, in the object's space [m]: float64 (3,).
         self.low, self.high = corners.min(axis=0), corners.max(axis=0)
 
@@ -64,8 +61,19 @@ class Grids:
         return self._found[name]
 
     def cells_a_metre(self, matrix):
-        """How many cells there are along the axes of the world [1/m], float64 (3,); matrix: from the object to the world (4, 4)."""
-        return np.linalg.norm(self._to_cells[:3, :3] @ np.linalg.pinv(matrix[:3, :3]), axis=0)
+        """How many cells of the finest Grid there are along the axes of the world [1/m], float64 (3,); matrix: from the object to the world
+        (4, 4)."""
+        back = np.linalg.pinv(matrix[:3, :3])
+        return np.max([np.linalg.norm(to_cells[:3, :3] @ back, axis=0) for to_cells in self._to_cells], axis=0)
+
+
+def _corners(cells, to_cells):
+    """Corners of the box that so many cells fill, in the object's space, float64 (8, 3)."""
+    back = np.linalg.inv(to_cells)
+    # A cell more on all sides, in which values fade: the middles of voxels in the box are those of cells.
+    ends = [(-1.5, n + 0.5) for n in cells]
+    corners = np.array([[ends[axis][k] for axis, k in enumerate(corner)] for corner in np.ndindex(2, 2, 2)])
+    return corners @ back[:3, :3].T + back[:3, 3]
 
 
 class Lookup:
@@ -105,6 +113,31 @@ class Lookup:
             grid = self._grids.find(name) if self._grids is not None else None
             self._found[key] = None if grid is None else grid.at(self._inside, change)
         return self._found[key]
+
+
+class Asked:
+    """Stands for a Lookup of n places where it is not known yet what is held: values at random, by which `names` becomes what is asked for."""
+
+    misses_all = False
+
+    def __init__(self, count):
+        self.names, self._count = set(), count
+
+    def number(self, name):
+        """As of Lookup."""
+        return self._drawn(name, 1)
+
+    def colour(self, name):
+        """As of Lookup."""
+        return self._drawn(name, 3)
+
+    alpha = number
+
+    def _drawn(self, name, channels):
+        if not name:
+            return None
+        self.names.add(name)
+        return np.random.default_rng(crc32(name.encode())).random((self._count, channels))
 
 
 def _divided(values):

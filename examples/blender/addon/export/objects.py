@@ -62,7 +62,7 @@ class Objects:
             # Blender has triangles of curves and the like as instances that they make themselves.
             if maker.original != thing.original:
                 note_instancer_flags(maker, self._view_layer, self._report)
-        if thing.type == "MESH":
+        if thing.type in ("MESH", "VOLUME"):
             shape = self._shapes.shape(thing)
             if shape is not None:
                 self._place(shape, matrix, thing.name)

@@ -15,6 +15,7 @@ from .meshes import FARTHEST, Triangles, box, is_closed, reach, triangles
 from .quarters import Pieces, mesh_of
 from .smoke import gas_domain, smoke
 from .surface_places import Surface
+from .vdb import vdb
 from .volumes import Fog
 
 #: What the report says of what is beyond meshes.FARTHEST.
@@ -55,7 +56,7 @@ class Shapes:
         self._numbers, self._shapes, self._meshes, self._cuts, self._patterned = {}, {}, {}, {}, {}
 
     def shape(self, thing):
-        """The Shape of an evaluated mesh object, or None if it has nothing to render."""
+        """The Shape of an evaluated object that is a mesh or a volume, or None if it has nothing to render."""
         key = (thing.original.as_pointer(), thing.data.as_pointer())
         if key not in self._shapes:
             self._shapes[key] = self._make(thing)
@@ -65,7 +66,9 @@ class Shapes:
         source = f'Object "{thing.name}"'
         note_mesh_flags(thing, self._view_layer, self._report)
         if gas_domain(thing) is not None:
-            return self._of_grids(thing, smoke(thing, self._depsgraph), source)
+            return self._of_smoke(thing, source)
+        if thing.type == "VOLUME":
+            return self._of_vdb(thing, source)
         mesh, made = self._mesh(thing.data, source)
         if mesh is None:
             return None
@@ -173,15 +176,31 @@ class Shapes:
             self._patterned[pointer] = is_patterned(material)
         return self._patterned[pointer]
 
-    def _of_grids(self, thing, grids, source):
-        """The Shape of an object that holds fog of its own: a box around that, or None if there is none."""
+    def _of_smoke(self, thing, source):
+        """The Shape of a smoke domain, or None if there is nothing to render."""
+        grids = smoke(thing, self._depsgraph)
         if grids is None:
             self._report.add(source, "smoke domain without smoke", "empty; bake it, or play it from its first frame")
             return None
         # Without a material Cycles shows nothing.
         fogs = [made for made in (filling(slot.material, self._report) for slot in thing.material_slots) if made is not None]
-        if not fogs:
+        space = np.array([thing.data.texspace_location, thing.data.texspace_size], np.float64)
+        return self._of_grids(grids, fogs[0], source, space) if fogs else None
+
+    def _of_vdb(self, thing, source):
+        """The Shape of a volume object, or None if there is nothing to render."""
+        material = thing.material_slots[0].material if thing.material_slots else None
+        if material is None:
+            if thing.data.filepath:
+                self._report.add(source, "OpenVDB volume without a material", "left out; give it one with a Principled Volume", True)
             return None
+        fog = filling(material, self._report)
+        grids = vdb(thing.data, fog.names(), source, self._report, self._poll) if fog is not None else None
+        # Generated coordinates are those of the object.
+        return self._of_grids(grids, fog, source, np.full((2, 3), 0.5)) if grids is not None else None
+
+    def _of_grids(self, grids, fog, source, texture_space):
+        """The Shape of an object that holds fog of its own: a box around that."""
         clear = Lobes()
         clear.add(transparent=1.0)
         self.materials.append(Translated(source, clear.row(lambda *_: None), clear.emission, None))
@@ -190,8 +209,8 @@ class Shapes:
             mesh=mesh,
             materials=len(self.materials) - 1,
             number=self._geometry.add_mesh(mesh.positions, mesh.corners, len(self.materials) - 1, None),
-            fog=fogs[0],
-            texture_space=np.array([thing.data.texspace_location, thing.data.texspace_size], np.float64),
+            fog=fog,
+            texture_space=texture_space,
             is_bound=True,
             is_solid=False,
             emitting=[],

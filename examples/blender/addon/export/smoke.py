@@ -49,7 +49,7 @@ def smoke(thing, depsgraph):
         values = np.nan_to_num(values, nan=0.0, posinf=0.0, neginf=0.0)
         return Grid(values.reshape(*cells[::-1], channels), transform(cells))
 
-    return Grids(read, cells, transform(cells))
+    return Grids(read, [(cells, transform(cells))])
 
 
 def _cells(domain, count):

@@ -8,12 +8,15 @@ import numpy as np
 from ..host.scene import Phase, Volume
 from . import phases
 from .density import bake
-from .grids import Grids, Lookup
+from .grids import Asked, Grids, Lookup
 from .nodes import Values, closures
 from .textures import Places
 
 #: Sets of objects whose fog overlaps that are told apart: each has a grid of its own.
 _MOST_SETS = 16
+
+#: Places where it is looked at what fog asks for.
+_LOOKS = 64
 
 #: No coefficient is larger [1/m]: a nanometre of it is opaque.
 _MOST = 1e9
@@ -37,6 +40,14 @@ class Fog:
             _add(self.values.in_fog(places), self.socket, (), 1.0, total)
         # Cycles looks for fog where there is something of what it asks for.
         return Sum() if places is not None and places.held.misses_all else total
+
+    def names(self):
+        """What it asks an object for that holds something of its own: set of names."""
+        places = np.random.default_rng(0).random((_LOOKS, 3))
+        asked = Asked(_LOOKS)
+        with np.errstate(all="ignore"):
+            _add(self.values.quiet().in_fog(Places(places, places, places, held=asked)), self.socket, (), 1.0, Sum())
+        return asked.names
 
 
 @dataclass(frozen=True)
