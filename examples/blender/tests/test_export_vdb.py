@@ -276,7 +276,7 @@ class Vdb(SeenThrough):
                 self.assertIn("more than 0.3 s", str(scenes.exported()[1]))
 
     def test_wrong_answers_are_refused(self):
-        liars = ('{"shapes": [[1e9]]}', '{"shapes": [[2, 2]]}', '{"shapes": [[-1, -1]]}', "{}", "no")
+        liars = ('{"shapes": [[1e9]]}', '{"shapes": [[2, 2]]}', '{"shapes": [[-1, -1]]}', "{}", "no", '{"shapes": [[0]], "grids": {}, "names": []}', '{"shapes": []}')
         for k, answer in enumerate(liars):
             path = self.folder / f"fog{k}.vdb"
             shutil.copy(FOLDER / "straight.vdb", path)

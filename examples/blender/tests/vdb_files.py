@@ -31,7 +31,6 @@ FILES = {
         "flame": ((0, 0, 1), values(2, (5, 4, 6), 1), 2 * TURNED - np.diag([0, 0, 0, 1])),
     },
     "straight": {"density": ((0, 1, 0), values(3, (8, 7, 6), 1), STRAIGHT), "temperature": ((0, 1, 0), values(4, (3, 3, 3), 1), STRAIGHT)},
-    "sparse": {"density": ((0, 0, 0), values(5, (25, 2, 2), 1) * (np.arange(25) % 24 == 0)[:, None, None, None], STRAIGHT)},
     "empty": {"density": ((0, 0, 0), np.zeros((0, 0, 0, 1), np.float32), STRAIGHT)},
 }
 

@@ -92,12 +92,16 @@ def _read(path, changed, size, names, poll):
     question = {"path": path, "names": names, "most": density.MOST, "seconds": int(other_blender.PATIENCE) + 60}
     try:
         answer, arrays = answered("vdb_read.py", json.dumps(question), poll.what)
+        return answer["error"] if "error" in answer else _understood(answer, iter(arrays))
     except Failed as reason:
         return str(reason)
-    if "error" in answer:
-        return answer["error"]
+    except (KeyError, TypeError, ValueError, StopIteration) as reason:
+        return f"Blender gives a wrong answer: {reason!r}"
+
+
+def _understood(answer, arrays):
+    """The _Read of an answer of vdb_read.py's and its arrays."""
     grids, coarser, around, errors, empty = {}, {}, {}, {}, []
-    arrays = iter(arrays)
     for name, of in answer["grids"].items():
         if "error" in of:
             errors[name] = of["error"]
