@@ -235,7 +235,8 @@ class Vdb(SeenThrough):
         self.refused(FOLDER / "straight.vdb", "straight.vdb without the grid soot .*it has density, temperature.*", material=by_name("VolumeScatter", "soot"))
         self.refused(FOLDER / "none.vdb", r"none\.vdb without the grid density \(it has nothing\)")
         self.refused(FOLDER / "double.vdb", r"grid density of OpenVDB file double\.vdb \(it is of type DOUBLE\)")
-        self.refused(FOLDER / "empty.vdb", r"grid density of OpenVDB file empty\.vdb .*nothing in it", in_fog=False)
+        self.refused(FOLDER / "empty.vdb", r"grid density of OpenVDB file empty\.vdb .*nothing in it")
+        self.refused(FOLDER / "empty.vdb", "nothing in it", in_fog=False, is_sequence=True, frame_duration=100)
 
     def test_what_is_all_around_a_grid_is_named(self):
         volume(FOLDER / "background.vdb")

@@ -74,8 +74,9 @@ def vdb(volume, names, source, report, poll):
     for name, reason in found.errors.items():
         report.add(source, f"grid {name} of {what} ({reason})", "0; write the file anew", True)
     for name in found.empty:
-        # In Cycles too.
-        report.add(source, f"grid {name} of {what} with nothing in it", "0; write the file anew, if it should have something")
+        # So Blender shows damaged files too. Smoke that has not risen yet is nothing to ask about.
+        instead = "0; write the file anew, if it should have something"
+        report.add(source, f"grid {name} of {what} with nothing in it", instead, in_fog=not volume.is_sequence)
     for name, value in found.around.items():
         report.add(source, f"grid {name} of {what} with a background of {value:.3g}", "it ends with the blocks of cells that are stored", True)
     for name, cells in found.coarser.items():
