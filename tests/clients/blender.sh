@@ -12,6 +12,8 @@ export PYTHONDONTWRITEBYTECODE=1 PIP_DISABLE_PIP_VERSION_CHECK=1
 unset PYTHONPATH COVBEAM_RAYS_LIBRARY
 
 fail() { echo "blender: $*" >&2; exit 1; }
+# shellcheck source=tests/clients/beside.sh
+. "$repository/tests/clients/beside.sh"
 
 python="$(python3 -c 'import sys; print(sys.version_info[0], sys.version_info[1], sep=".")')"
 [ "$python" = 3.11 ] || fail "bpy ${versions[*]} is for Python 3.11, and python3 is $python"
@@ -44,20 +46,17 @@ for job in "${jobs[@]}"; do
     wait "${job% *}" || { cat "$work/pip-${job#* }"; fail "bpy ${job#* } cannot be installed (above)"; }
 done
 
-# Once is enough for what does not depend on Blender, and for the long comparison of brightness with Cycles. What of it measures no time
-# runs side by side.
+# Once is enough for what does not depend on Blender, and for the long comparison of brightness with Cycles.
 once=" test_host.py test_host_hard.py test_rays.py test_calibration.py "
-untimed=(test_host.py test_host_hard.py test_calibration.py)
+# What takes longest begins first, so that nothing long is left to the end. What measures time, and waits most of it, comes last.
+long=(test_calibration.py test_export_sky.py test_host_hard.py test_export_smoke.py test_export_density.py test_host.py)
+timed=(test_robustness.py test_rays.py test_engine.py test_viewport.py test_view3d.py test_export.py)
 
-# try VERSION TEST: runs it, with all that it says in a file of its own.
+# try VERSION TEST: runs it, and tells what has come of it.
 try() {
-    PYTHONPATH="$work/site" COVBEAM_ZIP="${zip[0]}" "$venvs/bpy-$1/bin/python" -X faulthandler "$2" > "$work/log-$1-$2" 2>&1 < /dev/null
-}
-
-# judge VERSION TEST STATUS: what has come of it.
-judge() {
-    local log="$work/log-$1-$2"
-    [ "$3" -eq 0 ] || { cat "$log"; fail "$2 fails in Blender $1 (above)"; }
+    local log="$work/log-$1-$2" ran
+    PYTHONPATH="$work/site" COVBEAM_ZIP="${zip[0]}" "$venvs/bpy-$1/bin/python" -X faulthandler "$2" > "$log" 2>&1 < /dev/null ||
+        { cat "$log"; fail "$2 fails in Blender $1 (above)"; }
     # A program that ends early, without its tests, is no success.
     ran="$(grep -E '^Ran [1-9][0-9]* tests? in' "$log")" || { cat "$log"; fail "$2 ran no test in Blender $1 (above)"; }
     echo "blender $1: $2: $ran"
@@ -68,21 +67,14 @@ cd "$repository/examples/blender/tests"
 for version in "${versions[@]}"; do
     "$venvs/bpy-$version/bin/python" -c 'import bpy' || fail "bpy $version cannot be imported (above)"
 done
-jobs=()
-for test in "${untimed[@]}"; do
-    try "${versions[0]}" "$test" &
-    jobs+=("$! $test")
+others=()
+for test in test_*.py; do
+    [[ " ${long[*]} ${timed[*]} " = *" $test "* ]] || others+=("$test")
 done
-for job in "${jobs[@]}"; do
-    status=0
-    wait "${job% *}" || status=$?
-    judge "${versions[0]}" "${job#* }" "$status"
-done
-for version in "${versions[@]}"; do
-    for test in test_*.py; do
-        if [[ " ${untimed[*]} " = *" $test "* ]] || { [ "$version" != "${versions[0]}" ] && [[ "$once" = *" $test "* ]]; }; then continue; fi
-        status=0
-        try "$version" "$test" || status=$?
-        judge "$version" "$test" "$status"
+for test in "${long[@]}" "${others[@]}" "${timed[@]}"; do
+    for version in "${versions[@]}"; do
+        if [ "$version" != "${versions[0]}" ] && [[ "$once" = *" $test "* ]]; then continue; fi
+        beside "$test in Blender $version" try "$version" "$test"
     done
 done
+joined || fail "tests have failed (above)"

@@ -1,16 +1,17 @@
 #!/bin/bash
-# The page of `covbeam report` in a browser, as wide as on a laptop and as on a phone: tests/clients/report.sh [FOLDER]
+# The page of `covbeam report` in a browser, as wide as on a laptop and as on a phone: tests/clients/report.sh BINARY [FOLDER]
 # Screenshots go into the folder, if one is given.
 set -euo pipefail
+[ $# -ge 1 ] || { echo "usage: $0 BINARY [FOLDER]" >&2; exit 1; }
+covbeam="$(realpath "$1")"
 cd "$(dirname "$0")/../.."
 
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
-shots="${1:-$work}"
+shots="${2:-$work}"
 mkdir -p "$shots"
 
-cargo run --quiet --locked --release -- report examples/scenes/glass-ball.toml examples/scenes/shaft.toml --quick \
-    --out "$work/report" < /dev/null
+"$covbeam" report examples/scenes/glass-ball.toml examples/scenes/shaft.toml --quick --out "$work/report" < /dev/null
 
 browse() {
     # No name is ever resolved: nothing outside this machine can be reached, and trying it is a message on the console.
