@@ -1,7 +1,5 @@
 //! Meshes whose surface is known in closed form, and random numbers to shoot at them.
 
-#![allow(dead_code, reason = "each test binary uses the part it needs")]
-
 use covbeam_geometry::mesh::Mesh;
 use covbeam_geometry::obj::ObjTriangles;
 use covbeam_render::scene::{Material, Object, Scene, Shape};

@@ -17,7 +17,7 @@ use glam::Vec3;
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
-const GLASS: &str = include_str!("../../examples/scenes/glass-ball.toml");
+const GLASS: &str = include_str!("../../../examples/scenes/glass-ball.toml");
 const KERNELS: [KernelShape; 3] = [KernelShape::Box, KernelShape::Epanechnikov, KernelShape::Biweight];
 const RULES: [RadiusRule; 2] = [RadiusRule::LeastError, RadiusRule::BeamDensity];
 

@@ -5,7 +5,7 @@ use covbeam_tests::random::Stream;
 
 use super::{UNIT, empty, look_up::linear_cells, point, segment::field};
 
-/// Prints the cost of a look-up: `cargo test --release -p covbeam-tests --test grid -- --ignored --nocapture`.
+/// Prints the cost of a look-up: `cargo test --release -p covbeam-tests --test mathematics -- --ignored --nocapture`.
 #[test]
 #[ignore = "a measurement, to be run alone and in release"]
 fn the_cost_of_look_ups_and_deposits() {

@@ -1,14 +1,12 @@
 //! Edges found by probe rays against silhouettes known in closed form.
 
-mod shapes;
-
+use super::shapes::{globe, scene_of};
 use covbeam_geometry::mesh::{Mesh, Placement};
 use covbeam_geometry::obj::ObjTriangles;
 use covbeam_render::random::Random;
 use covbeam_render::scene::Scene;
 use covbeam_render::scene::{Material, Shape};
 use glam::Vec3;
-use shapes::{globe, scene_of};
 use std::f32::consts::{PI, TAU};
 use std::path::Path;
 

@@ -1,7 +1,6 @@
 //! Edges on triangle meshes against brute force: dense fans of rays in which every jump of depth is bisected to the last digits.
 
-mod shapes;
-
+use super::shapes::{Random, globe, scene_of};
 use covbeam::edges::MOST_PROBES;
 use covbeam::{ProbeHit, find_edges};
 use covbeam_geometry::mesh::{Mesh, Placement};
@@ -9,7 +8,6 @@ use covbeam_geometry::obj::{self, ObjTriangles};
 use covbeam_render::scene::{Material, Scene, Shape};
 use glam::Vec3;
 use rayon::prelude::*;
-use shapes::{Random, globe, scene_of};
 use std::f32::consts::{PI, TAU};
 
 /// Azimuths of the brute force.

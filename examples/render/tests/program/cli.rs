@@ -1,8 +1,6 @@
 //! The program as a user meets it: what it writes, says and returns.
 
-mod common;
-
-use common::{assert_contains, said};
+use super::common::{assert_contains, said};
 use covbeam_render::film::Picture;
 use covbeam_render::kind::Kind;
 use covbeam_render::output::{RenderInfo, read_picture, write_exr};
@@ -12,7 +10,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use tempfile::TempDir;
 
-const GLASS_BALL: &str = include_str!("../../scenes/glass-ball.toml");
+const GLASS_BALL: &str = include_str!("../../../scenes/glass-ball.toml");
 
 /// A folder with `ball.toml`: the glass ball in 24 x 16 pixels and few photons.
 fn folder() -> TempDir {

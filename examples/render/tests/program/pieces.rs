@@ -1,8 +1,6 @@
 //! Renders in pieces, stopped and gone on with, and merged: the same bits as in one go, or a refusal by name.
 
-mod common;
-
-use common::{assert_contains, said};
+use super::common::{assert_contains, said};
 use covbeam_render::film::Film;
 use covbeam_render::shard::Shard;
 use std::fs;

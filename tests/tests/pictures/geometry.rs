@@ -1,11 +1,9 @@
 //! Rays against spheres, rectangles and boxes: the hit must satisfy the surface's own equation, at every scale
 //! and distance from the origin.
 
-mod shapes;
-
+use super::shapes::{Random, deformed, globe, scene_of};
 use covbeam_render::scene::{Material, Scene, Shape};
 use glam::{DVec3, Vec3};
-use shapes::{Random, deformed, globe, scene_of};
 
 const GLASS: Material = Material::Dielectric { index: 1.5 };
 

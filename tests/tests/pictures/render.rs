@@ -10,8 +10,8 @@ use covbeam_tests::statistics::{Sample, sidak, welch};
 use glam::Vec3;
 use std::path::Path;
 
-const GLASS: &str = include_str!("../../examples/scenes/glass-ball.toml");
-const BLACK: &str = include_str!("../../examples/scenes/black-ball.toml");
+const GLASS: &str = include_str!("../../../examples/scenes/glass-ball.toml");
+const BLACK: &str = include_str!("../../../examples/scenes/black-ball.toml");
 
 fn scene(text: &str, size: u32) -> Scene {
     let mut scene = Scene::parse(text, "test scene", Path::new(".")).expect("a valid scene");

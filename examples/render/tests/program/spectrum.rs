@@ -1,8 +1,6 @@
 //! `covbeam spectrum` as a user meets it: what it writes, says and returns.
 
-mod common;
-
-use common::assert_contains;
+use super::common::{self, assert_contains};
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -10,7 +8,7 @@ use tempfile::TempDir;
 /// A folder with `ball.toml`: the glass ball with few photons, and a grid over all of its room.
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let scene = include_str!("../../scenes/glass-ball.toml").replace("# photons = 5000", "photons = 500");
+    let scene = include_str!("../../../scenes/glass-ball.toml").replace("# photons = 5000", "photons = 500");
     assert!(scene.contains("\nphotons = 500 "));
     let scene = scene + "\n[grid]\nmin = [-4.0, -1.5, -6.0]\nmax = [4.0, 4.5, 4.0]\ncells = [32, 32, 32]\n";
     fs::write(folder.path().join("ball.toml"), scene).unwrap();

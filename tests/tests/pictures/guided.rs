@@ -12,8 +12,8 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::path::Path;
 
-const GLASS: &str = include_str!("../../examples/scenes/glass-ball.toml");
-const BLACK: &str = include_str!("../../examples/scenes/black-ball.toml");
+const GLASS: &str = include_str!("../../../examples/scenes/glass-ball.toml");
+const BLACK: &str = include_str!("../../../examples/scenes/black-ball.toml");
 
 /// Chance that one comparison of two estimators raises a false alarm: some ten of them, 1e-4 together.
 const FAMILY_WISE: f64 = 1e-5;

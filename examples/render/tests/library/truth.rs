@@ -12,7 +12,7 @@ use std::path::Path;
 
 /// In 32³ voxels over the whole room.
 const GLASS: &str = concat!(
-    include_str!("../../scenes/glass-ball.toml"),
+    include_str!("../../../scenes/glass-ball.toml"),
     "\n[grid]\nmin = [-4.0, -1.5, -6.0]\nmax = [4.0, 4.5, 4.0]\ncells = [32, 32, 32]\n"
 );
 

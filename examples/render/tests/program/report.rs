@@ -1,9 +1,7 @@
 //! `covbeam report` as a user meets it: what it writes, says and returns, and whether its numbers are right.
 
-mod common;
-
+use super::common::{self, assert_contains};
 use base64::Engine;
-use common::assert_contains;
 use covbeam_render::compare::compare;
 use covbeam_render::film::{Film, Picture};
 use covbeam_render::output::{RenderInfo, read_picture, write_exr};
@@ -23,7 +21,7 @@ const SIZE: u32 = 24;
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     // Kernels that are wide enough for spectra to be looked up, and shown.
-    let scene = include_str!("../../scenes/glass-ball.toml")
+    let scene = include_str!("../../../scenes/glass-ball.toml")
         .replace("# photons = 5000", "photons = 500")
         .replace("# max_radius = 0.03", "max_radius = 0.3");
     fs::write(folder.path().join("ball.toml"), scene).unwrap();

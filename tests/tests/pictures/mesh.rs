@@ -1,16 +1,14 @@
 //! Meshes: watertight for glass, normals and curvature against closed forms, files refused with a reason.
 
-mod shapes;
-
 use std::fmt::Write;
 
+use super::shapes::{Random, deformed, glass, globe, lumpy};
 use covbeam::Curvature;
 use covbeam_geometry::mesh::{Mesh, MeshError, Placement};
 use covbeam_geometry::obj::{self, ObjError, ObjTriangles};
 use covbeam_render::scene::Scene;
 use glam::{DMat2, DVec3, Quat, Vec3};
 use proptest::prelude::*;
-use shapes::{Random, deformed, glass, globe, lumpy};
 
 const PLACEMENTS: [(f32, Vec3); 3] =
     [(1.0, Vec3::ZERO), (1e-4, Vec3::new(1e-4, 0.0, -2e-4)), (300.0, Vec3::new(1e6, -1e6, 5e5))];

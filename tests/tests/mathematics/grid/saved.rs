@@ -378,7 +378,7 @@ fn each_refusal_says_what_is_wrong() {
     }
 }
 
-/// Prints the cost: `cargo test --release -p covbeam-tests --test grid saved -- --ignored --nocapture`.
+/// Prints the cost: `cargo test --release -p covbeam-tests --test mathematics saved -- --ignored --nocapture`.
 #[test]
 #[ignore = "a measurement, to be run alone and in release"]
 fn the_cost_of_saving_and_loading() {

@@ -11,7 +11,7 @@ use covbeam_tests::fleet::runs::{Estimator, mean, pictures};
 use std::path::Path;
 
 /// A spot of 14° in a room of isotropic fog, with the lamp in the picture: once 1.5 times too bright beside the cone.
-const SPOT: &str = include_str!("../scenes/spot.toml");
+const SPOT: &str = include_str!("../../scenes/spot.toml");
 
 fn spot(width: u32) -> Scene {
     let mut scene = Scene::parse(SPOT, "spot", Path::new(".")).expect("a valid scene");

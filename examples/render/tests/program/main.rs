@@ -1,0 +1,7 @@
+//! The program as a user meets it: what it writes, says and returns.
+
+mod cli;
+mod common;
+mod pieces;
+mod report;
+mod spectrum;

@@ -1,0 +1,18 @@
+//! Geometry and whole pictures: what the renderer shows, against closed forms and by estimators that share nothing.
+
+mod cameras;
+mod closed_forms;
+mod edges;
+mod edges_mesh;
+mod fleet;
+mod geometry;
+mod guided;
+mod heterogeneous;
+mod lamps;
+mod lobes;
+mod mesh;
+mod placed;
+mod planned;
+mod render;
+mod skies;
+mod sun;
