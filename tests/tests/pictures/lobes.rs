@@ -140,7 +140,7 @@ fn lamps_are_seen_through_rough_glass() {
              [[light]]\n{lamp}\n[grid]\ncells = [4, 4, 4]\n[render]\nphotons = 100\nradius = 0.1\n"
         ));
         for method in [Method::Ppb, Method::Adaptive, Method::March] {
-            let found = &rows(&runs(&scene, method, 8), 0, SIZE as usize)[0];
+            let found = &rows(&runs(&scene, method, 2), 0, SIZE as usize)[0];
             // Aslant by up to a degree, spread by up to two: Fresnel's equations are flat there.
             check(&format!("{method:?}, {lamp}"), found, radiance * through, [0.002, 0.01]);
         }
@@ -171,7 +171,7 @@ fn fog_seen_in_rough_metal_is_the_closed_form() {
     const SCATTERING: f64 = 1e-4;
     let scene = lit_fog(SCATTERING);
     let source = SCATTERING / (4.0 * PI) * IRRADIANCE;
-    for (method, passes) in [(Method::Ppb, 80), (Method::Adaptive, 80), (Method::March, 80)] {
+    for (method, passes) in [(Method::Ppb, 50), (Method::Adaptive, 50), (Method::March, 50)] {
         for (y, found) in rows(&runs(&scene, method, passes), 0, HALF).iter().enumerate() {
             let expected = expected(&scene, [y * HALF, (y + 1) * HALF], |place, view| {
                 // Over the hemisphere above the floor.
@@ -199,9 +199,9 @@ fn fog_seen_in_rough_metal_is_the_closed_form() {
 fn light_tracing_finds_the_same_fog_in_rough_metal() {
     let scene = lit_fog(0.3);
     let whole = |method, passes| rows(&runs(&scene, method, passes), 0, SIZE as usize)[0];
-    let traced = whole(Method::LightTrace, 160);
+    let traced = whole(Method::LightTrace, 90);
     for method in [Method::Ppb, Method::Adaptive] {
-        let found = whole(method, 40);
+        let found = whole(method, 22);
         let both = Sample { error: found.error.hypot(traced.error), ..found };
         check(&format!("{method:?}"), &both, traced.mean, [0.015, 0.03]);
     }
