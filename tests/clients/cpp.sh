@@ -39,7 +39,8 @@ while read -r struct; do
 done < "$work/structs"
 echo "cpp: covbeam.hpp calls all $(wc -l < "$work/functions") functions; layout.h asserts $(wc -l < "$work/structs") structs"
 
-for build in g++:c++11 g++:c++20 clang++:c++11 clang++:c++20; do
+# The header does not ask for the standard: an old one of one compiler and a new one of the other.
+for build in g++:c++11 clang++:c++20; do
     for client in vectors wrapper; do
         # shellcheck disable=SC2046,SC2086
         "${build%:*}" "-std=${build#*:}" -O1 $strict "$clients/$client.cpp" -o "$work/$client" \
