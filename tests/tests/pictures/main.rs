@@ -14,5 +14,6 @@ mod mesh;
 mod placed;
 mod planned;
 mod render;
+mod shapes;
 mod skies;
 mod sun;
