@@ -253,17 +253,15 @@ fn a_ball_of_fog_with_the_index_of_air_is_invisible() {
             .collect();
         values.iter().sum::<f64>() / values.len() as f64
     };
-    for method in [Method::Ppb, Method::Adaptive] {
-        let sample = |text: &str, first| {
-            let scene = part(text, 32, [11, 11], [10, 10]);
-            let values: Vec<f64> =
-                (first..first + 10).map(|seed| mean(&picture(&scene, method, 10_000, seed, 1..=6))).collect();
-            Sample::of(&values)
-        };
-        let (with, without) = (sample(&ball, 500), sample(&none, 600));
-        println!("{method:?}: with {with:?}, without {without:?}");
-        assert!(welch(with, without) > sidak(0.001, 2), "{with:?} {without:?}");
-        // Losing what one of the two surfaces reflects at the index 1.5 would show.
-        assert!(with.error / with.mean < 0.012 && without.error / without.mean < 0.012);
-    }
+    // The scene's kernels have one radius: plain beams make the same picture.
+    let sample = |text: &str, first| {
+        let scene = part(text, 32, [11, 11], [10, 10]);
+        let picture = |seed| picture(&scene, Method::Adaptive, 10_000, seed, 1..=6);
+        Sample::of(&(first..first + 10).map(|seed| mean(&picture(seed))).collect::<Vec<_>>())
+    };
+    let (with, without) = (sample(&ball, 500), sample(&none, 600));
+    println!("with {with:?}, without {without:?}");
+    assert!(welch(with, without) > 0.001, "{with:?} {without:?}");
+    // Losing what one of the two surfaces reflects at the index 1.5 would show.
+    assert!(with.error / with.mean < 0.012 && without.error / without.mean < 0.012);
 }
