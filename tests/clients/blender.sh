@@ -49,7 +49,7 @@ done
 # Once is enough for what does not depend on Blender, and for the long comparison of brightness with Cycles.
 once=" test_host.py test_host_hard.py test_rays.py test_calibration.py "
 # What takes longest begins first, so that nothing long is left to the end. What measures time, and waits most of it, comes last.
-long=(test_calibration.py test_export_sky.py test_host_hard.py test_export_smoke.py test_export_density.py test_host.py)
+long=(test_calibration.py test_export_sky.py test_host_hard.py test_export_smoke.py test_export_vdb.py test_export_density.py test_host.py)
 timed=(test_robustness.py test_rays.py test_engine.py test_viewport.py test_view3d.py test_export.py)
 
 # try VERSION TEST: runs it, and tells what has come of it.
