@@ -180,6 +180,19 @@ def out_of_focus():
     return build, 0
 
 
+def seen_otherwise(kind, **values):
+    """The shadow of a black ball in a spot's light, seen by another kind of camera than one in perspective, which stands near it."""
+
+    def build(scene):
+        black_ball("SPOT", soft=True, energy=300.0, shadow_soft_size=0.05, spot_size=1.0, spot_blend=0.4)[0](scene)
+        scene.camera.location.y = -2.5
+        scene.camera.data.type, scene.camera.data.clip_start = kind, 0.3
+        for name, value in values.items():
+            setattr(scene.camera.data, name, value)
+
+    return build, 0
+
+
 def under_sky(picture=False):
     """The shadow of a black ball in a ball of fog whose light all comes from the world. The fog sends light on forwards, so that the
     picture is lit unevenly if the sky is: it has a bright patch above and behind, and is turned about all axes."""
@@ -342,6 +355,9 @@ SCENES = {
     "IES": measured(360),
     "HALF AN IES": measured(180),
     "FOCUS": out_of_focus(),
+    "PARALLEL": seen_otherwise("ORTHO", ortho_scale=3.5, shift_x=0.05),
+    "ALL AROUND": seen_otherwise("PANO", panorama_type="EQUIRECTANGULAR", latitude_max=0.4, longitude_min=-1.5, longitude_max=2.0),
+    "FISHEYE": seen_otherwise("PANO", panorama_type="FISHEYE_EQUIDISTANT", fisheye_fov=1.4),
     "WORLD": under_sky(),
     "SKY": under_sky(picture=True),
     "COMPUTED SKY": computed_sky(),

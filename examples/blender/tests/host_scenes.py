@@ -4,7 +4,7 @@
 import covbeam_rays
 import numpy as np
 from addon.export.meshes import inset
-from addon.host.scene import MATERIAL, Camera, Density, Light, LightKind, Phase, Scene, Volume
+from addon.host.scene import MATERIAL, Camera, Density, Light, LightKind, Phase, Projection, Scene, Volume
 
 
 def icosphere(radius, center=(0, 0, 0), levels=5):
@@ -112,6 +112,26 @@ def directions(view, x, y):
     across, up = view.left + np.asarray(x) * view.step[0], view.top - np.asarray(y) * view.step[1]
     d = view.forward + across[:, None] * view.right + up[:, None] * view.up
     return d / np.linalg.norm(d, axis=1, keepdims=True)
+
+
+def rays(view, x, y):
+    """Eye rays of a Camera of any projection through places of its picture (n,) [pixels], before its near plane is reached: where they
+    start, and their unit directions, float64 (n, 3); nan where there is none."""
+    h, v = view.left + np.asarray(x, float)[:, None] * view.step[0], view.top - np.asarray(y, float)[:, None] * view.step[1]
+    starts = np.broadcast_to(view.position, (len(h), 3))
+    match view.projection:
+        case Projection.PERSPECTIVE:
+            return starts, directions(view, x, y)
+        case Projection.ORTHOGRAPHIC:
+            return starts + h * view.right + v * view.up, np.broadcast_to(view.forward, (len(h), 3))
+        case Projection.EQUIRECTANGULAR:
+            level = np.cos(h) * view.forward + np.sin(h) * view.right
+            return starts, np.cos(v) * level + np.sin(v) * view.up
+        case Projection.FISHEYE:
+            angle, turn = np.hypot(h, v), np.arctan2(v, h)
+            outward = np.cos(turn) * view.right + np.sin(turn) * view.up
+            found = np.cos(angle) * view.forward + np.sin(angle) * outward
+            return starts, np.where(angle <= view.widest, found, np.nan)
 
 
 def point(position, intensity, radius=0.0):

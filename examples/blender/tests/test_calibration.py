@@ -20,7 +20,7 @@ class Calibration(unittest.TestCase):
 
     def test_light_that_is_scattered_once(self):
         # Largest error seen of a mean: 0.5 %, of kernels that blur the fog next to a lamp.
-        self.agree(("POINT", "BALL", "SPOT", "AREA", "DISK", "SUN", "SLIDE", "IES", "FOCUS", "WORLD", "SKY", "MESH"))
+        self.agree(("POINT", "BALL", "SPOT", "AREA", "DISK", "SUN", "SLIDE", "IES", "FOCUS", "PARALLEL", "ALL AROUND", "FISHEYE", "WORLD", "SKY", "MESH"))
 
     def test_light_that_fog_and_surfaces_send_back(self):
         self.agree(("MULTIPLE", "WHITE CLOUD", "OVERLAPS", "DIFFUSE", "METAL"))

@@ -17,7 +17,7 @@ sys.path[:0] = [str(Path(__file__).parents[1]), str(Path(__file__).parent)]
 
 import harness  # noqa: E402
 import scenes_export as scenes  # noqa: E402
-from host_scenes import directions  # noqa: E402
+from host_scenes import directions, rays  # noqa: E402
 
 from window import viewport  # noqa: E402
 
@@ -25,6 +25,7 @@ from addon.export.camera import camera, frame  # noqa: E402
 from addon.export.report import Untranslatable  # noqa: E402
 from addon.export.scene import export_view  # noqa: E402
 from addon.export.view import view  # noqa: E402
+from addon.host.scene import Projection  # noqa: E402
 
 
 class ViewTest(unittest.TestCase):
@@ -55,10 +56,10 @@ class ViewTest(unittest.TestCase):
         matrix = np.array(self.region_3d.perspective_matrix, np.float64)
         rng = np.random.default_rng(1)
         pixels = rng.uniform(0, (made.width, made.height), (50, 2))
-        rays = directions(made, *pixels.T).astype(np.float64)
-        self.assertGreater((rays @ made.forward).min(), 0)
+        starts, seen = rays(made, *pixels.T)
+        self.assertGreater((seen @ made.forward).min(), 0)
         far = rng.uniform(2 * made.near + 1, 30, (50, 1))
-        points = np.concatenate([made.position + far * rays, np.ones((50, 1))], axis=1) @ matrix.T
+        points = np.concatenate([starts + far * seen, np.ones((50, 1))], axis=1) @ matrix.T
         seen = points[:, :2] / points[:, 3:]
         self.assertGreater(points[:, 3].min(), 0)
         # Blender counts from the bottom. Its matrix is in single precision: 6e-8 of coordinates up to 30, at 1 m and beyond.
@@ -89,6 +90,20 @@ class ViewTest(unittest.TestCase):
             eye = region_3d.view_rotation @ Vector((0, 0, region_3d.view_distance)) + region_3d.view_location
             np.testing.assert_allclose(made.position, eye, atol=1e-5)
 
+    def test_a_free_view_without_perspective_is_that_of_blender_and_begins_as_far_behind(self):
+        region_3d, rng = self.region_3d, np.random.default_rng(4)
+        region_3d.view_perspective = "ORTHO"
+        for distance, end in ((7.5, 100.0), (1.3, 30.0)):
+            self.space.clip_end, region_3d.view_distance = end, distance
+            region_3d.view_rotation = Quaternion(rng.normal(size=4)).normalized()
+            region_3d.view_location = rng.normal(size=3)
+            made = self.check()
+            self.assertEqual(made.projection, Projection.ORTHOGRAPHIC)
+            self.assertEqual((made.near, made.aperture), (0.0, None))
+            # As far as Blender draws anything.
+            behind = (made.position - np.array(region_3d.view_matrix.inverted().translation)) @ made.forward
+            self.assertAlmostEqual(behind, -end / 2, delta=1e-4 * end)
+
     def test_a_camera_view_is_that_of_blender_with_its_zoom_offset_and_shift(self):
         self.look_through()
         data, render = self.eye.data, self.scene.render
@@ -103,6 +118,18 @@ class ViewTest(unittest.TestCase):
                     self.assertAlmostEqual(made.near, 0.25, delta=1e-4)
                     np.testing.assert_allclose(made.position, self.eye.matrix_world.translation, atol=1e-5)
                     self.check_frame(made, zoom)
+
+    def test_the_view_of_an_orthographic_camera_is_that_of_blender(self):
+        self.look_through()
+        data, render = self.eye.data, self.scene.render
+        data.type, data.ortho_scale, data.clip_start, data.clip_end = "ORTHO", 5.0, 0.25, 200
+        for zoom, offset, fit, aspect in ((0, (0, 0), "AUTO", 1.0), (29, (0.2, -0.1), "VERTICAL", 1.5)):
+            self.region_3d.view_camera_zoom, self.region_3d.view_camera_offset = zoom, offset
+            data.sensor_fit, data.shift_x, data.shift_y, render.pixel_aspect_x = fit, 0.1, -0.2, aspect
+            made = self.check()
+            self.assertEqual(made.projection, Projection.ORTHOGRAPHIC)
+            self.assertAlmostEqual(made.near, 0.25, delta=1e-4)
+            np.testing.assert_allclose(made.position, self.eye.matrix_world.translation, atol=1e-5)
 
     def check_frame(self, made, zoom):
         """What a render shows at its corners lies on the corners of a rectangle of the region, as large as Blender draws the frame."""
@@ -121,8 +148,8 @@ class ViewTest(unittest.TestCase):
             np.testing.assert_allclose(size.max(), factor * max(made.width, made.height), rtol=1e-4)
         # And there the exported camera's rays pass.
         away = np.array(corners) - made.position
-        rays = directions(made, places[:, 0], made.height - places[:, 1])
-        np.testing.assert_allclose(rays, away / np.linalg.norm(away, axis=1, keepdims=True), atol=1e-5)
+        seen = directions(made, places[:, 0], made.height - places[:, 1])
+        np.testing.assert_allclose(seen, away / np.linalg.norm(away, axis=1, keepdims=True), atol=1e-5)
 
     def test_a_frame_that_fills_the_region_is_what_a_render_shows(self):
         self.look_through()
@@ -133,15 +160,35 @@ class ViewTest(unittest.TestCase):
         self.region_3d.view_camera_zoom, self.region_3d.view_camera_offset = 50 * (2 - np.sqrt(2)), (0, 0)
         data.shift_x, data.lens, data.clip_start = 0.1, 40, 0.3
         data.dof.use_dof, data.dof.focus_distance = True, 2.5
-        self.made()
-        depsgraph = bpy.context.evaluated_depsgraph_get()
-        seen = view(depsgraph, self.space, SimpleNamespace(width=width, height=height), self.region_3d)
-        rendered = camera(depsgraph, self.eye, *frame(render))
-        for field in dataclasses.fields(rendered):
-            one, other = (getattr(made, field.name) for made in (seen, rendered))
-            if field.name == "aperture":
-                one, other = dataclasses.astuple(one), dataclasses.astuple(other)
-            np.testing.assert_allclose(one, other, rtol=1e-5, atol=1e-5, err_msg=field.name)
+        for kind, panorama in (("PERSP", None), ("ORTHO", None), ("PANO", "EQUIRECTANGULAR"), ("PANO", "FISHEYE_EQUIDISTANT")):
+            data.type = kind
+            if panorama is not None:
+                data.panorama_type, data.longitude_max = panorama, 1.0
+            self.made()
+            depsgraph = bpy.context.evaluated_depsgraph_get()
+            seen = view(depsgraph, self.space, SimpleNamespace(width=width, height=height), self.region_3d)
+            rendered = camera(depsgraph, self.eye, *frame(render))
+            for field in dataclasses.fields(rendered):
+                with self.subTest(kind=kind, panorama=panorama, field=field.name):
+                    one, other = (getattr(made, field.name) for made in (seen, rendered))
+                    if field.name == "aperture":
+                        one, other = dataclasses.astuple(one), dataclasses.astuple(other)
+                    np.testing.assert_allclose(one, other, rtol=1e-5, atol=1e-5)
+
+    def test_a_panorama_fills_the_frame_of_its_camera(self):
+        self.look_through()
+        data, render = self.eye.data, self.scene.render
+        data.type, data.panorama_type, data.longitude_max = "PANO", "EQUIRECTANGULAR", 1.0
+        data.shift_x, data.sensor_fit, render.pixel_aspect_x = 0.1, "VERTICAL", 1.5
+        self.region_3d.view_camera_zoom, self.region_3d.view_camera_offset = 12, (0.1, -0.05)
+        made = self.made()
+        corners = [self.eye.matrix_world @ corner for corner in data.view_frame(scene=self.scene)]
+        places = np.array([location_3d_to_region_2d(self.region, self.region_3d, corner) for corner in corners])
+        rendered = camera(bpy.context.evaluated_depsgraph_get(), self.eye, *frame(render))
+        of_frame = np.array([world_to_camera_view(self.scene, self.eye, corner)[:2] for corner in corners]).round()
+        _, expected = rays(rendered, of_frame[:, 0] * rendered.width, (1 - of_frame[:, 1]) * rendered.height)
+        _, found = rays(made, places[:, 0], made.height - places[:, 1])
+        np.testing.assert_allclose(found, expected, atol=1e-4)
 
     def test_scaled_and_mirrored_cameras_are_seen_through_as_blender_does(self):
         self.look_through()
@@ -171,18 +218,12 @@ class ViewTest(unittest.TestCase):
         np.testing.assert_allclose(self.check().position, (1, 1, 4), atol=1e-5)
         self.space.use_local_camera = False
 
-    def test_what_has_no_perspective_is_refused_with_a_remedy(self):
-        self.region_3d.view_perspective = "ORTHO"
-        with self.assertRaisesRegex(Untranslatable, "orthographic view.*Numpad 5"):
-            self.made()
+    def test_a_view_through_a_camera_that_cannot_be_rendered_is_refused_with_a_remedy(self):
         self.look_through()
-        self.eye.data.type = "ORTHO"
-        with self.assertRaisesRegex(Untranslatable, "orthographic.*set the camera's Type to Perspective"):
+        self.eye.data.type, self.eye.data.panorama_type = "PANO", "MIRRORBALL"
+        with self.assertRaisesRegex(Untranslatable, 'Camera "Camera" is a panorama of the type Mirror Ball.*Equirectangular'):
             self.made()
-        self.eye.data.type = "PANO"
-        with self.assertRaisesRegex(Untranslatable, 'Camera "Camera" is panoramic'):
-            self.made()
-        self.eye.data.type = "PERSP"
+        self.look_through(False)
         self.check()
 
     def test_objects_are_those_that_show_in_the_viewport(self):

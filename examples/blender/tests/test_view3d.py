@@ -168,12 +168,20 @@ class View3DTest(InBlender):
         bpy.data.objects["Cube"].location.x += 1
         bpy.context.view_layer.update()
 
-    def test_a_view_without_perspective_is_black_and_that_is_told(self):
+    def test_a_view_without_perspective_is_drawn(self):
         self.finish()
-        perspective = self.seen.window_matrix
         self.seen.window_matrix = Matrix(((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, -0.01, 0), (0, 0, 0, 1)))
-        self.assert_black("orthographic view.*Numpad 5")
-        self.seen.window_matrix = perspective
+        self.assertGreater(self.finish()[..., 2].max(), 0)
+        self.assertEqual(self.engine.told[-1], "Covbeam: 3 of 3 passes")
+
+    def test_a_view_through_a_camera_that_cannot_be_rendered_is_black_and_that_is_told(self):
+        self.finish()
+        data, self.seen.view_perspective = bpy.data.objects["Camera"].data, "CAMERA"
+        data.type, data.panorama_type = "PANO", "MIRRORBALL"
+        bpy.context.view_layer.update()
+        self.assert_black("panorama of the type Mirror Ball")
+        data.type = "PERSP"
+        bpy.context.view_layer.update()
         self.assertGreater(self.finish()[..., 2].max(), 0)
 
     def test_without_fog_or_light_it_is_black_and_that_is_told(self):

@@ -8,7 +8,7 @@ use covbeam::PixelStep;
 use glam::{Quat, Vec3};
 
 /// How a place in the picture's plane becomes a ray. A place is (h, v), to the right and up, in a unit of the projection's own.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
     /// Through a point, or a lens around it: (h, v) are tangents, those of the plane at distance 1 in front of the camera.
     Perspective,
@@ -16,8 +16,11 @@ pub enum Projection {
     Orthographic,
     /// All around a point: h is the longitude, from the viewing axis towards the right, v the latitude [rad].
     Equirectangular,
-    /// A fisheye: the length of (h, v) is the angle from the viewing axis [rad], up to π.
-    Fisheye,
+    /// A fisheye: the length of (h, v) is the angle from the viewing axis [rad].
+    Fisheye {
+        /// Largest angle that it shows, up to π; what its picture has beyond is dark.
+        widest: f32,
+    },
 }
 
 /// Which part of its plane a picture shows, in the unit of the [`Projection`].
@@ -111,8 +114,15 @@ impl Camera {
         match self.projection {
             Projection::Perspective => (self.forward + h * self.right + v * self.up).normalize(),
             Projection::Orthographic => self.forward,
-            Projection::Equirectangular | Projection::Fisheye => self.around(h, v)[0],
+            Projection::Equirectangular | Projection::Fisheye { .. } => self.around(h, v)[0],
         }
+    }
+
+    /// Whether there is a ray through the picture point `(x, y)`: a fisheye's picture is dark beyond its widest angle.
+    pub fn sees(&self, x: f32, y: f32) -> bool {
+        let Projection::Fisheye { widest } = self.projection else { return true };
+        let [h, v] = self.place(x, y);
+        h.hypot(v) <= widest
     }
 
     /// How the ray through `(x, y)` and the middle of the lens changes with a pixel to the right and a pixel down.
@@ -132,7 +142,7 @@ impl Camera {
                 let [right, below] = [across * self.right, -down * self.up];
                 return [right, below].map(|origin| PixelStep { origin, direction: Vec3::ZERO });
             }
-            Projection::Equirectangular | Projection::Fisheye => {
+            Projection::Equirectangular | Projection::Fisheye { .. } => {
                 let [h, v] = self.place(x, y);
                 let [_, by_h, by_v] = self.around(h, v);
                 [across * by_h, -down * by_v]
@@ -146,7 +156,7 @@ impl Camera {
     pub(crate) fn depth_along(&self, direction: Vec3) -> f32 {
         match self.projection {
             Projection::Perspective | Projection::Orthographic => direction.dot(self.forward),
-            Projection::Equirectangular | Projection::Fisheye => 1.0,
+            Projection::Equirectangular | Projection::Fisheye { .. } => 1.0,
         }
     }
 
@@ -162,7 +172,7 @@ impl Camera {
     }
 
     /// Where the rays through the picture's corners start.
-    pub(crate) fn corners(&self) -> [Vec3; 4] {
+    pub fn corners(&self) -> [Vec3; 4] {
         let (right, bottom) = (self.width as f32, self.height as f32);
         [(0.0, 0.0), (right, 0.0), (0.0, bottom), (right, bottom)].map(|(x, y)| self.ray(x, y, [0.0; 2]).0)
     }
@@ -253,7 +263,7 @@ impl Camera {
     fn lens_axes(&self, direction: Vec3) -> [Vec3; 2] {
         match self.projection {
             Projection::Perspective | Projection::Orthographic => [self.right, self.up],
-            Projection::Equirectangular | Projection::Fisheye => {
+            Projection::Equirectangular | Projection::Fisheye { .. } => {
                 let turn = Quat::from_rotation_arc(self.forward, direction);
                 [turn * self.right, turn * self.up]
             }
@@ -292,13 +302,15 @@ mod tests {
         let half_height = 0.3;
         let step = [0.02, 0.015];
         let part = Frame::Part { left: -0.7, top: 0.4, step };
-        [Projection::Perspective, Projection::Orthographic, Projection::Equirectangular, Projection::Fisheye]
+        [Projection::Perspective, Projection::Orthographic, Projection::Equirectangular, FISHEYE]
             .into_iter()
             .flat_map(|projection| {
                 [Frame::Middle { half_height }, part].map(|frame| Camera { projection, frame, ..middle })
             })
             .collect()
     }
+
+    const FISHEYE: Projection = Projection::Fisheye { widest: std::f32::consts::PI };
 
     const POINTS: [(f32, f32); 5] = [(0.5, 0.5), (95.5, 0.5), (10.25, 63.5), (48.0, 32.0), (70.0, 12.0)];
 
@@ -356,7 +368,7 @@ mod tests {
             assert!((map.direction(x, y) - expected).length() < 1e-6, "({x}, {y})");
         }
 
-        let fisheye = of(Projection::Fisheye, 1.6);
+        let fisheye = of(FISHEYE, 1.6);
         for (x, y) in POINTS {
             let angle = (x - 48.0).hypot(y - 32.0) * 1.6 / 32.0;
             let direction = fisheye.direction(x, y);
@@ -459,6 +471,27 @@ mod tests {
     }
 
     #[test]
+    fn a_fisheye_is_dark_beyond_its_widest_angle_and_nothing_else_is() {
+        for camera in cameras() {
+            assert!(POINTS.iter().all(|(x, y)| camera.sees(*x, *y)), "{camera:?}");
+        }
+        // A circle of 20 pixels around (35, 80/3), as its pixels are no squares: 20 across and 26.67 down.
+        let step = [0.02, 0.015];
+        let frame = Frame::Part { left: -0.7, top: 0.4, step };
+        let camera = Camera { projection: Projection::Fisheye { widest: 0.4 }, frame, ..camera() };
+        for (x, y, sees) in [
+            (35.0, 26.7, true),
+            (15.1, 26.7, true),
+            (14.9, 26.7, false),
+            (35.0, 53.2, true),
+            (35.0, 53.4, false),
+            (20.0, 8.0, false),
+        ] {
+            assert_eq!(camera.sees(x, y), sees, "({x}, {y})");
+        }
+    }
+
+    #[test]
     fn only_a_pinhole_has_one_place_for_a_point() {
         let lens = Lens { radius: 0.3, focus_distance: 2.5, blades: 0, rotation: 0.0, ratio: 1.0 };
         let point = camera().position + 3.0 * camera().forward;
@@ -468,7 +501,7 @@ mod tests {
             Camera { near: 0.1, ..camera() },
             Camera { projection: Projection::Orthographic, ..camera() },
             Camera { projection: Projection::Equirectangular, ..camera() },
-            Camera { projection: Projection::Fisheye, ..camera() },
+            Camera { projection: FISHEYE, ..camera() },
         ] {
             assert!(!other.is_pinhole() && other.project(point).is_none());
         }

@@ -16,7 +16,7 @@ pub(crate) fn read_camera(table: &Table<'_>) -> Result<Camera, SceneError> {
         "perspective" => Projection::Perspective,
         "orthographic" => Projection::Orthographic,
         "equirectangular" => Projection::Equirectangular,
-        "fisheye" => Projection::Fisheye,
+        "fisheye" => Projection::Fisheye { widest: std::f32::consts::PI },
         _ => return Err(given.expect("the default is known").refuse(expected)),
     };
     let size = if projection == Projection::Orthographic { "vertical_size" } else { "vertical_fov" };
@@ -85,7 +85,7 @@ fn read_half_height(
                 None => Ok(std::f32::consts::FRAC_PI_2),
             }
         }
-        Projection::Fisheye => {
+        Projection::Fisheye { .. } => {
             let most = 360.0 / 1.0_f64.hypot(aspect);
             let why = format!("an angle in 0.001..={most:.4} degrees: in the corners it is 360");
             Ok(angle(&table.required("vertical_fov")?, &why, most)? as f32)

@@ -107,6 +107,9 @@ impl EyeTracer<'_> {
 
     /// The pieces of the path in media before the first surface that is more than a bound of these.
     fn trace_first(&self, start: &EyeStart, pixel: u32, segments: &mut Vec<EyeSegment>) {
+        if !start.sees {
+            return;
+        }
         let scene = self.scene;
         let mut branch = Branch::new(start);
         let mut knots = Vec::new();
@@ -147,7 +150,7 @@ impl EyeTracer<'_> {
         let mut radiance = ByKind::default();
         let mut knots = Vec::new();
         let mut branches = smallvec::SmallVec::<[Branch; 8]>::new();
-        branches.push(Branch::new(start));
+        branches.extend(start.sees.then(|| Branch::new(start)));
         while let Some(mut branch) = branches.pop() {
             let weight = branch.throughput.max_element();
             if weight < LIGHT_PATH {

@@ -34,7 +34,10 @@ pub struct Sight {
 impl Sight {
     /// Follows a ray. Behind 64 bounds of media it counts what comes next as a surface.
     pub fn new(scene: &Scene, start: &EyeStart) -> Self {
-        let EyeStart { mut origin, direction, mut interior } = *start;
+        let EyeStart { mut origin, direction, mut interior, sees } = *start;
+        if !sees {
+            return Self { fog: None, end: f32::INFINITY, surface: None };
+        }
         let mut fog: Option<FirstFog> = None;
         let (mut passed, mut bounds) = (0.0, 0);
         loop {

@@ -18,6 +18,8 @@ pub struct EyeStart {
     pub direction: Vec3,
     /// What it is inside of.
     pub interior: Interior,
+    /// Whether it is there: a picture may have dark places, see [`Camera::sees`](crate::camera::Camera::sees).
+    pub sees: bool,
 }
 
 /// Where eye rays of a scene start.
@@ -39,16 +41,17 @@ impl<'a> EyeStarts<'a> {
         self.interior
     }
 
-    /// The eye ray through a picture point and a place in the lens, as [`Camera::ray`] has them.
+    /// The eye ray through a picture point and a place in the lens, as [`Camera::ray`](crate::camera::Camera::ray) has them.
     pub fn at(&self, [x, y]: [f32; 2], lens: [f32; 2]) -> EyeStart {
         let camera = &self.scene.camera;
         let (origin, direction) = camera.ray(x, y, lens);
+        let sees = camera.sees(x, y);
         if origin == camera.position {
-            return EyeStart { origin: self.scene.beside(origin), direction, interior: self.interior };
+            return EyeStart { origin: self.scene.beside(origin), direction, interior: self.interior, sees };
         }
         // What is too near to be seen bounds media all the same.
         let interior = self.interior.moved(self.scene, camera.position, origin);
-        EyeStart { origin, direction, interior }
+        EyeStart { origin, direction, interior, sees }
     }
 
     /// The same through the middle of a pixel and of the lens.

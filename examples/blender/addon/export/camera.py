@@ -1,10 +1,49 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender's camera -> host.scene.Camera."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from ..host.scene import Aperture, Camera
+from ..host.scene import Aperture, Camera, Projection
 from .report import Untranslatable
+
+
+@dataclass(frozen=True)
+class Plane:
+    """The plane of a picture, see host.scene.Projection, and what of it the picture shows."""
+
+    projection: Projection
+    #: (h, v) of its lower left and its upper right corner: float64 (2,).
+    low: np.ndarray
+    high: np.ndarray
+    #: FISHEYE, see host.scene.Camera.
+    widest: float = 0.0
+
+    def part(self, low, high):
+        """That of the part between two places (2,), which are 0 and 1 at its corners."""
+        size = self.high - self.low
+        return Plane(self.projection, self.low + low * size, self.low + high * size, self.widest)
+
+    def camera(self, place, width, height, border=None, **others):
+        """A host.scene.Camera with that plane.
+
+        - place: position, right, up and forward, as `axes` gives them; others: more of its fields.
+        - width, height: pixels of the picture; border: its part that is rendered, as `frame` gives it, or None for all of it.
+        """
+        step = (self.high - self.low) / (width, height)
+        left, top, right, bottom = border or (0, 0, width, height)
+        return Camera(
+            *place,
+            left=float(self.low[0] + left * step[0]),
+            top=float(self.high[1] - top * step[1]),
+            step=(float(step[0]), float(step[1])),
+            width=right - left,
+            height=bottom - top,
+            projection=self.projection,
+            widest=self.widest,
+            **others,
+        )
 
 
 def frame(render):
@@ -26,54 +65,65 @@ def frame(render):
 def camera(depsgraph, camera_object, width, height, border):
     """The host's camera for the part `border` (as `frame` gives it) of a picture of width x height pixels.
 
-    Raises Untranslatable if there is no camera, or none with a perspective.
+    Raises Untranslatable if there is no camera, or none that can be rendered.
     """
     if camera_object is None:
         raise Untranslatable("The scene has no camera. Add one, and make it the active camera of the scene.")
     if camera_object.type != "CAMERA":
         raise Untranslatable(f'Object "{camera_object.name}" is no camera. Make a camera the active one of the scene.')
     evaluated = camera_object.evaluated_get(depsgraph)
-    if evaluated.data.type != "PERSP":
-        kind = {"ORTHO": "orthographic", "PANO": "panoramic"}.get(evaluated.data.type, evaluated.data.type.lower())
-        raise Untranslatable(
-            f'Camera "{camera_object.name}" is {kind}, which covbeam cannot render. Set its Type to Perspective in the '
-            "camera's Lens panel."
-        )
+    data = evaluated.data
+    plane = flat(frame_matrix(depsgraph, evaluated, width, height)) if data.type in {"PERSP", "ORTHO"} else panorama(evaluated)
+    place = axes(np.array(evaluated.matrix_world, np.float64))
+    lens = aperture(data, depsgraph, place)
+    # Cycles' rays begin there too: without, fog is 1 % darker at the default of 0.1 m.
+    return plane.camera(place, width, height, border, near=data.clip_start, aperture=lens)
+
+
+def frame_matrix(depsgraph, evaluated, width, height):
+    """Blender's projection (4, 4) of a camera for pictures of width x height pixels; of a panorama that of its frame in the viewport."""
     render = depsgraph.scene_eval.render
-    projection = np.array(
-        evaluated.calc_matrix_camera(
-            depsgraph, x=width, y=height, scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y
-        ),
-        np.float64,
-    )
-    corner, step = tangents(projection, width, height)
-    position, right, up, forward = axes(np.array(evaluated.matrix_world, np.float64))
-    left, top, right_end, bottom = border
-    return Camera(
-        position=position,
-        right=right,
-        up=up,
-        forward=forward,
-        left=corner[0] + left * step[0],
-        top=corner[1] - top * step[1],
-        step=step,
-        width=right_end - left,
-        height=bottom - top,
-        # Cycles' rays begin here too: without, fog is 1 % darker at the default of 0.1 m.
-        near=evaluated.data.clip_start,
-        aperture=aperture(evaluated.data, depsgraph, position, forward),
-    )
+    aspect = {"scale_x": render.pixel_aspect_x, "scale_y": render.pixel_aspect_y}
+    return np.array(evaluated.calc_matrix_camera(depsgraph, x=width, y=height, **aspect), np.float64)
 
 
-def tangents(projection, width, height):
-    """Of a perspective projection (4, 4) of Blender's, as host.scene.Camera has them: those at the upper left corner of its picture, and a
-    pixel's if that has so many."""
-    # A direction (x, y, -1) of camera space appears at projection[:2, :2] @ (x, y) - projection[:2, 2], where -1 to 1
-    # spans the picture.
-    scale, shift = np.diag(projection)[:2], projection[:2, 2]
-    low, high = (shift - 1) / scale, (shift + 1) / scale
-    step = (high - low) / (width, height)
-    return (float(low[0]), float(high[1])), (float(step[0]), float(step[1]))
+def flat(projection):
+    """The Plane of a perspective or an orthographic projection (4, 4) of Blender's."""
+    # What is at (x, y, z) of camera space appears at the first two of projection @ (x, y, z, 1) over the last, where -1 to 1 spans the
+    # picture: over -z in perspective, which forward is at -1 of; over 1 in an orthographic one.
+    is_orthographic = projection[3, 3] != 0
+    scale, shift = np.diag(projection)[:2], -projection[:2, 3] if is_orthographic else projection[:2, 2]
+    kind = Projection.ORTHOGRAPHIC if is_orthographic else Projection.PERSPECTIVE
+    return Plane(kind, (shift - 1) / scale, (shift + 1) / scale)
+
+
+def panorama(camera_object):
+    """The Plane of a panoramic camera of Cycles'. Raises Untranslatable if it is of another kind than those of `Projection`."""
+    data, name = camera_object.data, camera_object.name
+    if data.type != "PANO":
+        raise Untranslatable(
+            f'Camera "{name}" is {data.type.lower()}, which covbeam cannot render. Set its Type to Perspective, Orthographic or Panoramic '
+            "in the camera's Lens panel."
+        )
+    # Cycles shifts panoramas by shares of both sides.
+    shift = np.array([data.shift_x, data.shift_y])
+    if data.panorama_type == "EQUIRECTANGULAR":
+        low, high = ((data.longitude_min, data.latitude_min), (data.longitude_max, data.latitude_max))
+        plane = Plane(Projection.EQUIRECTANGULAR, np.array(low), np.array(high))
+        if (plane.high <= plane.low).any():
+            raise Untranslatable(f'Camera "{name}" shows nothing: raise the Max of its Latitude and Longitude above the Min.')
+        return plane.part(shift, 1 + shift)
+    if data.panorama_type == "FISHEYE_EQUIDISTANT":
+        widest = data.fisheye_fov / 2
+        # One of a full turn is a little wider in single precision.
+        if widest > np.pi * (1 + 1e-6):
+            raise Untranslatable(f'Camera "{name}" sees more than all around: set its Field of View to 360 degrees or less.')
+        return Plane(Projection.FISHEYE, np.full(2, -widest), np.full(2, widest), min(widest, np.pi)).part(shift, 1 + shift)
+    kind = data.bl_rna.properties["panorama_type"].enum_items[data.panorama_type].name
+    raise Untranslatable(
+        f'Camera "{name}" is a panorama of the type {kind}, which covbeam cannot render. Set its Panorama Type to Equirectangular or '
+        "Fisheye Equidistant in the camera's Lens panel."
+    )
 
 
 def axes(matrix):
@@ -87,11 +137,12 @@ def axes(matrix):
     return position, right, up, forward
 
 
-def aperture(data, depsgraph, position, forward):
-    """The opening of the lens that Cycles has for a camera's evaluated data, or None without depth of field."""
+def aperture(data, depsgraph, place):
+    """The opening of the lens that Cycles has for a camera's evaluated data, or None without depth of field. place: as `axes` gives it."""
     dof = data.dof
     if not dof.use_dof:
         return None
+    position, _, _, forward = place
     focus = dof.focus_distance
     if dof.focus_object is not None:
         matrix = dof.focus_object.evaluated_get(depsgraph).matrix_world
@@ -99,7 +150,9 @@ def aperture(data, depsgraph, position, forward):
         if bone:
             matrix = matrix @ bone.matrix
         focus = abs((np.array(matrix.translation, np.float64) - position) @ forward)
-    radius = data.lens * 1e-3 / (2 * max(dof.aperture_fstop, 1e-5))
+    # Parallel rays have no focal length; there Cycles counts with 1 m.
+    length = 1.0 if data.type == "ORTHO" else data.lens * 1e-3
+    radius = length / (2 * max(dof.aperture_fstop, 1e-5))
     if not (radius > 0 and focus > 0):
         return None
     return Aperture(radius, float(focus), dof.aperture_blades, dof.aperture_rotation, max(dof.aperture_ratio, 1e-3))

@@ -10,6 +10,9 @@ def note_settings(depsgraph, camera_object, report):
     source = f'Scene "{scene.name}"'
     if scene.render.use_motion_blur:
         report.add(source, "motion blur", "everything stands still at the frame")
+    data = None if camera_object is None else camera_object.evaluated_get(depsgraph).data
+    if data is not None and data.type == "PANO" and data.dof.use_dof and (data.dof.aperture_blades > 2 or data.dof.aperture_ratio != 1):
+        report.add(f'Camera "{camera_object.name}"', "shape of a panorama's aperture", "turned otherwise about each ray")
     if scene.render.use_multiview:
         report.add(source, "stereoscopy", "one view, from the camera itself")
     if hasattr(scene, "cycles") and scene.cycles.film_exposure != 1:

@@ -3,9 +3,8 @@
 
 import numpy as np
 
-from ..host.scene import Camera
-from .camera import aperture, axes, tangents
-from .report import Untranslatable
+from ..host.scene import Projection
+from .camera import aperture, axes, flat, frame, frame_matrix, panorama
 
 
 def view(depsgraph, space, region, region_3d):
@@ -13,33 +12,34 @@ def view(depsgraph, space, region, region_3d):
 
     - space, region, region_3d: SpaceView3D, its Region, and RegionView3D of that: `context.space_data`, `region`, `region_data`.
 
-    Raises Untranslatable if there is no perspective.
+    Raises Untranslatable if it looks through a camera that cannot be rendered.
     """
     looks_through = region_3d.view_perspective == "CAMERA"
     camera_object = (space.camera if space.use_local_camera else depsgraph.scene_eval.camera) if looks_through else None
     # Through lamps and other objects one can look too.
-    data = None
+    evaluated = None
     if camera_object is not None and camera_object.type == "CAMERA":
-        data = camera_object.evaluated_get(depsgraph).data
-    if data is not None and data.type == "PANO":
-        raise Untranslatable(f'Camera "{camera_object.name}" is panoramic, which covbeam cannot render.')
-    projection = np.array(region_3d.window_matrix, np.float64)
-    if projection[3, 3] != 0:
-        remedy = "set the camera's Type to Perspective" if data is not None else "press Numpad 5 for a perspective one"
-        raise Untranslatable(f"This is an orthographic view, which covbeam cannot render: {remedy}.")
+        evaluated = camera_object.evaluated_get(depsgraph)
     # Zoom and offset of a camera view, its shift, and its pixels' shape are in the projection.
-    corner, step = tangents(projection, region.width, region.height)
-    position, right, up, forward = axes(np.linalg.inv(np.array(region_3d.view_matrix, np.float64)))
-    return Camera(
-        position=position,
-        right=right,
-        up=up,
-        forward=forward,
-        left=corner[0],
-        top=corner[1],
-        step=step,
-        width=region.width,
-        height=region.height,
-        near=float(projection[2, 3] / (projection[2, 2] - 1)),
-        aperture=None if data is None else aperture(data, depsgraph, position, forward),
-    )
+    projection = np.array(region_3d.window_matrix, np.float64)
+    plane = flat(projection)
+    place = position, right, up, forward = axes(np.linalg.inv(np.array(region_3d.view_matrix, np.float64)))
+    if evaluated is not None:
+        if evaluated.data.type not in {"PERSP", "ORTHO"}:
+            plane = _in_frame(plane, depsgraph, evaluated)
+        near, lens = evaluated.data.clip_start, aperture(evaluated.data, depsgraph, place)
+        return plane.camera(place, region.width, region.height, near=near, aperture=lens)
+    # What is at the near plane appears at the depth -1.
+    if plane.projection == Projection.PERSPECTIVE:
+        near = projection[2, 3] / (projection[2, 2] - 1)
+        return plane.camera(place, region.width, region.height, near=float(near))
+    # Parallel rays begin as far behind the place that they look from.
+    near = (projection[2, 3] + 1) / projection[2, 2]
+    return plane.camera((position + near * forward, right, up, forward), region.width, region.height)
+
+
+def _in_frame(shown, depsgraph, evaluated):
+    """The Plane of a panoramic camera for a viewport that shows that perspective: Cycles fills the camera's frame there with its picture."""
+    framed = flat(frame_matrix(depsgraph, evaluated, *frame(depsgraph.scene_eval.render)[:2]))
+    size = framed.high - framed.low
+    return panorama(evaluated).part((shown.low - framed.low) / size, (shown.high - framed.low) / size)

@@ -11,7 +11,7 @@ import covbeam_rays
 import numpy as np
 from covbeam_rays import MATERIAL
 
-__all__ = ["MATERIAL", "Aperture", "Camera", "Density", "Light", "LightKind", "Pattern", "Phase", "Scene", "Volume"]
+__all__ = ["MATERIAL", "Aperture", "Camera", "Density", "Light", "LightKind", "Pattern", "Phase", "Projection", "Scene", "Volume"]
 
 
 class LightKind(IntEnum):
@@ -131,7 +131,7 @@ class Volume:
 class Aperture:
     """A lens' opening: a disk, or a regular polygon of 3 and more blades, `radius` around the camera's position.
 
-    What is sharp is at `focus` along `forward`. All lengths in metres, > 0.
+    What is sharp is at `focus` along `forward`, of panoramas from the camera. All lengths in metres, > 0.
     """
 
     radius: float
@@ -143,12 +143,25 @@ class Aperture:
     ratio: float = 1.0
 
 
+class Projection(IntEnum):
+    """How a place (h, v) in the plane of a picture becomes an eye ray."""
+
+    #: Along forward + h * right + v * up.
+    PERSPECTIVE = 0
+    #: Along forward, from h * right + v * up of the camera's position [m].
+    ORTHOGRAPHIC = 1
+    #: At the longitude h, from forward towards right, and the latitude v [rad].
+    EQUIRECTANGULAR = 2
+    #: At the angle from forward that is the length of (h, v) [rad]. Dark beyond `widest`.
+    FISHEYE = 3
+
+
 @dataclass(frozen=True)
 class Camera:
-    """A pinhole or a thin lens, and the part of its picture that is rendered.
+    """A camera, with a thin lens or without, and the part of its picture that is rendered.
 
-    The pinhole's eye ray through (x, y), in pixels from the upper left corner of that part, runs along
-    forward + (left + x * step[0]) * right + (top - y * step[1]) * up. What is nearer than `near` along `forward` is not there.
+    Its eye ray through (x, y), in pixels from the upper left corner of that part, is that of (left + x * step[0], top - y * step[1]) in
+    its projection. What is nearer than `near` along `forward`, of panoramas to the camera, is not there.
     """
 
     position: np.ndarray
@@ -156,10 +169,10 @@ class Camera:
     right: np.ndarray
     up: np.ndarray
     forward: np.ndarray
-    #: Tangents at the upper left corner: towards `right` and towards `up`.
+    #: h and v of the upper left corner.
     left: float
     top: float
-    #: Tangents a pixel, both > 0.
+    #: A pixel's width and height in that plane, both > 0.
     step: tuple[float, float]
     width: int
     height: int
@@ -167,6 +180,9 @@ class Camera:
     near: float = 0.0
     #: None: a pinhole.
     aperture: Aperture | None = None
+    projection: Projection = Projection.PERSPECTIVE
+    #: FISHEYE: in [0, pi]
+    widest: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -287,6 +287,8 @@ fn scenes_that_are_wrong_are_refused_with_the_name_of_the_field() {
         refuse(&|given| given.camera.forward[1] = wrong, &["camera.forward", "length 1"]);
         refuse(&|given| given.camera.step[1] = wrong, &["camera.step"]);
         refuse(&|given| given.camera.near = wrong, &["camera.near"]);
+        let fisheye = |given: &mut Given| (given.camera.projection, given.camera.widest) = (3, wrong);
+        refuse(&fisheye, &["camera.widest"]);
         refuse(&|given| given.camera.aperture = wrong, &["camera.aperture.radius"]);
         let with = |kind: u32, set: &dyn Fn(&mut LightFields), parts: &[&str]| {
             refuse(
@@ -344,6 +346,7 @@ fn scenes_that_are_wrong_are_refused_with_the_name_of_the_field() {
         &["lights[0].turn", "mirror"],
     );
     refuse(&|given| given.camera.up = [1.0, 0.0, 0.0], &["camera.right", "right angles"]);
+    refuse(&|given| given.camera.projection = 4, &["camera.projection: 4", "0 to 3"]);
     refuse(&|given| given.camera.width = 0, &["camera.width: 0"]);
     refuse(&|given| given.camera.height = 1 << 20, &["camera.height: 1048576"]);
     refuse(&|given| given.volumes[0].max = [-2.0; 3], &["volumes[0].max"]);

@@ -157,7 +157,7 @@ struct Importon {
 
 impl Walker<'_> {
     fn follow(&self, start: EyeStart, weight: f32, random: &mut Random, out: &mut Vec<Deposit>) {
-        let EyeStart { origin, direction, interior } = start;
+        let EyeStart { origin, direction, interior, .. } = start;
         let first = Importon { origin, direction, weight, interior, specular: true, depth: 0, bounces: 0 };
         let mut waiting = vec![first];
         let mut knots = Vec::new();

@@ -274,7 +274,12 @@ fn cameras_of_all_projections_are_read() {
             Projection::Equirectangular,
             40.0_f32.to_radians(),
         ),
-        ("projection='fisheye'\nvertical_fov=250", [4, 4], Projection::Fisheye, 125.0_f32.to_radians()),
+        (
+            "projection='fisheye'\nvertical_fov=250",
+            [4, 4],
+            Projection::Fisheye { widest: std::f32::consts::PI },
+            125.0_f32.to_radians(),
+        ),
     ] {
         let camera = camera(fields, size).expect("valid");
         assert_eq!((camera.projection, camera.near, camera.lens), (projection, 0.0, None));

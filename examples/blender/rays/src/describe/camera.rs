@@ -5,13 +5,12 @@ use crate::failure::Result;
 use covbeam_geometry::MAX_COORDINATE;
 use covbeam_render::camera::{Camera, Frame, Lens, Projection};
 use covbeam_render::scene::MAX_IMAGE_SIDE;
-use glam::DVec3;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
-/// Largest tangent in a picture.
-const WIDEST: f64 = 1e6;
+/// Largest coordinate in the plane of a picture.
+const FARTHEST: f64 = 1e6;
 
-/// A pinhole or a thin lens, and the part of its picture that is rendered. See Camera in the extension's `host/scene.py`.
+/// A camera, and the part of its picture that is rendered. See Camera in the extension's `host/scene.py`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraFields {
@@ -23,12 +22,14 @@ pub struct CameraFields {
     pub up: [f64; 3],
     /// Unit.
     pub forward: [f64; 3],
-    /// Tangent at the upper left corner towards `right`.
+    /// Place of the upper left corner in the picture's plane, towards `right`, in the projection's unit.
     pub left: f64,
     /// And towards `up`.
     pub top: f64,
-    /// Tangents a pixel.
+    /// A pixel's width and height in it.
     pub step: [f64; 2],
+    /// Of a fisheye, the largest angle that it shows \[rad\]; of others it is not read.
+    pub widest: f64,
     /// What is nearer is not there \[m\].
     pub near: f64,
     /// Radius of the lens' opening \[m\]; 0 = a pinhole, and the next four are not read.
@@ -41,6 +42,8 @@ pub struct CameraFields {
     pub ratio: f64,
     /// Corners of the opening; 0 = a disk.
     pub blades: u32,
+    /// 0 perspective, 1 orthographic, 2 equirectangular, 3 fisheye.
+    pub projection: u32,
     /// Pixels across.
     pub width: u32,
     /// Pixels down.
@@ -57,18 +60,18 @@ impl CameraFields {
         }
         let axes = fields.axes(["right", "up", "forward"], [self.right, self.up, self.forward])?;
         let [right, up, forward] = axes.map(|axis| axis.as_vec3().normalize());
-        let tangent = |name, value| fields.number(name, value, -WIDEST..=WIDEST);
-        let step = |value| fields.number("step", value, 1e-12..=WIDEST);
+        let place = |name, value| fields.number(name, value, -FARTHEST..=FARTHEST);
+        let step = |value| fields.number("step", value, 1e-12..=FARTHEST);
         let [across, down] = self.step;
         Ok(Camera {
             position: fields.point("position", self.position)?.as_vec3(),
             forward,
             right,
             up,
-            projection: Projection::Perspective,
+            projection: self.projection()?,
             frame: Frame::Part {
-                left: tangent("left", self.left)?,
-                top: tangent("top", self.top)?,
+                left: place("left", self.left)?,
+                top: place("top", self.top)?,
                 step: [step(across)?, step(down)?],
             },
             width: self.width,
@@ -76,6 +79,17 @@ impl CameraFields {
             near: fields.number("near", self.near, 0.0..=f64::from(MAX_COORDINATE))?,
             lens: if self.aperture == 0.0 { None } else { Some(self.lens()?) },
         })
+    }
+
+    fn projection(&self) -> Result<Projection> {
+        let fields = Fields::alone("camera");
+        match self.projection {
+            0 => Ok(Projection::Perspective),
+            1 => Ok(Projection::Orthographic),
+            2 => Ok(Projection::Equirectangular),
+            3 => Ok(Projection::Fisheye { widest: fields.number("widest", self.widest, 0.0..=PI)? }),
+            other => Err(fields.wrong("projection", other, "a number from 0 to 3")),
+        }
     }
 
     fn lens(&self) -> Result<Lens> {
@@ -92,10 +106,5 @@ impl CameraFields {
             rotation: fields.number("rotation", self.rotation, -1e6..=1e6)?.rem_euclid(TAU as f32),
             ratio: fields.number("ratio", self.ratio, 1e-6..=1e6)?,
         })
-    }
-
-    /// Where it is, as given.
-    pub(super) fn place(&self) -> DVec3 {
-        DVec3::from(self.position)
     }
 }

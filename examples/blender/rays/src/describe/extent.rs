@@ -3,6 +3,7 @@
 use super::Description;
 use covbeam_geometry::MAX_COORDINATE;
 use covbeam_geometry::instances::Instances;
+use covbeam_render::camera::{Camera, Projection};
 use covbeam_render::scene::Ball;
 use glam::DVec3;
 
@@ -19,17 +20,17 @@ pub(super) struct Lit {
 
 impl Lit {
     /// Of numbers that may be wrong, which gives a ball that means nothing.
-    pub(super) fn new(description: &Description, geometry: &Instances) -> Self {
+    pub(super) fn new(description: &Description, geometry: &Instances, camera: &Camera) -> Self {
         let bounds = (!geometry.is_empty()).then(|| geometry.bounds());
         let bounds = bounds.map(|(min, max)| (min.as_dvec3(), max.as_dvec3()));
         let world = usize::try_from(description.world_volume).ok();
         let boxes =
             description.volumes.iter().enumerate().map(|(index, volume)| match Some(index) == world {
-                true => world_box(description, volume.extinction(), bounds),
+                true => world_box(description, volume.extinction(), bounds, camera),
                 false => volume.bounds(),
             });
         let unite = |(a, b): (DVec3, DVec3), (c, d): (DVec3, DVec3)| (a.min(c), b.max(d));
-        let place = description.camera.place();
+        let place = camera.position.as_dvec3();
         let media = boxes.reduce(unite).unwrap_or((place - 1.0, place + 1.0));
         let all = bounds.map_or(media, |bounds| unite(media, bounds));
         Self { media: ball(media), scene: ball(all) }
@@ -42,13 +43,24 @@ fn ball((min, max): (DVec3, DVec3)) -> Ball {
 }
 
 /// Where the world's fog matters: what camera, lights and geometry fill.
-fn world_box(description: &Description, extinction: f64, bounds: Option<(DVec3, DVec3)>) -> (DVec3, DVec3) {
+fn world_box(
+    description: &Description,
+    extinction: f64,
+    bounds: Option<(DVec3, DVec3)>,
+    camera: &Camera,
+) -> (DVec3, DVec3) {
+    // Parallel rays start all over a plane.
+    let is_plane = camera.projection == Projection::Orthographic;
+    let corners = is_plane.then(|| camera.corners().map(|corner| corner.as_dvec3()));
     let lights = description.lights.iter().flat_map(|light| {
         let corners = light.triangles.iter().flatten().map(|corner| DVec3::from(corner.map(f64::from)));
         let is_somewhere = !light.fields.is_mesh() && !light.fields.is_far();
         corners.chain(is_somewhere.then(|| DVec3::from(light.fields.position)))
     });
-    let (mut min, mut max) = (description.camera.place(), description.camera.place());
+    let position = camera.position.as_dvec3();
+    let starts = corners.into_iter().flatten();
+    let (mut min, mut max) =
+        starts.fold((position, position), |(min, max), place| (min.min(place), max.max(place)));
     let mut count = 1;
     for place in lights {
         (min, max, count) = (min.min(place), max.max(place), count + 1);

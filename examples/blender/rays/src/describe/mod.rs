@@ -50,7 +50,7 @@ impl Description<'_> {
         let materials = materials.collect::<Result<Vec<_>>>()?;
         let media = Media::new(&self.volumes, self.world_volume)?;
         let objects = self.objects(&media)?;
-        let lit = extent::Lit::new(self, &geometry);
+        let lit = extent::Lit::new(self, &geometry, &camera);
         let lights = lights::lights(&self.lights, &media, &lit)?;
         let placed = match geometry.is_empty() {
             true => None,

@@ -53,9 +53,9 @@ class _Light(ctypes.Structure):
 
 class _Camera(ctypes.Structure):
     _fields_ = [(name, _d3) for name in ("position", "right", "up", "forward")]
-    _fields_ += [("left", _d), ("top", _d), ("step", _d * 2)]
+    _fields_ += [("left", _d), ("top", _d), ("step", _d * 2), ("widest", _d)]
     _fields_ += [(name, _d) for name in ("near", "aperture", "focus", "rotation", "ratio")]
-    _fields_ += [(name, _u) for name in ("blades", "width", "height")]
+    _fields_ += [(name, _u) for name in ("blades", "projection", "width", "height")]
 
 
 class _Description(ctypes.Structure):
@@ -76,8 +76,9 @@ class Scene:
       (z, y, x), relative densities at the middles of voxels; `parts`, of a sum: the indices of the volumes that overlap where it counts.
     - world_volume: index of the volume that is outside of all objects, or -1.
     - lights: each with `kind` and what that needs; see LightKind and Light of the extension.
-    - camera: with `position`, `right`, `up`, `forward` (3,), `left`, `top`, `step` (2,), `width`, `height`, `near`, and `aperture`, None or
-      what has `radius`, `focus`, `blades`, `rotation`, `ratio`; see Camera and Aperture of the extension.
+    - camera: with `position`, `right`, `up`, `forward` (3,), `projection`, 0 perspective, 1 orthographic, 2 equirectangular, 3 fisheye,
+      `left`, `top`, `step` (2,), `widest`, `width`, `height`, `near`, and `aperture`, None or what has `radius`, `focus`, `blades`,
+      `rotation`, `ratio`; see Camera and Aperture of the extension.
     """
 
     def __init__(self, geometry, materials, object_volumes, object_closed, volumes, world_volume, lights, camera):
@@ -165,9 +166,9 @@ def _cells(name, cells, axes_name, axes, kept):
 
 def _camera(camera):
     name = "camera"
-    given = _vectors(name, camera, ("position", "right", "up", "forward")) | _numbers(name, camera, ("left", "top", "near"))
+    given = _vectors(name, camera, ("position", "right", "up", "forward")) | _numbers(name, camera, ("left", "top", "widest", "near"))
     given["step"] = (_d * 2)(*packed("camera.step", camera.step, _DOUBLE, (2,)))
-    given |= {side: whole(f"camera.{side}", getattr(camera, side)) for side in ("width", "height")}
+    given |= {field: whole(f"camera.{field}", getattr(camera, field)) for field in ("projection", "width", "height")}
     lens = camera.aperture
     if lens is not None:
         name = "camera.aperture"
