@@ -53,7 +53,7 @@ class CovbeamEngine(bpy.types.RenderEngine):
             self._fail(record, problem)
             return
         self.update_stats("", "Covbeam: reading the scene")
-        self.job = self._guarded(record, lambda: _Job(depsgraph, record, self.goes_on))
+        self.job = self._guarded(record, lambda: _Job(depsgraph, record, self))
 
     def render(self, depsgraph):
         job, self.job = self.job, None
@@ -83,7 +83,7 @@ class CovbeamEngine(bpy.types.RenderEngine):
             return
         latest.note_fog_light()
         camera = job.scene.camera
-        with closing(Session(job.scene, job.settings, self.goes_on)) as session:
+        with closing(Session(job.scene, job.settings, self.goes_on, job.instants)) as session:
             result = self.begin_result(0, 0, camera.width, camera.height, layer=job.view_layer)
             try:
                 passes = Passes(self, session, job.budget, result, job.start)
@@ -143,8 +143,8 @@ class CovbeamEngine(bpy.types.RenderEngine):
 class _Job:
     """What `render` needs of a view layer; nothing in it belongs to Blender."""
 
-    def __init__(self, depsgraph, record, poll):
-        from .export.scene import export
+    def __init__(self, depsgraph, record, engine):
+        from .export.motion import exposures
 
         scene = depsgraph.scene_eval
         chosen = scene.covbeam
@@ -153,7 +153,8 @@ class _Job:
         self.budget = Budget(chosen.passes, chosen.time_limit)
         self.settings = session_settings(scene)
         self.start = perf_counter()
-        self.scene, report = export(depsgraph, poll=poll)
+        # The first instant while the shutter is open, and the others, if anything moves.
+        (self.scene, *self.instants), report = exposures(depsgraph, engine.frame_set, engine.goes_on)
         geometry = self.scene.geometry
         record.settings = f"{self.budget}, {self.settings}"
         record.untranslated = [str(entry) for entry in report.entries]

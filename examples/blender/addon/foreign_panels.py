@@ -8,7 +8,7 @@ from .engine import CovbeamEngine
 #: Of passes and filters that this engine does not have.
 _EXCLUDED = {"VIEWLAYER_PT_filter", "VIEWLAYER_PT_layer_passes"}
 
-#: Panels of Cycles for materials, lights and worlds, whose nodes this engine reads.
+#: Panels of Cycles for materials, lights and worlds, whose nodes this engine reads, and for motion blur.
 _CYCLES = {
     "CYCLES_PT_context_material",
     "CYCLES_MATERIAL_PT_surface",
@@ -18,6 +18,8 @@ _CYCLES = {
     "CYCLES_LIGHT_PT_light",
     "CYCLES_LIGHT_PT_nodes",
     "CYCLES_LIGHT_PT_beam_shape",
+    "CYCLES_RENDER_PT_motion_blur",
+    "CYCLES_RENDER_PT_motion_blur_curve",
 }
 
 #: Panels whose set of engines we have added to, and those that we have given one of their own.

@@ -68,7 +68,7 @@ class Session:
     memory = 7_000_000
     times = {"photons": 0.0, "plan": 0.0, "gather": 0.0}
 
-    def __init__(self, scene, settings, poll=None):
+    def __init__(self, scene, settings, poll=None, instants=()):
         # Nobody's choice is the scene's own.
         self.scene, self.passes, self._most = scene, 0, settings.photons or 5000
         self.photons = self._most
@@ -120,6 +120,11 @@ def export_view(depsgraph, space):
     return Scene(None, Geometry()), Report()
 
 
+def _still(depsgraph, poll):
+    scene, report = export(depsgraph, poll)
+    return [scene], report
+
+
 def install():
     """Puts the fakes in the place of the add-on's modules, which must not have been imported yet."""
     import addon.export
@@ -132,6 +137,7 @@ def install():
             "scene",
             {"export": lambda *given, **named: export(*given, **named), "export_view": lambda *given: export_view(*given)},
         ),
+        (addon.export, "motion", {"exposures": lambda depsgraph, frame_set, poll: _still(depsgraph, poll)}),
     ):
         module = types.ModuleType(f"{package.__name__}.{name}")
         vars(module).update(contents)

@@ -22,7 +22,7 @@ def _all(source, *whats):
 
 
 def _settings(scene):
-    scene.render.use_motion_blur = scene.render.use_multiview = True
+    scene.render.use_multiview = True
     scene.cycles.film_exposure = 2.0
     layer = bpy.context.view_layer
     layer.use_solid = layer.use_volumes = False
@@ -31,7 +31,7 @@ def _settings(scene):
     camera.dof.use_dof = True
     camera.clip_end, camera.clip_start = 15.0, 0.1
     return (
-        _all('Scene "Scene"', "motion blur", "stereoscopy", "Film Exposure")
+        _all('Scene "Scene"', "stereoscopy", "Film Exposure")
         | _all('View layer "ViewLayer"', "Surfaces", "Volumes", "material override")
         | _all('Camera "Camera"', "objects beyond Clip End", "Clip End, which ends the fog")
     )

@@ -47,7 +47,7 @@ class ReportTest(unittest.TestCase):
         for words in ("light that the volume emits", "OpenVDB file"):
             self.assertTrue(any(what.startswith(words) for what in in_fog), words)
         for entry in report.entries:
-            if any(what in entry.what for what in ("motion blur", "hair", "phase function", "subsurface", "bump")):
+            if any(what in entry.what for what in ("hair", "phase function", "subsurface", "bump")):
                 self.assertFalse(entry.in_fog, entry)
 
     def test_textures_matter_where_light_or_fog_comes_from(self):

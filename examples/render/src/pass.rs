@@ -171,6 +171,8 @@ pub struct Renderer<'a> {
     beyond: bool,
     /// Whether the fog before the first surface is kept apart where no eye rays need planning.
     is_first_apart: bool,
+    /// Whether each pass looks through all pixels.
+    is_everywhere: bool,
 }
 
 impl<'a> Renderer<'a> {
@@ -208,6 +210,7 @@ impl<'a> Renderer<'a> {
             pilot: 0.0,
             beyond: true,
             is_first_apart: false,
+            is_everywhere: false,
         }
     }
 
@@ -274,6 +277,18 @@ impl<'a> Renderer<'a> {
         self.grids.clear();
         self.energy = Energy::default();
         self.decide_branches();
+    }
+
+    /// From now on passes with planned eye rays look through all pixels for the fog, for pictures of a scene that moves: of few passes a pixel
+    /// would see some instants only, others than the pixels around. Call it before the first pass.
+    pub fn look_everywhere(&mut self) {
+        self.is_everywhere = true;
+    }
+
+    /// Goes on from the light fields of another renderer, which has none then: one of the same scene at another instant, with the same grid. In
+    /// spectra that are the mean over the instants all of them may have a part, and the pictures of all be filtered as one.
+    pub fn go_on_from(&mut self, other: &mut Self) {
+        self.grids = std::mem::replace(&mut other.grids, Grids::new(NO_GRID, Split::TOGETHER));
     }
 
     /// From now on each kind of light that the scene can have has spectra, eye rays and filters of its own, for a film that keeps them apart.
@@ -584,7 +599,8 @@ impl<'a> Renderer<'a> {
         let plan = |layer| {
             let spectra = grids.image(layer, surfaces, &self.fogs);
             let kind = split.filter(|split| split.count() > 1).map(|split| split.last_kind(layer));
-            Plan::new(Arc::clone(surfaces), kind, index, error, beams, spectra)
+            let made = Plan::new(Arc::clone(surfaces), kind, index, error, beams, spectra);
+            if self.is_everywhere { made.everywhere() } else { made }
         };
         (0..split.unwrap_or(Split::TOGETHER).count()).map(plan).collect()
     }

@@ -74,6 +74,12 @@ impl Plan {
         Self { filters: LayerFilters { kind, pass, lattice, regions, nodes, density }, surfaces }
     }
 
+    /// The same with an eye ray through each pixel.
+    pub fn everywhere(mut self) -> Self {
+        self.filters.density = Arc::new(vec![1.0; self.filters.density.len()]);
+        self
+    }
+
     /// The first surface behind each pixel.
     pub fn surfaces(&self) -> &FirstSurfaces {
         &self.surfaces

@@ -34,10 +34,13 @@ class Settings:
 
 
 class Session(covbeam_rays.Session):
-    """Renders the passes of one picture of a host.scene.Scene. poll() is asked whether to go on while it gets ready."""
+    """Renders the passes of one picture of a host.scene.Scene, or of the same one at several instants while a shutter is open.
 
-    def __init__(self, scene, settings, poll=None):
-        super().__init__(described(scene), **asdict(settings), poll=poll)
+    - instants: more Scenes, see covbeam_rays.Session; poll: asked whether to go on while it gets ready.
+    """
+
+    def __init__(self, scene, settings, poll=None, instants=()):
+        super().__init__(described(scene), instants=[described(each) for each in instants], **asdict(settings), poll=poll)
 
 
 def described(scene):

@@ -10,6 +10,7 @@ use covbeam_render::film::Film;
 use covbeam_render::memory;
 use covbeam_render::pass::{Method, Parts, PassTimes, Renderer};
 use covbeam_render::plan::FirstSurfaces;
+use covbeam_render::random::mix;
 use covbeam_render::samples::PassImage;
 use covbeam_render::scene::{MAX_PHOTONS, Scene};
 use glam::Vec3;
@@ -186,17 +187,20 @@ impl Drop for Order {
 }
 
 impl Session {
-    /// A session of a scene, which begins to get ready for its first pass: wait for that, as for all that is started. Stopped before, it can
-    /// only be dropped.
-    pub fn new(scene: &Arc<Scene>, settings: &SettingsFields) -> Result<Self> {
+    /// A session of a scene at one instant or more, while a shutter is open: each is in as many passes, and what moves is blurred. It begins
+    /// to get ready for its first pass: wait for that, as for all that is started. Stopped before, it can only be dropped.
+    pub fn new(instants: &[Arc<Scene>], settings: &SettingsFields) -> Result<Self> {
         let given = settings.given()?;
+        check_instants(instants)?;
+        let scene = &instants[0];
         check_memory(scene, settings.photons)?;
         let (pool, beyond) = (threads::pool(settings.threads)?, settings.beyond != 0);
         let (orders, received) = channel();
         let shared = Arc::<Shared>::default();
         let pixel_count = scene.camera.width as usize * scene.camera.height as usize;
-        let (scene, seen) = (scene.as_ref().clone(), Arc::clone(&shared));
-        pool.spawn(move || serve(scene, &given, beyond, &received, &seen));
+        let scenes = instants.iter().map(|scene| scene.as_ref().clone()).collect();
+        let seen = Arc::clone(&shared);
+        pool.spawn(move || serve(scenes, &given, beyond, &received, &seen));
         let session = Self { orders, shared, job: Mutex::default(), pixel_count };
         session.order(Task::Prepare, &mut lock(&session.job));
         Ok(session)
@@ -277,6 +281,57 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Refuses instants that cannot be of one picture.
+fn check_instants(instants: &[Arc<Scene>]) -> Result<()> {
+    let Some(first) = instants.first() else { return Err(invalid!("scenes: none; give at least one")) };
+    if !instants.len().is_power_of_two() {
+        return Err(invalid!("scenes: {}; give a power of two of them", instants.len()));
+    }
+    let size = |scene: &Scene| (scene.camera.width, scene.camera.height);
+    for (number, scene) in instants.iter().enumerate() {
+        let what = if size(scene) != size(first) {
+            "a picture of another size"
+        } else if scene.media.len() != first.media.len() {
+            "another number of volumes"
+        } else if scene.lights_fog() != first.lights_fog() {
+            "light in fog, or none, unlike the first"
+        } else {
+            continue;
+        };
+        return Err(invalid!("scenes[{number}]: {what}; give one scene at several instants"));
+    }
+    Ok(())
+}
+
+/// The instant of a pass, of `count`, a power of two. Odd and even passes, which pictures compare, go through the same ones: any 2 `count` passes
+/// from a multiple of that on have each twice, and shorter rows are spread evenly, too. Pixels are chosen by the number of a pass as well:
+/// so each round has another order, a nested scrambling of the van der Corput sequence (Owen 1995).
+fn instant_of(pass: u32, count: usize) -> usize {
+    let turn = (pass as usize - 1) / 2;
+    let (round, place) = (turn / count, turn % count);
+    (0..count.trailing_zeros()).fold(0, |instant, level| {
+        let before = place & ((1 << level) - 1);
+        let flip = mix((round as u64) << 32 | u64::from(level) << 24 | before as u64) as usize;
+        instant << 1 | ((place >> level ^ flip) & 1)
+    })
+}
+
+/// Gives all instants the grid and the settings of one of them, the grid around what all light.
+fn complete(instants: &mut [Scene], given: &Given) {
+    instants.iter_mut().for_each(|scene| {
+        scene.settings = given.settings;
+        scene.complete(given);
+    });
+    let Some((first, others)) = instants.split_first_mut().filter(|(_, others)| !others.is_empty()) else {
+        return;
+    };
+    let corners = others.iter().fold((first.grid.min, first.grid.max), |(min, max), scene| {
+        (min.min(scene.grid.min), max.max(scene.grid.max))
+    });
+    first.complete(&Given { corners: Some(corners), ..*given });
+    others.iter_mut().for_each(|scene| (scene.grid, scene.settings) = (first.grid, first.settings));
+}
+
 /// Refuses a picture that memory cannot hold.
 fn check_memory(scene: &Scene, photons: u32) -> Result<()> {
     let (needed, available) = (memory::needed(scene, photons, false), memory::available());
@@ -290,23 +345,24 @@ fn check_memory(scene: &Scene, photons: u32) -> Result<()> {
 }
 
 /// The session's thread: carries orders out until there is nobody to give any.
-fn serve(mut scene: Scene, given: &Given, beyond: bool, orders: &Receiver<Order>, shared: &Shared) {
+fn serve(mut scenes: Vec<Scene>, given: &Given, beyond: bool, orders: &Receiver<Order>, shared: &Shared) {
     let mut state = None;
     let Ok(first) = orders.recv() else { return };
     let Order::Do(_, job) = &first else { return };
     let start = Instant::now();
     let ready = job.run(|| {
-        let scene = &mut scene;
-        scene.settings = given.settings;
-        if scene.lights_fog() {
-            scene.complete(given);
+        let scenes = &mut scenes;
+        if scenes[0].lights_fog() {
+            complete(scenes, given);
+        } else {
+            scenes.iter_mut().for_each(|scene| scene.settings = given.settings);
         }
         job.go_on()?;
-        let ready = State::new(scene, beyond, job)?;
+        let ready = State::new(scenes, beyond, job)?;
         job.close()?;
         let photons = ready.photons;
         *lock(&shared.info) = SessionInfo {
-            memory: memory::needed(ready.scene, photons, false),
+            memory: memory::needed(&ready.scenes[0], photons, false),
             photons,
             most_photons: photons,
             times: Times { plan: start.elapsed().as_secs_f64(), ..Times::default() },
@@ -335,13 +391,16 @@ fn serve(mut scene: Scene, given: &Given, beyond: bool, orders: &Receiver<Order>
 
 /// What the thread keeps from order to order.
 struct State<'a> {
-    scene: &'a Scene,
+    /// One an instant.
+    scenes: &'a [Scene],
     /// Whether what is behind the first surface is rendered.
     beyond: bool,
-    /// None: nothing lights any fog.
+    /// Of all instants. None: nothing lights any fog.
     surfaces: Option<Arc<FirstSurfaces>>,
-    /// What renders passes, and what renders plain ones. Made when they are needed.
-    renderers: [Option<Renderer<'a>>; 2],
+    /// What renders passes, and what renders plain ones, by instant. Made when they are needed.
+    renderers: [Vec<Option<Renderer<'a>>>; 2],
+    /// The instant whose renderer has the light fields, of either kind.
+    latest: [usize; 2],
     film: Film,
     /// Light paths of a pass.
     photons: u32,
@@ -349,16 +408,18 @@ struct State<'a> {
 }
 
 impl<'a> State<'a> {
-    fn new(scene: &'a Scene, beyond: bool, job: &Job<()>) -> Result<Self> {
-        let surfaces = || FirstSurfaces::new(scene, &|| job.is_cancelled()).ok_or(Failure::Cancelled);
-        let surfaces = scene.lights_fog().then(surfaces).transpose()?.map(Arc::new);
-        let photons = scene.settings.guided_photons;
+    fn new(scenes: &'a [Scene], beyond: bool, job: &Job<()>) -> Result<Self> {
+        let surfaces = |scene| FirstSurfaces::new(scene, &|| job.is_cancelled()).ok_or(Failure::Cancelled);
+        let surfaces = || scenes.iter().map(surfaces).collect::<Result<_>>().map(FirstSurfaces::over);
+        let surfaces = scenes[0].lights_fog().then(surfaces).transpose()?.map(Arc::new);
+        let photons = scenes[0].settings.guided_photons;
         Ok(Self {
-            scene,
+            scenes,
             beyond,
             surfaces,
-            renderers: [None, None],
-            film: Film::of_scene(scene),
+            renderers: [(); 2].map(|()| scenes.iter().map(|_| None).collect()),
+            latest: [0; 2],
+            film: Film::of_scene(&scenes[0]),
             photons,
             plain: false,
         })
@@ -366,31 +427,43 @@ impl<'a> State<'a> {
 
     fn restart(&mut self, photons: u32, plain: bool) {
         (self.photons, self.plain) = (photons, plain);
-        self.film = Film::of_scene(self.scene);
-        self.renderers.iter_mut().flatten().for_each(|renderer| renderer.restart(photons));
+        self.film = Film::of_scene(&self.scenes[0]);
+        self.renderers.iter_mut().flatten().flatten().for_each(|renderer| renderer.restart(photons));
     }
 
-    /// What renders passes; None: they are black.
-    fn renderer(&mut self) -> Option<&mut Renderer<'a>> {
+    /// What renders passes of an instant; None: they are black.
+    fn renderer(&mut self, instant: usize) -> Option<&mut Renderer<'a>> {
         let surfaces = self.surfaces.as_ref()?;
-        let Self { scene, beyond, photons, plain, .. } = *self;
-        Some(self.renderers[usize::from(plain)].get_or_insert_with(|| {
+        let Self { scenes, beyond, photons, plain, .. } = *self;
+        let renderers = &mut self.renderers[usize::from(plain)];
+        renderers[instant].get_or_insert_with(|| {
+            let scene = &scenes[instant];
             let mut made = Renderer::new(scene, Method::Adaptive, photons, scene.settings.seed);
             made.plan_by(Arc::clone(surfaces));
             made.keep_first_apart();
+            if scenes.len() > 1 {
+                made.look_everywhere();
+            }
             if !beyond {
                 made.leave_out_beyond();
             }
             made.light_by_parts(Parts { guided: !plain, ..Parts::DEFAULT });
             made
-        }))
+        });
+        // All instants' light fields are in one grid: kernels and filters may blur what the mean of them bears.
+        let latest = std::mem::replace(&mut self.latest[usize::from(plain)], instant);
+        if let Ok([Some(made), Some(before)]) = renderers.get_disjoint_mut([instant, latest]) {
+            made.go_on_from(before);
+        }
+        renderers[instant].as_mut()
     }
 
     fn pass(&mut self, job: &Job<()>, shared: &Shared) -> Result<()> {
         let (start, index) = (Instant::now(), self.film.passes() + 1);
-        let (image, times) = match self.renderer() {
+        let instant = instant_of(index, self.scenes.len());
+        let (image, times) = match self.renderer(instant) {
             Some(renderer) => renderer.pass(index, &|| job.is_cancelled()).ok_or(Failure::Cancelled)?,
-            None => (black(self.scene, index), PassTimes::default()),
+            None => (black(&self.scenes[0], index), PassTimes::default()),
         };
         job.close()?;
         let wrong =
@@ -418,4 +491,30 @@ fn black(scene: &Scene, pass: u32) -> PassImage {
     let (width, height) = (scene.camera.width, scene.camera.height);
     let radiance = vec![Vec3::ZERO; (width * height) as usize];
     PassImage { pass, width, height, radiance, ..PassImage::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn odd_and_even_passes_go_through_all_instants_evenly_and_in_orders_of_their_own() {
+        for count in [1, 2, 8, 16] {
+            let rounds = (0..32).map(|round| {
+                let passes = (0..count).map(|turn| 1 + 2 * (round * count + turn) as u32);
+                let found: Vec<usize> = passes.clone().map(|pass| instant_of(pass, count)).collect();
+                assert_eq!(found, passes.map(|pass| instant_of(pass + 1, count)).collect::<Vec<_>>());
+                let mut all = found.clone();
+                all.sort_unstable();
+                assert_eq!(all, (0..count).collect::<Vec<_>>());
+                // Two in a row lie in different halves of the time that the shutter is open.
+                assert!(
+                    found.chunks(2).all(|two| count == 1 || (2 * two[0] < count) != (2 * two[1] < count))
+                );
+                found
+            });
+            let orders: std::collections::HashSet<Vec<usize>> = rounds.collect();
+            assert!(orders.len() >= count.min(16), "{count}: {orders:?}");
+        }
+    }
 }

@@ -413,7 +413,7 @@ fn settings_that_are_wrong_are_refused_and_calls_in_the_wrong_order() {
     let mut session = null_mut();
     unsafe {
         let mut refuse = |settings: SettingsFields, part: &str| {
-            refused(covbeam_rays_session_new(scene, &settings, &mut session), 1, &[part]);
+            refused(covbeam_rays_session_new(1, &scene.cast_const(), &settings, &mut session), 1, &[part]);
             assert!(session.is_null());
         };
         for radius in [f64::NAN, f64::INFINITY, -1.0, 3e38, 1e-300] {
@@ -426,11 +426,48 @@ fn settings_that_are_wrong_are_refused_and_calls_in_the_wrong_order() {
         refuse(SettingsFields { grid: 257, ..SETTINGS }, "settings.grid: 257");
         refuse(SettingsFields { bounces: -2, ..SETTINGS }, "settings.bounces: -2");
         refuse(SettingsFields { threads: 1025, ..SETTINGS }, "settings.threads: 1025");
-        refused(covbeam_rays_session_new(geometry, &SETTINGS, &mut session), 1, &["scene: another kind"]);
-        refused(covbeam_rays_session_new(scene, null(), &mut session), 1, &["settings: NULL"]);
-        refused(covbeam_rays_session_new(scene, &SETTINGS, null_mut()), 1, &["out: NULL"]);
+        refused(
+            covbeam_rays_session_new(1, &geometry.cast_const(), &SETTINGS, &mut session),
+            1,
+            &["scene: another kind"],
+        );
+        refused(covbeam_rays_session_new(0, null(), &SETTINGS, &mut session), 1, &["scenes: none"]);
+        refused(covbeam_rays_session_new(1, null(), &SETTINGS, &mut session), 1, &["scenes: NULL"]);
+        let three = [scene.cast_const(); 3];
+        refused(covbeam_rays_session_new(3, three.as_ptr(), &SETTINGS, &mut session), 1, &["power of two"]);
+        for change in [
+            &(|given: &mut Given| given.camera.width = 8) as &dyn Fn(&mut Given),
+            &|given| given.light.intensity = [0.0; 3],
+            &|given| {
+                given.world_volume = 1;
+                given.volumes.truncate(2);
+            },
+        ] {
+            let mut other = Given { world_volume: 2, parts: Vec::new(), ..Given::default() };
+            change(&mut other);
+            let (status, other) = other.scene(geometry);
+            assert_eq!(status, 0, "{}", message());
+            let scenes = [scene.cast_const(), other.cast_const()];
+            refused(
+                covbeam_rays_session_new(2, scenes.as_ptr(), &SETTINGS, &mut session),
+                1,
+                &["scenes[1]: "],
+            );
+            assert_eq!(covbeam_rays_scene_free(other), 0);
+        }
+        refused(
+            covbeam_rays_session_new(1, &scene.cast_const(), null(), &mut session),
+            1,
+            &["settings: NULL"],
+        );
+        refused(covbeam_rays_session_new(1, &scene.cast_const(), &SETTINGS, null_mut()), 1, &["out: NULL"]);
 
-        assert_eq!(covbeam_rays_session_new(scene, &SETTINGS, &mut session), 0, "{}", message());
+        assert_eq!(
+            covbeam_rays_session_new(1, &scene.cast_const(), &SETTINGS, &mut session),
+            0,
+            "{}",
+            message()
+        );
         // A session needs neither any more.
         assert_eq!(covbeam_rays_scene_free(scene), 0);
         assert_eq!(covbeam_rays_geometry_free(geometry), 0);

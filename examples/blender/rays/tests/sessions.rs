@@ -85,7 +85,7 @@ fn ended(session: &Session) {
 }
 
 fn ready(scene: &Arc<Scene>, settings: &SettingsFields) -> Session {
-    let session = Session::new(scene, settings).expect("valid");
+    let session = Session::new(std::slice::from_ref(scene), settings).expect("valid");
     ended(&session);
     session
 }
@@ -175,7 +175,7 @@ fn a_session_that_is_dropped_or_stopped_before_it_is_ready_lets_go_at_once() {
     let scene = scene();
     for milliseconds in [0, 5, 50] {
         for stop_by_drop in [false, true] {
-            let session = Session::new(&scene, &SETTINGS).expect("valid");
+            let session = Session::new(&[Arc::clone(&scene)], &SETTINGS).expect("valid");
             std::thread::sleep(Duration::from_millis(milliseconds));
             let start = Instant::now();
             if stop_by_drop {

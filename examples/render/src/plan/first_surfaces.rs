@@ -10,7 +10,7 @@ use crate::optics::{Interior, facing_normal};
 use crate::scene::{MediumId, Scene};
 use crate::sight::{FirstFog, Sight};
 use crate::starts::{EyeStart, EyeStarts};
-use covbeam::{EyeRay, FilmLattice, FluenceGrid, ImageSpectrum, Medium, PixelStep, film_regions};
+use covbeam::{EyeRay, FilmLattice, FluenceGrid, ImageSpectrum, Knot, Medium, PixelStep, film_regions};
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -35,8 +35,9 @@ const FITS: &str = "a scene's picture is not too large";
 #[derive(Debug, PartialEq)]
 pub struct FirstSurfaces {
     camera: Camera,
-    /// At the nodes of the lattice; None where there is no fog before the first surface, or more than one piece.
-    fog: Vec<Option<NodeFog>>,
+    /// At the nodes of the lattice; None where there is no fog before the first surface, or more than one piece. For each instant whose fog is
+    /// another than that of those before it.
+    fog: Vec<Vec<Option<NodeFog>>>,
     /// Whether there is any before the first surface, in any pixel.
     has_fog: bool,
     /// Of each pixel: whether it and those around it are black, or there is none, and no silhouette crosses it.
@@ -90,7 +91,47 @@ impl FirstSurfaces {
             .map(|pixel| (pixel % width > 0 || !cancelled()).then(|| seen.is_black_or_edge(pixel, &regions)));
         let (black, edge) = marks.collect::<Option<Vec<(bool, bool)>>>()?.into_iter().unzip();
         let has_fog = seen.looks.iter().any(|look| look.fog.is_some());
-        Some(Self { camera, fog, has_fog, black, edge, blurred, regions: Arc::new(regions), lattice })
+        Some(Self {
+            camera,
+            fog: vec![fog],
+            has_fog,
+            black,
+            edge,
+            blurred,
+            regions: Arc::new(regions),
+            lattice,
+        })
+    }
+
+    /// What is first behind each pixel at any of some instants, at least one, of pictures of one size. Its regions are where the fog that is seen
+    /// is continuous at all of them; a silhouette crosses a pixel if it does at any.
+    pub fn over(instants: Vec<Self>) -> Self {
+        let pixels = instants[0].regions.len();
+        let is_still = instants.iter().all(|instant| instant.regions == instants[0].regions);
+        let regions = (!is_still).then(|| {
+            let mut labels = HashMap::new();
+            let label = |pixel: usize| {
+                let regions: Vec<u32> = instants.iter().map(|instant| instant.regions[pixel]).collect();
+                if regions.contains(&0) { 0 } else { *labels.entry(regions).or_insert(pixel as u32 + 1) }
+            };
+            Arc::new((0..pixels).map(label).collect())
+        });
+        let mut instants = instants.into_iter();
+        let mut all = instants.next().expect("at least one");
+        all.regions = regions.unwrap_or(all.regions);
+        for instant in instants {
+            all.has_fog |= instant.has_fog;
+            all.black.iter_mut().zip(instant.black).for_each(|(all, black)| *all &= black);
+            all.edge.iter_mut().zip(instant.edge).for_each(|(all, edge)| *all |= edge);
+            if all.blurred.len() < instant.blurred.len() {
+                all.blurred.resize(pixels, false);
+            }
+            all.blurred.iter_mut().zip(instant.blurred).for_each(|(all, blurred)| *all |= blurred);
+            if !all.fog.contains(&instant.fog[0]) {
+                all.fog.extend(instant.fog);
+            }
+        }
+        all
     }
 
     /// Whether there is fog before the first surface in any pixel.
@@ -130,27 +171,52 @@ impl FirstSurfaces {
         &self.regions
     }
 
-    /// The spectrum of the first piece of fog at the nodes of the lattice: read off the grid, and that of how much fog is seen around.
+    /// The spectrum of the first piece of fog at the nodes of the lattice: read off the grid, and that of how much fog is seen around. Of
+    /// several instants it is the mean over their light.
     ///
     /// - `fogs`: the scene's media.
     pub fn spectra(&self, grid: &FluenceGrid, fogs: &[Medium]) -> Vec<ImageSpectrum> {
-        self.fog
-            .par_iter()
-            .map_init(Vec::new, |knots, node| {
-                let Some(NodeFog { ray, steps, medium, bend }) = node else {
-                    return ImageSpectrum::default();
-                };
-                let fog = &fogs[*medium as usize];
-                let column = media::column(fog, ray.origin, ray.direction, ray.length, knots);
-                let mut spectrum = ImageSpectrum::along(ray, steps, grid, fog, &column);
-                if spectrum.weight > 0.0 {
-                    spectrum.xx += bend.xx;
-                    spectrum.xy += bend.xy;
-                    spectrum.yy += bend.yy;
-                }
-                spectrum
-            })
-            .collect()
+        let of_node = |knots: &mut Vec<Knot>, node: usize| match &self.fog[..] {
+            [only] => spectrum(&only[node], grid, fogs, knots),
+            all => mean(all.iter().map(|nodes| spectrum(&nodes[node], grid, fogs, knots))),
+        };
+        (0..self.lattice.node_count()).into_par_iter().map_init(Vec::new, of_node).collect()
+    }
+}
+
+/// The spectrum of a node's fog.
+fn spectrum(
+    node: &Option<NodeFog>,
+    grid: &FluenceGrid,
+    fogs: &[Medium],
+    knots: &mut Vec<Knot>,
+) -> ImageSpectrum {
+    let Some(NodeFog { ray, steps, medium, bend }) = node else { return ImageSpectrum::default() };
+    let fog = &fogs[*medium as usize];
+    let column = media::column(fog, ray.origin, ray.direction, ray.length, knots);
+    let mut spectrum = ImageSpectrum::along(ray, steps, grid, fog, &column);
+    if spectrum.weight > 0.0 {
+        spectrum.xx += bend.xx;
+        spectrum.xy += bend.xy;
+        spectrum.yy += bend.yy;
+    }
+    spectrum
+}
+
+/// The spectrum of the mean of several lights.
+fn mean(spectra: impl ExactSizeIterator<Item = ImageSpectrum>) -> ImageSpectrum {
+    let count = spectra.len() as f32;
+    let sum = spectra.fold(ImageSpectrum::default(), |sum, one| ImageSpectrum {
+        xx: sum.xx + one.weight * one.xx,
+        xy: sum.xy + one.weight * one.xy,
+        yy: sum.yy + one.weight * one.yy,
+        weight: sum.weight + one.weight,
+    });
+    if sum.weight > 0.0 {
+        let ImageSpectrum { xx, xy, yy, weight } = sum;
+        ImageSpectrum { xx: xx / weight, xy: xy / weight, yy: yy / weight, weight: weight / count }
+    } else {
+        ImageSpectrum::default()
     }
 }
 
@@ -317,4 +383,50 @@ fn around(camera: &Camera, x: u32, y: u32) -> impl Iterator<Item = usize> {
     let Camera { width, height, .. } = *camera;
     let near = |at: u32, end: u32| at.saturating_sub(1)..=(at + 1).min(end - 1);
     near(y, height).flat_map(move |y| near(x, width).map(move |x| (y * width + x) as usize))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    /// A bar before fog, its left side at x.
+    fn looks(x: f32) -> FirstSurfaces {
+        let text = format!(
+            "outside_medium = \"fog\"\n[camera]\nposition = [0, 0, -6]\nlook_at = [0, 0, 0]\nprojection = \"orthographic\"\n\
+             vertical_size = 4\nwidth = 16\nheight = 8\n[[medium]]\nname = \"fog\"\nscattering = 1\nabsorption = 0\n\
+             [[object]]\nshape = \"box\"\nmin = [{x}, -9, -1]\nmax = [{}, 9, -0.5]\nmaterial = \"black\"\n\
+             [[light]]\nkind = \"point\"\nposition = [0, 4, 0]\nintensity = 1\n",
+            x + 2.0
+        );
+        let scene = Scene::parse(&text, "a bar", Path::new("")).expect("a valid scene");
+        FirstSurfaces::new(&scene, &|| false).expect("never cancelled")
+    }
+
+    #[test]
+    fn regions_over_instants_are_those_that_are_one_at_each() {
+        let instants = [-2.5, -1.0, 0.0].map(looks);
+        let all = FirstSurfaces::over([-2.5, -1.0, 0.0].map(looks).into());
+        let regions = all.regions();
+        let at = |pixel: usize| instants.each_ref().map(|instant| instant.regions[pixel]);
+        for one in 0..regions.len() {
+            assert_eq!(regions[one] == 0, at(one).contains(&0));
+            for other in 0..one {
+                let same = regions[one] != 0 && at(one) == at(other);
+                assert_eq!(regions[one] == regions[other] && regions[one] != 0, same, "{one} and {other}");
+            }
+            let is_any =
+                |of: fn(&FirstSurfaces) -> &Vec<bool>| instants.iter().any(|instant| of(instant)[one]);
+            assert_eq!(all.edge[one], is_any(|instant| &instant.edge));
+            assert_eq!(all.black[one], instants.iter().all(|instant| instant.black[one]));
+        }
+        // At the first, no silhouette is where the last has one.
+        assert!((0..regions.len()).any(|pixel| at(pixel)[0] != 0 && regions[pixel] == 0));
+        assert_eq!(all.fog.len(), 3);
+    }
+
+    #[test]
+    fn instants_that_are_alike_are_as_one() {
+        assert_eq!(FirstSurfaces::over(vec![looks(-1.0), looks(-1.0)]), looks(-1.0));
+    }
 }

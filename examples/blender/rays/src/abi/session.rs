@@ -3,7 +3,7 @@
 use super::description::SCENE;
 use super::memory::{array, array_mut, fits, free, new_handle, object, set};
 use super::run;
-use crate::failure::invalid;
+use crate::failure::{Result, invalid};
 use crate::session::{Session, SessionInfo, SettingsFields, Task};
 use core::ffi::c_void;
 use covbeam_render::scene::Scene;
@@ -13,19 +13,22 @@ use std::time::Duration;
 /// Of handles.
 const SESSION: u64 = u64::from_ne_bytes(*b"session\0");
 
-/// Makes a session of a scene, which begins to get ready: wait for that before all else.
+/// Makes a session of a scene at so many instants, which begins to get ready: wait for that before all else.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_rays_session_new(
-    scene: *const c_void,
+    scene_count: usize,
+    scenes: *const *const c_void,
     settings: *const SettingsFields,
     out: *mut *mut c_void,
 ) -> i32 {
     // SAFETY: the contract of this module.
     run(|| unsafe {
         fits(out, 1, "out")?;
-        let scene = object::<Arc<Scene>>(scene, SCENE, "scene")?;
+        let scenes = array(scenes, scene_count, "scenes")?.iter();
+        let scenes = scenes.map(|scene| object::<Arc<Scene>>(*scene, SCENE, "scene").map(Arc::clone));
+        let scenes = scenes.collect::<Result<Vec<_>>>()?;
         let settings = array(settings, 1, "settings")?[0];
-        new_handle(SESSION, Session::new(scene, &settings)?, out)
+        new_handle(SESSION, Session::new(&scenes, &settings)?, out)
     })
 }
 

@@ -1,6 +1,7 @@
 """Meshes and their instances."""
 
 import ctypes
+import hashlib
 
 import numpy as np
 
@@ -38,6 +39,7 @@ class Geometry:
         self._handle = Handle(lib.covbeam_rays_geometry_new, lib.covbeam_rays_geometry_free)
         #: Triangles of no area that were left out so far.
         self.dropped = 0
+        self._contents = hashlib.blake2b(digest_size=16)
 
     def close(self):
         """Gives the memory up, which goes when no scene uses it any more; nothing happens the second time."""
@@ -72,6 +74,7 @@ class Geometry:
             )
         )
         self.dropped += dropped.value
+        self._note(b"mesh", positions, triangles, materials, *([] if normals is None else [normals]))
         return mesh.value
 
     def add_instance(self, mesh, matrix, object, material=-1):
@@ -86,6 +89,7 @@ class Geometry:
         mesh, object = whole("mesh", mesh), whole("object", object, -(2**31), 2**31 - 1)
         material = whole("material", material, -(2**31), 2**31 - 1)
         check(lib.covbeam_rays_geometry_add_instance(self._open(), mesh, matrix.ctypes.data, object, material))
+        self._note(b"instance", matrix, np.array([mesh, object, material]))
 
     def build(self, poll=None):
         """Builds the hierarchies on native threads; once, after all meshes and instances.
@@ -115,6 +119,11 @@ class Geometry:
         return hits
 
     @property
+    def digest(self) -> bytes:
+        """Equal for geometries that the same was added to, in the same order."""
+        return self._contents.digest()
+
+    @property
     def triangle_count(self) -> int:
         """Triangles of all meshes, each counted once however many instances it has."""
         return self._info().triangle_count
@@ -129,6 +138,12 @@ class Geometry:
         """(min, max), float32 (3,) [m]: a box around the transformed boxes of all meshes; zeros without any."""
         info = self._info()
         return np.array(info.min, np.float32), np.array(info.max, np.float32)
+
+    def _note(self, kind, *arrays):
+        self._contents.update(kind)
+        for array in arrays:
+            self._contents.update(str(array.shape).encode())
+            self._contents.update(np.ascontiguousarray(array).data)
 
     def _info(self):
         info = _Info()

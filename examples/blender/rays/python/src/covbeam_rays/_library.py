@@ -28,7 +28,7 @@ PROTOTYPES = {
     "covbeam_rays_geometry_cast": [_p, _z, _p, _p, _p],
     "covbeam_rays_scene_new": [_p, _p, _p],
     "covbeam_rays_scene_free": [_p],
-    "covbeam_rays_session_new": [_p, _p, _p],
+    "covbeam_rays_session_new": [_z, _p, _p, _p],
     "covbeam_rays_session_free": [_p],
     "covbeam_rays_session_start": [_p, _u],
     "covbeam_rays_session_wait": [_p, _u, _p],

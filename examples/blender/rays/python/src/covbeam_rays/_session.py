@@ -48,6 +48,8 @@ class Session:
     threads. Cancelled anywhere, the passes done stay. Closed with the last reference or by close().
 
     - scene: a Scene.
+    - instants: more Scenes, the same one at other instants while a shutter is open, so that there are n of them, a power of two. Passes 2 i - 1
+      and 2 i are of one instant, the next two of another far from it; 2 n passes have each of them twice. What moves is blurred.
     - seed: the same picture for the same seed.
     - photons: light paths a pass, up to 2^28; 0: as many as the scene asks for.
     - grid: voxels along the longest side of the grid that keeps how fine the light is, up to 256; 0: the scene's own.
@@ -60,7 +62,7 @@ class Session:
     """
 
     def __init__(
-        self, scene, *, seed=0, photons=0, grid=0, radius=0.0, quality=0.01, bounces=None, beyond=True, threads=0, poll=None
+        self, scene, *, instants=(), seed=0, photons=0, grid=0, radius=0.0, quality=0.01, bounces=None, beyond=True, threads=0, poll=None
     ):
         settings = _Settings(
             radius=number("settings.radius", radius),
@@ -73,7 +75,9 @@ class Session:
             threads=whole("settings.threads", threads),
         )
         make, free = lib.covbeam_rays_session_new, lib.covbeam_rays_session_free
-        self._handle = Handle(make, free, scene._open(), ctypes.addressof(settings))
+        handles = [each._open() for each in (scene, *instants)]
+        scenes = (ctypes.c_void_p * len(handles))(*(handle._as_parameter_.value for handle in handles))
+        self._handle = Handle(make, free, len(scenes), ctypes.addressof(scenes), ctypes.addressof(settings))
         self._shape, self._last = scene.shape, _Info()
         self._wait(poll)
 
