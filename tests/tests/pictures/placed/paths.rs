@@ -17,7 +17,8 @@ use glam::Vec3;
 fn seen(scene: &Scene, direction: Vec3, asked: [bool; 2], seed: u32) -> (Vec<EyeSegment>, ByKind) {
     let (fogs, surfaces) = (media::all(scene), SurfaceMap::empty());
     let starts = EyeStarts::new(scene);
-    let start = EyeStart { origin: scene.camera.position, direction, interior: starts.interior() };
+    let start =
+        EyeStart { origin: scene.camera.position, direction, interior: starts.interior(), sees: true };
     let tracer = EyeTracer { scene, fogs: &fogs, starts, surfaces: &surfaces };
     let mut segments = Vec::new();
     let mut random = Random::new([seed, 0, 0, 0]);
