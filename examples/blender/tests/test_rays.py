@@ -49,8 +49,9 @@ def light(**values):
 def camera(**values):
     """Looks down at the sheet."""
     x, y, z = np.eye(3)
-    fields = {"position": 4 * z, "right": x, "up": y, "forward": -z, "left": -0.4, "top": 0.4, "step": (0.05, 0.05)}
-    return SimpleNamespace(**fields | {"width": 16, "height": 16, "near": 0.0, "aperture": None} | values)
+    plane = {"projection": 0, "left": -0.4, "top": 0.4, "step": (0.05, 0.05), "widest": 0.0}
+    fields = {"position": 4 * z, "right": x, "up": y, "forward": -z, "width": 16, "height": 16, "near": 0.0, "aperture": None}
+    return SimpleNamespace(**fields | plane | values)
 
 
 def scene(geometry=None, **values):
