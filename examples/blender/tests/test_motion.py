@@ -11,6 +11,7 @@ import numpy as np
 
 sys.path[:0] = [str(Path(__file__).parents[1]), str(Path(__file__).parent)]
 
+import addon_utils  # noqa: E402  bpy brings it
 import cycles_scenes  # noqa: E402
 import harness  # noqa: E402
 import host_scenes  # noqa: E402
@@ -172,6 +173,17 @@ class ExportTest(unittest.TestCase):
         self.scene.cycles.rolling_shutter_type, self.bar.cycles.use_motion_blur = "TOP", False
         _, report = exposed()
         self.assertEqual({entry.what for entry in report.entries}, {"rolling shutter", "Motion Blur is off"})
+
+    def test_what_moves_is_read_without_cycles_too(self):
+        moves(self.bar, "location", 0.0, 8.0)
+        addon_utils.disable("cycles")
+        try:
+            self.assertFalse(hasattr(self.scene, "cycles"))
+            made, report = exposed()
+        finally:
+            addon_utils.enable("cycles")
+        self.assertEqual(len(made), INSTANTS)
+        self.assertFalse(len(report), str(report))
 
 
 class BlurTest(unittest.TestCase):

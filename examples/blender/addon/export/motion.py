@@ -106,8 +106,9 @@ def _note(depsgraph, scenes, report):
     lamps = [[light for light in made.lights if light.kind not in {LightKind.MESH, LightKind.WORLD}] for made in scenes]
     if not all(_alike(each, lamps[0]) for each in lamps):
         report.add(source, "lamps that move while the shutter is open", "blurred; in Cycles they stand still")
-    if scene.cycles.rolling_shutter_type != "NONE":
+    # Without Cycles there are none of its settings.
+    if hasattr(scene, "cycles") and scene.cycles.rolling_shutter_type != "NONE":
         report.add(source, "rolling shutter", "all of the picture at the same time")
     for thing in depsgraph.objects:
-        if not thing.cycles.use_motion_blur:
+        if hasattr(thing, "cycles") and not thing.cycles.use_motion_blur:
             report.add(f'Object "{thing.name}"', "Motion Blur is off", "blurred as all others")
