@@ -20,7 +20,8 @@ class Objects:
     """
 
     def __init__(self, depsgraph, shows, report, poll):
-        self.geometry = covbeam_rays.Geometry()
+        # Motion blur compares what is there at its instants.
+        self.geometry = covbeam_rays.Geometry(has_digest=depsgraph.scene_eval.render.use_motion_blur)
         self.lights, self.filled, self.object_volumes, self.object_closed = [], [], [], []
         self._report, self._view_layer = report, depsgraph.view_layer_eval
         # Objects that make instances and have been looked at.
