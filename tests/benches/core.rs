@@ -23,11 +23,11 @@
 use covbeam::{
     Beam, BeamMap, Column, Contact, CovarianceGrid, Curvature, Density, DensityGrid, ExponentialDensity,
     EyeRay, FilmNode, FilmSample, FluenceCell, FluenceGrid, FluenceSpectrum, GatherScratch, Gathered,
-    GridCell, GridLayout, ImageFilter, ImageSpectrum, Kernel, KernelShape, LightField, MARCH_KNOTS, March,
-    MarchCell, MarchKnot, MarchSample, Medium, PixelStep, Reconstruction, Segment, Vec3, gather_pair,
-    pixel_threshold,
+    GridCell, GridLayout, ImageFilter, ImageSpectrum, Kernel, LightField, MARCH_KNOTS, March, MarchCell,
+    MarchKnot, MarchSample, Medium, PixelStep, Reconstruction, Segment, Vec3, gather_pair, pixel_threshold,
 };
 use covbeam_render::random::Random;
+use covbeam_tests::kernel::plain;
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 
@@ -204,13 +204,6 @@ fn tile() -> Vec<EyeRay> {
 fn gather(c: &mut Criterion) {
     let cells = cells();
     let view = FluenceGrid::new(LAYOUT, &cells).unwrap();
-    let plain = |radius| Kernel {
-        shape: KernelShape::Epanechnikov,
-        min_radius: radius,
-        max_radius: radius,
-        error: 0.01,
-        grid: None,
-    };
     let mut group = c.benchmark_group("build");
     for count in [1_000, 10_000, 100_000, 1_000_000] {
         let beams = beams(count);

@@ -5,6 +5,7 @@ pub mod figures;
 pub mod fleet;
 pub mod golden;
 pub mod header;
+pub mod kernel;
 pub mod random;
 pub mod rows;
 pub mod single_scatter;

@@ -1,10 +1,11 @@
 //! Beams against the naive twin: every pair tested, in double precision.
 
 use covbeam::{
-    BLOCK, Beam, BeamBlock, BeamMap, Column, EyeRay, GatherScratch, Gathered, Kernel, KernelShape, Medium,
-    Vec3, cross, gather_pair,
+    BLOCK, Beam, BeamBlock, BeamMap, Column, EyeRay, GatherScratch, Gathered, Medium, Vec3, cross,
+    gather_pair,
 };
 use covbeam_render::random::Random;
+use covbeam_tests::kernel::plain;
 use glam::DVec3;
 
 fn direction(random: &mut Random) -> Vec3 {
@@ -26,16 +27,6 @@ const FOG: Medium = Medium {
     absorption: Vec3::new(0.02, 0.03, 0.0),
     ..Medium::homogeneous(0.0, 0.0)
 };
-
-fn plain(radius: f32) -> Kernel<'static> {
-    Kernel {
-        shape: KernelShape::Epanechnikov,
-        min_radius: radius,
-        max_radius: radius,
-        error: 0.01,
-        grid: None,
-    }
-}
 
 fn random_beams(count: usize, random: &mut Random) -> Vec<Beam> {
     (0..count)

@@ -4,9 +4,9 @@ use std::time::{Duration, Instant};
 
 use covbeam::{
     Beam, BeamMap, Column, Contact, Density, DensityGrid, ExponentialDensity, EyeRay, GatherScratch,
-    Gathered, GridLayout, Kernel, KernelShape, Knot, MAX_BEAMS, Medium, PhaseFunction, PhaseKind, Stop, Vec3,
-    gather_pair,
+    Gathered, GridLayout, Kernel, Knot, MAX_BEAMS, Medium, PhaseFunction, PhaseKind, Stop, Vec3, gather_pair,
 };
+use covbeam_tests::kernel::plain;
 use covbeam_tests::random::Stream;
 
 const FOG: Medium = Medium {
@@ -23,16 +23,6 @@ fn fog(density: Density) -> Medium {
 
 const AIR: Density<'static> =
     Density::Exponential(ExponentialDensity { origin: Vec3::ZERO, up: Vec3::Y, scale_height: 2.0 });
-
-fn plain(radius: f32) -> Kernel<'static> {
-    Kernel {
-        shape: KernelShape::Epanechnikov,
-        min_radius: radius,
-        max_radius: radius,
-        error: 0.01,
-        grid: None,
-    }
-}
 
 /// Uniform in [0, 1).
 fn uniform(random: &mut Stream) -> f32 {

@@ -1,8 +1,9 @@
 //! What this core can do, how near the gather comes to it, and how both grow with the number of beams.
 
 use crate::Outcome;
-use covbeam::{Beam, BeamMap, EyeRay, GatherScratch, Gathered, Kernel, KernelShape, Medium, Vec3, cross};
+use covbeam::{Beam, BeamMap, EyeRay, GatherScratch, Gathered, Medium, Vec3, cross};
 use covbeam_render::random::Random;
+use covbeam_tests::kernel::plain;
 use cpu_time::ThreadTime;
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x8, f32x16};
 use std::hint::black_box;
@@ -107,16 +108,6 @@ fn ceilings() -> [f64; 2] {
         println!("read from an array of {name:7}  {:7.1} GB/s", (bytes * times) as f64 / seconds / 1e9);
     }
     [eight, sixteen]
-}
-
-fn plain(radius: f32) -> Kernel<'static> {
-    Kernel {
-        shape: KernelShape::Epanechnikov,
-        min_radius: radius,
-        max_radius: radius,
-        error: 0.01,
-        grid: None,
-    }
 }
 
 fn gather(map: &BeamMap, rays: &[EyeRay], gathered: &mut [Gathered], scratch: &mut GatherScratch) {
