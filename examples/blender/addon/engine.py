@@ -69,8 +69,9 @@ class CovbeamEngine(bpy.types.RenderEngine):
                 self.get_result().stamp_data_add_field(f"covbeam.{view_layer}.{name}", value)
 
     def _render(self, job):
+        from .first_look import first_look, pixel_size
         from .host.session import Session
-        from .passes import Passes
+        from .passes import Passes, put
 
         missing = [what for what, given in (("fog", job.scene.volumes), ("light", job.scene.lights)) if not given]
         if missing:
@@ -83,14 +84,19 @@ class CovbeamEngine(bpy.types.RenderEngine):
             return
         latest.note_fog_light()
         camera = job.scene.camera
-        with closing(Session(job.scene, job.settings, self.goes_on, job.instants)) as session:
-            result = self.begin_result(0, 0, camera.width, camera.height, layer=job.view_layer)
-            try:
+        result = self.begin_result(0, 0, camera.width, camera.height, layer=job.view_layer)
+        try:
+            look = first_look(job.scene, job.settings, self.goes_on)
+            if look is not None:
+                put(self, result, look)
+                side, taken = pixel_size(camera.width, camera.height), text.duration(perf_counter() - job.start)
+                job.record.figures.append(f"First look, in pixels of {side} x {side}: after {taken}")
+            with closing(Session(job.scene, job.settings, self.goes_on, job.instants)) as session:
                 passes = Passes(self, session, job.budget, result, job.start)
                 passes.run()
-            finally:
-                # What has been shown is kept, cancelled or not.
-                self.end_result(result)
+        finally:
+            # What has been shown is kept, cancelled or not.
+            self.end_result(result)
         job.record.figures += passes.figures()
         job.record.outcome = latest.Outcome.CANCELLED if passes.cancelled else latest.Outcome.DONE
 

@@ -114,23 +114,30 @@ class Passes:
     def _show(self, poll):
         """Hands the picture so far to Blender."""
         start = perf_counter()
-        picture = self.session.picture(poll)
-        height, width = picture.radius.shape
-        # Light that is added to a picture covers nothing of it, but as a picture of its own it is opaque: alpha is 1.
-        combined = np.ones((height, width, 4), np.float32)
-        combined[..., :3] = picture.in_scattered
-        values = {
-            "Combined": combined,
-            "In-Scattered": picture.first,
-            "Radius": picture.radius,
-            "Bandwidth": picture.bandwidth,
-            "Standard Error": picture.error,
-        }
-        for layer in self.result.layers[0].passes:
-            # Blender counts rows from the bottom.
-            layer.rect.foreach_set(np.ascontiguousarray(values[layer.name][::-1], np.float32).reshape(-1))
-        self.engine.update_result(self.result)
+        put(self.engine, self.result, self.session.picture(poll))
         taken = perf_counter() - start
         self._picture = taken
         self._display += taken
         self._shown = self.session.passes
+
+
+def put(engine, result, picture):
+    """Hands a host.session.Picture to Blender, which shows it.
+
+    - result: Blender's render result, with the layer that is rendered.
+    """
+    height, width = picture.radius.shape
+    # Light that is added to a picture covers nothing of it, but as a picture of its own it is opaque: alpha is 1.
+    combined = np.ones((height, width, 4), np.float32)
+    combined[..., :3] = picture.in_scattered
+    values = {
+        "Combined": combined,
+        "In-Scattered": picture.first,
+        "Radius": picture.radius,
+        "Bandwidth": picture.bandwidth,
+        "Standard Error": picture.error,
+    }
+    for layer in result.layers[0].passes:
+        # Blender counts rows from the bottom.
+        layer.rect.foreach_set(np.ascontiguousarray(values[layer.name][::-1], np.float32).reshape(-1))
+    engine.update_result(result)

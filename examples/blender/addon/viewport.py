@@ -179,7 +179,7 @@ class _Refinement:
     def _open(self, pixel, patience):
         """A _Level with a first pass and its picture; raises Cancelled if one of the three takes longer than `patience`."""
         start = self._clock()
-        scene = replace(self._scene, camera=coarser(self._camera, pixel))
+        scene = replace(self._scene, camera=self._camera.coarser(pixel))
         level = _Level(self._make(scene, self._settings, self._poll(patience)), pixel)
         level.most = level.session.photons
         self._levels.append(level)
@@ -333,12 +333,6 @@ class _Level:
     def light(self):
         """Light paths so far."""
         return self.session.passes * self.session.photons
-
-
-def coarser(camera, pixel):
-    """The camera with pixels of that many times the size, from the same corner: as many as cover what it sees."""
-    step = (camera.step[0] * pixel, camera.step[1] * pixel)
-    return replace(camera, step=step, width=-(-camera.width // pixel), height=-(-camera.height // pixel))
 
 
 def _same(one, other):

@@ -40,6 +40,9 @@ class Camera:
     width: int
     height: int
 
+    def coarser(self, pixel):
+        return Camera(-(-self.width // pixel), -(-self.height // pixel))
+
 
 @dataclass
 class Scene:
@@ -131,7 +134,7 @@ def install():
     import addon.host
 
     for package, name, contents in (
-        (addon.host, "session", {"Session": Session, "Settings": Settings}),
+        (addon.host, "session", {"Session": Session, "Settings": Settings, "Picture": Picture}),
         (
             addon.export,
             "scene",

@@ -44,6 +44,10 @@ class InBlender(unittest.TestCase):
     def tearDown(self):
         self.assertEqual(fake_host.Session.open, 0, "a session is still open")
 
+    def resize(self, width, height):
+        render = self.scene.render
+        render.resolution_x, render.resolution_y, render.resolution_percentage = width, height, 100
+
     def render(self, name="picture", **options):
         self.scene.render.filepath = str(self.folder / name)
         bpy.ops.render.render(write_still=True, **options)

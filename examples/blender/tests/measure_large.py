@@ -3,7 +3,7 @@
 
     python measure_large.py PICTURE.png [--passes 16] [--width 640]
 
-Renders with the add-on's engine, as F12 does, and prints how long it read the scene, when the first pixels came, and memory.
+Renders with the add-on's engine, as F12 does, and prints how long it read the scene, when pictures came, and memory.
 """
 
 import argparse
@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 import addon
 import cycles_scenes as scenes
-from addon.passes import Passes
+from addon import passes
 from measure_glass_ball import save
 
 
@@ -106,14 +106,15 @@ def main(words):
     settings.file_format, settings.color_depth = "OPEN_EXR", "32"
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
     shown = []
-    show = Passes._show
-    Passes._show = lambda *given, **named: (show(*given, **named), shown.append(perf_counter()))
+    put = passes.put
+    passes.put = lambda *given: (put(*given), shown.append(perf_counter()))
     start = perf_counter()
     bpy.ops.render.render(write_still=True)
     latest = addon.latest.get()
     print("\n".join([latest.outcome.value, latest.error, *latest.figures, *latest.untranslated]))
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
-    print(f"first pixels after {shown[0] - start:.1f} s; peak memory {peak:.2f} GB, {before:.2f} GB before the render")
+    seen = ", ".join(f"{at - start:.1f}" for at in shown[:3])
+    print(f"pictures after {seen} ... s; peak memory {peak:.2f} GB, {before:.2f} GB before the render")
     save(arguments.picture, scenes.read_exr(str(path)))
     path.unlink()
     arguments.picture.with_suffix(".npy").unlink()

@@ -11,7 +11,7 @@ import numpy as np
 from in_blender import InBlender
 
 import addon
-from addon import budget, latest, panels, requirements, text
+from addon import budget, first_look, latest, panels, passes, requirements, text
 from addon.engine import CovbeamEngine
 from addon.presets import Preset
 
@@ -41,6 +41,32 @@ class Pictures(InBlender):
         render.use_crop_to_border = True
         cropped = self.render("cropped")[f"{self.scene.view_layers[0].name}.Radius.X"]
         np.testing.assert_array_equal(cropped, fake_host.picture(width, height).radius)
+
+    def test_a_large_picture_is_seen_in_large_pixels_before_its_first_pass_begins(self):
+        shown = []
+        put = passes.put
+        self.addCleanup(setattr, passes, "put", put)
+        passes.put = lambda engine, result, picture: shown.append((len(made), picture)) or put(engine, result, picture)
+        made = fake_host.Session.settings
+        self.resize(702, 301)
+        channels = self.render()
+        (sessions, look), (_, first) = shown[:2]
+        self.assertEqual(sessions, 1)
+        coarse = fake_host.picture(176, 76)
+        for name in ("in_scattered", "first", "radius", "bandwidth", "error"):
+            found, expected = getattr(look, name), getattr(coarse, name)
+            self.assertEqual(found.shape[:2], (301, 702))
+            for y, x in ((0, 0), (3, 3), (4, 3), (150, 399), (300, 701)):
+                np.testing.assert_array_equal(found[y, x], expected[y // 4, x // 4])
+        np.testing.assert_array_equal(first.radius, fake_host.picture(702, 301).radius)
+        expected = fake_host.picture(702, 301, passes=3).in_scattered
+        np.testing.assert_array_equal(channels[f"{self.scene.view_layers[0].name}.Combined.R"], expected[..., 0])
+        self.assertEqual(fake_host.Session.open, 0)
+        self.assertTrue(any(line.startswith("First look, in pixels of 4 x 4: after") for line in latest.get().figures))
+
+    def test_small_pictures_have_no_first_look_and_large_ones_no_more_pixels_in_it(self):
+        for size, pixel in (((440, 450), 1), ((640, 360), 4), ((1920, 1080), 8), ((16384, 16384), 128), ((1, 250_000), 4)):
+            self.assertEqual(first_look.pixel_size(*size), pixel, size)
 
     def test_each_view_layer_that_is_in_use_is_rendered(self):
         self.scene.view_layers.new("Second")
@@ -211,6 +237,16 @@ class Stopping(InBlender):
         passes = self.render()[f"{self.scene.view_layers[0].name}.Combined.B"][0, 0]
         self.assertLess(time.perf_counter() - self.stopped, 0.3)
         self.assertGreaterEqual(passes, 2)
+        self.assertEqual(latest.get().outcome, latest.Outcome.CANCELLED)
+
+    def test_esc_in_the_first_pass_of_a_large_picture_keeps_its_first_look(self):
+        self.resize(640, 360)
+        fake_host.Session.seconds = 0.5
+        self.stop_after(0.8)
+        green = self.render()[f"{self.scene.view_layers[0].name}.Combined.G"]
+        self.assertLess(time.perf_counter() - self.stopped, 0.3)
+        column = np.repeat(fake_host.picture(160, 90).in_scattered[:, 0, 1], 4)
+        np.testing.assert_array_equal(green, np.broadcast_to(column[:, None], (360, 640)))
         self.assertEqual(latest.get().outcome, latest.Outcome.CANCELLED)
 
     def test_esc_while_the_scene_is_read_ends_the_render(self):

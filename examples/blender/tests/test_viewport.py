@@ -26,7 +26,7 @@ from addon.budget import Budget  # noqa: E402
 from addon.host import ask  # noqa: E402
 from addon.host.scene import Aperture  # noqa: E402
 from addon.host.session import Session, Settings  # noqa: E402
-from addon.viewport import PATIENCE, SLICE, Viewport, coarser  # noqa: E402
+from addon.viewport import PATIENCE, SLICE, Viewport  # noqa: E402
 
 WIDTH, HEIGHT = 400, 300
 
@@ -300,7 +300,7 @@ class Cameras(unittest.TestCase):
     def test_a_large_pixel_looks_where_the_middle_of_those_it_covers_does(self):
         camera = host_scenes.camera((1, 2, 3), (0.1, 0, 0), 50, 37, 23)
         for pixel in (1, 2, 4, 8):
-            large = coarser(camera, pixel)
+            large = camera.coarser(pixel)
             self.assertEqual((large.width, large.height), (int(np.ceil(37 / pixel)), int(np.ceil(23 / pixel))))
             y, x = (k.ravel() + 0.5 for k in np.indices((large.height, large.width)))
             np.testing.assert_allclose(directions(large, x, y), directions(camera, pixel * x, pixel * y), atol=1e-6)

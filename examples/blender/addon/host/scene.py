@@ -4,7 +4,7 @@
 All vectors are in world space. Channels are linear Rec. 709.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 
 import covbeam_rays
@@ -183,6 +183,11 @@ class Camera:
     projection: Projection = Projection.PERSPECTIVE
     #: FISHEYE: in [0, pi]
     widest: float = 0.0
+
+    def coarser(self, pixel):
+        """The camera with pixels of that many times the size, from the same corner: as many as cover what it sees."""
+        step = (self.step[0] * pixel, self.step[1] * pixel)
+        return replace(self, step=step, width=-(-self.width // pixel), height=-(-self.height // pixel))
 
 
 @dataclass(frozen=True)
