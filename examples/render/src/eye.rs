@@ -1,4 +1,4 @@
-//! Eye paths: from the camera through specular surfaces to the first diffuse or black one.
+//! Eye paths: from the camera through media, which may send out light, and specular surfaces to the first diffuse or black one.
 
 use crate::clearance::clearance;
 use crate::geometry::MOST_BOUNDS;
@@ -9,7 +9,7 @@ use crate::optics::{Boundary, Interior, facing_normal, reflect};
 use crate::passage::{clear, passage};
 use crate::photon::{GOING_ON, LONG_PATH};
 use crate::random::{Random, mix};
-use crate::scene::{Light, Material, Scene};
+use crate::scene::{Light, Material, Scene, SceneMedium};
 use crate::starts::{EyeStart, EyeStarts};
 use crate::surface::SurfaceMap;
 use covbeam::{EyeRay, Knot, Medium};
@@ -61,6 +61,8 @@ pub struct EyeTracer<'a> {
     pub starts: EyeStarts<'a>,
     /// Light on diffuse surfaces.
     pub surfaces: &'a SurfaceMap,
+    /// Whether anything is wanted from the first surface on that is more than a bound of media.
+    pub beyond: bool,
 }
 
 /// A branch of an eye path still to be followed.
@@ -80,21 +82,25 @@ struct Branch {
 
 impl EyeTracer<'_> {
     /// [`EyeTracer::trace`], of what is wanted from the eye ray only: the fog before the first surface that is more than a bound of media, and
-    /// what is beyond it.
+    /// all else.
     pub fn trace_wanted(
         &self,
         start: &EyeStart,
         pixel: u32,
-        [fog, surfaces]: [bool; 2],
+        [fog, rest]: [bool; 2],
         random: &mut Random,
         segments: &mut Vec<EyeSegment>,
     ) -> ByKind {
-        if !surfaces {
-            self.trace_first(start, pixel, segments);
-            return ByKind::default();
-        }
         let mut place = segments.len();
-        let radiance = self.trace(start, pixel, random, segments);
+        let mut radiance = ByKind::default();
+        if rest && self.beyond {
+            radiance = self.trace(start, pixel, random, segments);
+        } else {
+            let sent_out = self.trace_first(start, pixel, segments);
+            if rest {
+                radiance[Kind::Straight as usize] = sent_out;
+            }
+        }
         while !fog && place < segments.len() {
             if segments[place].is_first() {
                 segments.swap_remove(place);
@@ -105,12 +111,13 @@ impl EyeTracer<'_> {
         radiance
     }
 
-    /// The pieces of the path in media before the first surface that is more than a bound of these.
-    fn trace_first(&self, start: &EyeStart, pixel: u32, segments: &mut Vec<EyeSegment>) {
+    /// The pieces of the path in media before the first surface that is more than a bound of these. Returns what is seen of what they send out.
+    fn trace_first(&self, start: &EyeStart, pixel: u32, segments: &mut Vec<EyeSegment>) -> Vec3 {
         if !start.sees {
-            return;
+            return Vec3::ZERO;
         }
         let scene = self.scene;
+        let mut sent_out = Vec3::ZERO;
         let mut branch = Branch::new(start);
         let mut knots = Vec::new();
         for _ in 0..=MOST_BOUNDS {
@@ -121,24 +128,29 @@ impl EyeTracer<'_> {
             let length = hit.as_ref().map_or(f32::INFINITY, |hit| hit.distance);
             if let Some(segment) = branch.segment(scene, length, pixel) {
                 segments.push(segment);
-                if beyond.is_some() {
-                    branch.throughput *= self.left(&segment, &mut knots);
+                if beyond.is_some() || scene.medium_of(segment.medium).glow.is_some() {
+                    let (left, glow) = self.crossed(&segment, &mut knots);
+                    sent_out += branch.throughput * glow;
+                    branch.throughput *= left;
                 }
             }
-            let Some((hit, interior)) = beyond.filter(|_| branch.throughput != Vec3::ZERO) else { return };
+            let Some((hit, interior)) = beyond.filter(|_| branch.throughput != Vec3::ZERO) else { break };
             branch = branch.straight_on(hit, interior);
         }
+        sent_out
     }
 
-    /// What a piece of a path leaves of light.
-    fn left(&self, segment: &EyeSegment, knots: &mut Vec<Knot>) -> Vec3 {
+    /// What a piece of a path leaves of light, and the radiance that its medium sends out along it.
+    fn crossed(&self, segment: &EyeSegment, knots: &mut Vec<Knot>) -> (Vec3, Vec3) {
         let (fog, ray) = (&self.fogs[segment.medium as usize], &segment.ray);
         let column = media::column(fog, ray.origin, ray.direction, ray.length, knots);
-        fog.transmittance(column.at(ray.length))
+        let SceneMedium { density, glow, .. } = self.scene.medium_of(segment.medium);
+        let glow = glow.as_ref().map_or(Vec3::ZERO, |glow| glow.seen(fog, density, ray, &column));
+        (fog.transmittance(column.at(ray.length)), glow)
     }
 
     /// Follows the path from its start, appends its pieces in media to `segments` and returns the
-    /// radiance that it sees on surfaces.
+    /// radiance that it sees on surfaces, and that media send out.
     pub fn trace(
         &self,
         start: &EyeStart,
@@ -170,7 +182,9 @@ impl EyeTracer<'_> {
             let length = hit.map_or(f32::INFINITY, |hit| hit.distance);
             if let Some(segment) = branch.segment(scene, length, pixel) {
                 segments.push(segment);
-                branch.throughput *= self.left(&segment, &mut knots);
+                let (left, glow) = self.crossed(&segment, &mut knots);
+                radiance[Kind::Straight as usize] += branch.throughput * glow;
+                branch.throughput *= left;
             }
             if branch.sees_lamps && scene.shows_surfaces() {
                 let seen = |light: &Light| light.seen_along(branch.origin, branch.direction, length);
@@ -381,7 +395,7 @@ mod tests {
         let scene = Scene::parse(text, "glass", Path::new("")).unwrap();
         let surfaces = SurfaceMap::empty();
         let starts = EyeStarts::new(&scene);
-        let tracer = EyeTracer { scene: &scene, fogs: &[], starts, surfaces: &surfaces };
+        let tracer = EyeTracer { scene: &scene, fogs: &[], starts, surfaces: &surfaces, beyond: true };
         let seen = tracer.trace(&starts.middle(0, 0), 0, &mut Random::new([0; 4]), &mut Vec::new());
         assert_eq!(seen, ByKind::default());
     }

@@ -47,8 +47,8 @@ impl FirstHits {
             },
             Light::Area(area) => (area.normal(), 1.0, SPREAD_POINTS),
             Light::Mesh(_) => (Vec3::Y, 2.0, SPREAD_POINTS),
-            // From everywhere.
-            Light::Sun(_) | Light::Sky(_) => (Vec3::Y, 2.0, 0),
+            // From everywhere, or by no shadow rays.
+            Light::Sun(_) | Light::Sky(_) | Light::Glow(_) => (Vec3::Y, 2.0, 0),
         };
         let (across, aside) = axis.any_orthonormal_pair();
         let side = ((rays as f32 / (points.max(1) as f32 * FRAC_PI_4)).sqrt() as u32).max(1);

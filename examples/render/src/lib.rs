@@ -22,6 +22,9 @@ pub mod film;
 mod first_hits;
 pub mod fogs;
 mod geometry;
+pub mod glow;
+#[cfg(feature = "files")]
+mod glow_file;
 mod grids;
 mod guidance;
 pub mod kind;

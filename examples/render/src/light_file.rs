@@ -94,7 +94,7 @@ fn read_sun(table: &Table<'_>, irradiance: Vec3, shone_on: &ShoneOn) -> Result<L
         None => 0.0,
     };
     match outside.map(|id| &media[id as usize]) {
-        Some(SceneMedium { medium, density: MediumDensity::Uniform })
+        Some(SceneMedium { medium, density: MediumDensity::Uniform, .. })
             if medium.extinction() != Vec3::ZERO =>
         {
             return Err(table.required("kind")?.refuse(
@@ -200,8 +200,9 @@ fn read_shining_mesh(table: &Table<'_>, radiance: Vec3, shone_on: &ShoneOn) -> R
 fn read_sky(table: &Table<'_>, radiance: Vec3, shone_on: &ShoneOn) -> Result<Light, SceneError> {
     let &ShoneOn { objects, media, outside, base_dir } = shone_on;
     let kind = table.required("kind")?;
-    if let Some(SceneMedium { medium, density: MediumDensity::Uniform | MediumDensity::Exponential(_) }) =
-        outside.map(|id| &media[id as usize])
+    if let Some(SceneMedium {
+        medium, density: MediumDensity::Uniform | MediumDensity::Exponential(_), ..
+    }) = outside.map(|id| &media[id as usize])
         && medium.extinction() != Vec3::ZERO
     {
         return Err(kind.refuse(

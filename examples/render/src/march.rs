@@ -100,6 +100,8 @@ pub(crate) struct Marcher<'a> {
     pub(crate) offset: [f32; 2],
     /// Whether anything is wanted from the first surface on.
     pub(crate) beyond: bool,
+    /// Whether more is wanted than what the fog before it scatters.
+    pub(crate) wants_rest: bool,
 }
 
 /// A stretch of an eye ray that a light may reach.
@@ -120,6 +122,7 @@ struct Wanted {
     x: u32,
     /// The fog before the first surface.
     fog: bool,
+    /// All else that it sees.
     surfaces: bool,
 }
 
@@ -156,7 +159,7 @@ impl<'a> Marcher<'a> {
         let (width, height) = (self.scene.camera.width, self.scene.camera.height);
         let surfaces = SurfaceMap::empty();
         let (scene, fogs, starts) = (self.scene, self.fogs, self.starts);
-        let tracer = EyeTracer { scene, fogs, starts, surfaces: &surfaces };
+        let tracer = EyeTracer { scene, fogs, starts, surfaces: &surfaces, beyond: self.beyond };
         let start = Instant::now();
         let spread = self.spread(&tracer);
         let mut seconds = start.elapsed().as_secs_f64();
@@ -200,10 +203,10 @@ impl<'a> Marcher<'a> {
         let [seed, pass] = self.key;
         (0..self.scene.camera.width).filter_map(move |x| {
             let Some(plan) = &self.plan else {
-                return Some(Wanted { x, fog: true, surfaces: self.beyond });
+                return Some(Wanted { x, fog: true, surfaces: self.wants_rest });
             };
             let fog = plan.wants(x, y, seed);
-            let surfaces = self.beyond && plan.surfaces().are_wanted(x, y, pass, seed);
+            let surfaces = self.wants_rest && plan.surfaces().are_wanted(x, y, pass, seed);
             (fog || surfaces).then_some(Wanted { x, fog, surfaces })
         })
     }

@@ -9,7 +9,7 @@ pub fn all(scene: &Scene) -> Vec<Medium<'_>> {
     (0..scene.region_count()).map(|region| of(scene.medium_of(region as u32))).collect()
 }
 
-fn of(SceneMedium { medium, density }: &SceneMedium) -> Medium<'_> {
+fn of(SceneMedium { medium, density, .. }: &SceneMedium) -> Medium<'_> {
     let density = match density {
         MediumDensity::Uniform => Density::Uniform,
         MediumDensity::Exponential(exponential) => Density::Exponential(*exponential),

@@ -15,7 +15,7 @@ use crate::volume::{MAX_DENSITY, Volume};
 /// Most voxels of all volumes of a scene: 256 MiB of densities.
 const MAX_SCENE_VOXELS: usize = 1 << 26;
 
-/// The media and their names, in the order of the file.
+/// The media and their names, in the order of the file; what they send out is read once the objects are known.
 pub(crate) fn read_media<'a>(
     root: &Table<'a>,
     base_dir: &Path,
@@ -23,7 +23,7 @@ pub(crate) fn read_media<'a>(
     let (mut media, mut names) = (Vec::new(), Vec::new());
     let mut voxels = 0;
     for table in root.tables("medium")? {
-        table.only(&["name", "scattering", "absorption", "phase", "density"])?;
+        table.only(&["name", "scattering", "absorption", "phase", "density", "emission"])?;
         let name = table.required("name")?;
         let text = name.text("a name in quotes")?;
         if names.contains(&text) {
@@ -44,7 +44,7 @@ pub(crate) fn read_media<'a>(
         let density = table.optional("density").map_or(Ok(MediumDensity::Uniform), |field| {
             read_density(&field, &medium, &mut voxels, base_dir)
         })?;
-        media.push(SceneMedium { medium, density });
+        media.push(SceneMedium { medium, density, glow: None });
         names.push(text);
     }
     Ok((media, names))
@@ -114,7 +114,8 @@ pub(crate) fn check_exponential(
     lights: &[Light],
 ) -> Result<(), SceneError> {
     let Some(id) = outside else { return Ok(()) };
-    let SceneMedium { medium, density: MediumDensity::Exponential(exponential) } = &media[id as usize] else {
+    let SceneMedium { medium, density: MediumDensity::Exponential(exponential), .. } = &media[id as usize]
+    else {
         return Ok(());
     };
     let height =

@@ -41,16 +41,28 @@ impl Interior {
         if light.is_far() { Self { fogs: 0, glass: false, ..interior } } else { interior }
     }
 
-    /// Where a photon of a light starts whose place is inside of this, and what it is inside of there.
-    pub(crate) fn start_of(self, scene: &Scene, light: &Light, emitted: &EmittedPhoton) -> (Vec3, Self) {
+    /// Where a photon of a light starts whose place is inside of this, and what it is inside of there; None: the light is not there.
+    pub(crate) fn start_of(
+        self,
+        scene: &Scene,
+        light: &Light,
+        emitted: &EmittedPhoton,
+    ) -> Option<(Vec3, Self)> {
+        if let Light::Glow(fog) = light {
+            let interior = Self::at(scene, emitted.origin);
+            return fog.is_in(scene, &interior).then(|| (scene.beside(emitted.origin), interior));
+        }
         if light.is_far() {
-            return (emitted.origin, self);
+            return Some((emitted.origin, self));
         }
         // What leaves no surface starts on the side of bounds that it is taken to be on.
         let origin = if emitted.normal == Vec3::ZERO { scene.beside(emitted.origin) } else { emitted.origin };
         let may_reach_through_bounds = scene.placed.as_ref().is_some_and(Placed::has_insides)
             || matches!(light, Light::Lamp(_) | Light::Area(_) | Light::Mesh(_));
-        (origin, if may_reach_through_bounds { self.moved(scene, light.position(), origin) } else { self })
+        Some((
+            origin,
+            if may_reach_through_bounds { self.moved(scene, light.position(), origin) } else { self },
+        ))
     }
 
     /// What a ray that starts at `to` is inside of, from what places at `from` are inside of: across all that is between the two, as
@@ -92,13 +104,17 @@ impl Interior {
     }
 
     /// The region here, a medium and on which side of glass; None = nothing scatters or absorbs.
-    pub fn medium(&self, scene: &Scene) -> Option<MediumId> {
-        let medium = match (self.objects[..self.depth].last(), &scene.placed) {
+    pub fn medium(&self, scene: &Scene) -> Option<u32> {
+        self.fog(scene).map(|medium| scene.region(medium, self.glass))
+    }
+
+    /// The medium here.
+    pub(crate) fn fog(&self, scene: &Scene) -> Option<MediumId> {
+        match (self.objects[..self.depth].last(), &scene.placed) {
             (Some(&object), _) => scene.objects[object as usize].inside,
             (None, Some(placed)) => placed.fogs().medium(self.fogs).or(scene.outside),
             (None, None) => scene.outside,
-        };
-        medium.map(|medium| scene.region(medium, self.glass))
+        }
     }
 
     /// The index of refraction here.

@@ -238,7 +238,7 @@ impl<'a> Renderer<'a> {
         self.is_first_apart = true;
     }
 
-    /// From now on leaves out all light from the first surface on that is more than a bound of fog. Call it before the first pass.
+    /// From now on leaves out all light from the first surface on that is more than a bound of fog; what the fog before it sends out stays. Call it before the first pass.
     pub fn leave_out_beyond(&mut self) {
         self.beyond = false;
     }
@@ -297,6 +297,11 @@ impl<'a> Renderer<'a> {
         let split = Split::of_each_kind(self.scene);
         self.split_into(split);
         split
+    }
+
+    /// Whether eye rays are asked for more than the light that the fog before the first surface scatters.
+    fn wants_rest(&self) -> bool {
+        self.beyond || self.scene.glows()
     }
 
     fn split_into(&mut self, split: Split) {
@@ -554,7 +559,13 @@ impl<'a> Renderer<'a> {
         times.build += of_beams + of_photons;
 
         let starts = self.starts;
-        let tracer = EyeTracer { scene: self.scene, fogs: &self.fogs, starts, surfaces: &surfaces };
+        let tracer = EyeTracer {
+            scene: self.scene,
+            fogs: &self.fogs,
+            starts,
+            surfaces: &surfaces,
+            beyond: self.beyond,
+        };
         let view = View {
             scene: self.scene,
             fogs: &self.fogs,
@@ -570,7 +581,7 @@ impl<'a> Renderer<'a> {
                 seed: self.seed,
                 pass: index,
             }),
-            beyond: self.beyond,
+            wants_rest: self.wants_rest(),
             spectra: (has_spectra && self.is_first_apart).then(|| self.grids.look_up(0)),
         };
         let (image, cost) = view.image(cancelled)?;
@@ -636,6 +647,7 @@ impl<'a> Renderer<'a> {
             key,
             offset: if self.marching.centred { [0.5; 2] } else { pixel_offset(self.seed, index) },
             beyond: self.beyond,
+            wants_rest: self.wants_rest(),
         };
         let (image, seconds, shadow_rays) = marcher.image(cancelled)?;
         times.shadow_rays = shadow_rays;

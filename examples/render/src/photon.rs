@@ -14,7 +14,7 @@ use crate::passage::passage;
 use crate::random::{Emission, PathSampler};
 use crate::record::add;
 pub use crate::record::{Energy, FieldSegment, PathBeam, PhotonRecord, Record, Splat};
-use crate::scene::{Material, Scene};
+use crate::scene::{Light, Material, Scene};
 use crate::surface::SurfacePhoton;
 use covbeam::{Column, CovarianceGrid, Curvature, Density, Edges, Knot, LightField, Medium};
 use covbeam_geometry::hit::Hit;
@@ -25,6 +25,9 @@ use std::time::Instant;
 /// absorption and without walls it would not.
 pub(crate) const LONG_PATH: u32 = 64;
 pub(crate) const GOING_ON: f32 = 0.95;
+
+/// Of light that goes evenly all around, what goes into a steradian.
+const EVENLY: f32 = 0.25 * std::f32::consts::FRAC_1_PI;
 
 /// Beams of a guided path, on average, at most: where each of very many scatterings matters, paths branch less than the picture would like,
 /// or a pass would not end.
@@ -42,6 +45,8 @@ pub struct PhotonTracer<'a> {
     scene: &'a Scene,
     fogs: Vec<Medium<'a>>,
     lights: Lights,
+    /// Cumulative shares of the paths that start from each light which shadow rays look for; of the others 0.
+    lamps: Vec<f32>,
     camera: Interior,
     seed: u32,
     emission: Emission,
@@ -122,6 +127,7 @@ impl<'a> PhotonTracer<'a> {
         Self {
             scene,
             fogs: media::all(scene),
+            lamps: shares_of_lamps(scene, &lights.cumulative),
             lights,
             camera,
             seed,
@@ -138,6 +144,7 @@ impl<'a> PhotonTracer<'a> {
 
     /// From now on sends light paths where the picture needs them; not those for connections with the camera.
     pub(crate) fn guide(&mut self, guidance: Guidance) {
+        self.lamps = shares_of_lamps(self.scene, guidance.lamps());
         self.guidance = Some(guidance);
         for _ in 0..TRIALS {
             let mut record = PhotonRecord::default();
@@ -169,9 +176,9 @@ impl<'a> PhotonTracer<'a> {
         self.scene
     }
 
-    /// Cumulative shares of the paths that start from each light.
+    /// Cumulative shares of the paths that start from each light which shadow rays look for; others have none.
     pub(crate) fn lamps(&self) -> &[f32] {
-        self.guidance.as_ref().map_or(&self.lights.cumulative, Guidance::lamps)
+        &self.lamps
     }
 
     fn acts(&self, operator: Operator) -> bool {
@@ -208,10 +215,14 @@ impl<'a> PhotonTracer<'a> {
         }
         let (light, share) = choose_light(&self.lights.cumulative, &mut sampler);
         let emitted = self.scene.lights[light].emit(&mut sampler);
-        let mut photon = self.start(light, &emitted, emitted.power / (share * paths as f32), record);
+        let power = emitted.power / (share * paths as f32);
+        let Some(mut photon) = self.start(light, &emitted, power, record) else { return };
         add(&mut out.energy.emitted, photon.power);
         if !(photon.power.max_element() > 0.0) {
             return;
+        }
+        if record == Record::Connections && !photon.direct {
+            self.connect(photon.origin, out, |_| EVENLY * photon.power);
         }
         let mut knots = Vec::new();
         for event in 1.. {
@@ -242,24 +253,28 @@ impl<'a> PhotonTracer<'a> {
         is_spent
     }
 
-    /// A photon that leaves a light.
-    fn start(&self, light: usize, emitted: &EmittedPhoton, power: Vec3, record: Record) -> Photon {
-        let (origin, interior) =
-            self.lights.interiors[light].start_of(self.scene, &self.scene.lights[light], emitted);
-        Photon {
+    /// A photon that leaves a light; None: the light is not there, or none of it is recorded.
+    fn start(&self, light: usize, emitted: &EmittedPhoton, power: Vec3, record: Record) -> Option<Photon> {
+        let source = &self.scene.lights[light];
+        let is_straight = source.is_straight();
+        if record == Record::Direct && !is_straight {
+            return None;
+        }
+        let (origin, interior) = self.lights.interiors[light].start_of(self.scene, source, emitted)?;
+        Some(Photon {
             origin,
             direction: emitted.direction,
             power,
             interior,
             normal: emitted.normal,
-            direct: true,
-            specular: true,
+            direct: is_straight,
+            specular: is_straight,
             bounces: 0,
             dark: emitted.dark,
             until: emitted.until,
             field: self.start_field(light, emitted, record),
             stands_for: 1.0,
-        }
+        })
     }
 
     fn start_field(&self, light: usize, emitted: &EmittedPhoton, record: Record) -> Option<LightField> {
@@ -595,6 +610,23 @@ impl<'a> PhotonTracer<'a> {
         let radiance = flux(offset / distance) * arrives * (importance / distance2);
         out.splats.push(Splat { pixel: y as u32 * camera.width + x as u32, radiance });
     }
+}
+
+/// Of the cumulative shares of a scene's lights, those of the lights that shadow rays look for.
+fn shares_of_lamps(scene: &Scene, cumulative: &[f32]) -> Vec<f32> {
+    if scene.lights.iter().all(Light::is_straight) {
+        return cumulative.to_vec();
+    }
+    let before = std::iter::once(&0.0).chain(cumulative);
+    let shares = scene.lights.iter().zip(cumulative).zip(before);
+    let shares = shares.map(|((light, end), before)| if light.is_straight() { end - before } else { 0.0 });
+    let total: f32 = shares.clone().sum();
+    let mut sum = 0.0;
+    let cumulative = shares.map(|share| {
+        sum += share / total.max(f32::MIN_POSITIVE);
+        sum
+    });
+    cumulative.collect()
 }
 
 /// The light that a path starts from, with its probability.

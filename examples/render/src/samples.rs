@@ -52,9 +52,9 @@ pub struct FogSample {
 pub struct SparseSample {
     /// Number of the pixel.
     pub pixel: u32,
-    /// Whether it was asked for surfaces.
+    /// Whether it was asked for that.
     pub has_surfaces: bool,
-    /// Surfaces, and all that is seen through and in them; without plans, the fog too.
+    /// Surfaces, and all that is seen through and in them, and what media send out; without plans, the fog too.
     pub light: ByKind,
     /// As [`PassImage::gather`].
     pub gather: [f32; 4],

@@ -1,7 +1,8 @@
 //! What a scene is: objects, lights, media, camera and the defaults of a render.
 
 use crate::camera::Camera;
-pub use crate::light::{Area, Ball, Cone, Lamp, Pattern, ShiningMesh, Sky, Sun};
+use crate::glow::Glow;
+pub use crate::light::{Area, Ball, Cone, GlowingFog, Lamp, Pattern, ShiningMesh, Sky, Sun};
 pub use crate::material::{Lobes, Material};
 use crate::placed::cleared;
 pub use crate::placed::{Placed, PlacedObject};
@@ -11,6 +12,7 @@ use covbeam_geometry::hit::Hit;
 use covbeam_geometry::mesh::Mesh;
 use glam::Vec3;
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 /// Most pixels along one side of the picture.
 pub const MAX_IMAGE_SIDE: u32 = 16384;
@@ -127,14 +129,20 @@ impl Scene {
         &self.media[(region / self.sides()) as usize]
     }
 
-    /// Whether any light may be scattered: a scene without is black, and nothing can be traced in it.
+    /// Whether any light may be scattered, or is sent out by media: a scene without is black, and nothing can be traced in it.
     pub fn lights_fog(&self) -> bool {
         let scatters = |medium: &SceneMedium| medium.medium.scattering != Vec3::ZERO;
-        self.lights.iter().any(|light| light.flux() != Vec3::ZERO) && self.media.iter().any(scatters)
+        self.lights.iter().any(|light| light.flux() != Vec3::ZERO)
+            && (self.media.iter().any(scatters) || self.glows())
+    }
+
+    /// Whether any medium sends out light.
+    pub(crate) fn glows(&self) -> bool {
+        self.media.iter().any(|medium| medium.glow.is_some())
     }
 
     /// Radiance of the picture to within a few powers of ten [W/(m² sr)]: that of light scattered once, if all of the lights' power
-    /// crossed a sphere as large as the distance from the camera to the scene.
+    /// crossed a sphere as large as the distance from the camera to the scene, and that of what glows.
     pub fn typical_radiance(&self) -> f32 {
         let middle = 0.5 * (self.grid.min + self.grid.max);
         let size = 0.5 * (self.grid.max - self.grid.min).length();
@@ -142,7 +150,9 @@ impl Scene {
         let intensity: f32 = self.lights.iter().map(|light| light.flux().max_element() / (4.0 * PI)).sum();
         let scattering = self.media.iter().map(|medium| medium.medium.scattering.max_element());
         let scattered = (scattering.fold(0.0, f32::max) * distance).clamp(1e-3, 1.0);
-        scattered * intensity / (distance * distance)
+        let glow = self.media.iter().filter_map(|medium| medium.glow.as_ref());
+        let glow: f32 = glow.map(|glow| glow.largest() * glow.radius()).sum();
+        scattered * intensity / (distance * distance) + glow
     }
 }
 
@@ -153,6 +163,8 @@ pub struct SceneMedium {
     pub medium: Medium<'static>,
     /// Relative density.
     pub density: MediumDensity,
+    /// Light that it sends out of itself; a scene's lights have it, too, as [`Light::Glow`]. None: it is dark.
+    pub glow: Option<Arc<Glow>>,
 }
 
 /// How the relative density of a medium varies.
@@ -277,6 +289,8 @@ pub enum Light {
     Mesh(ShiningMesh),
     /// What is around the scene, infinitely far away.
     Sky(Sky),
+    /// A medium that glows.
+    Glow(GlowingFog),
 }
 
 /// Defaults of a render; the command line overrides them.

@@ -15,10 +15,11 @@ use crate::camera_file::read_camera;
 use crate::defaults::{self, Cells, Given};
 pub use crate::fields::SceneError;
 use crate::fields::{Field, Source, Table};
+use crate::glow_file::read_glows;
 use crate::light_file::{ShoneOn, read_light};
 use crate::material_file::read_material;
 use crate::medium_file::{check_exponential, read_media, read_medium_name};
-use crate::scene::{Light, MAX_PHOTONS, MediumDensity, Object, Scene, SceneMedium, Sees, Shape};
+use crate::scene::{GlowingFog, Light, MAX_PHOTONS, MediumDensity, Object, Scene, SceneMedium, Sees, Shape};
 
 /// Most cells of the covariance grid.
 pub const MAX_GRID_CELLS: u64 = 1 << 24;
@@ -47,7 +48,7 @@ impl Scene {
         let document = source.parse()?;
         let root = Table::root(source, &document);
         root.only(&["outside_medium", "camera", "medium", "object", "light", "grid", "render"])?;
-        let (media, names) = read_media(&root, base_dir)?;
+        let (mut media, names) = read_media(&root, base_dir)?;
         let outside =
             root.optional("outside_medium").map(|field| read_medium_name(&field, &names)).transpose()?;
         let camera = read_camera(&root.required("camera")?.table()?)?;
@@ -56,11 +57,13 @@ impl Scene {
             .iter()
             .map(|t| read_object(t, &media, &names, base_dir))
             .collect::<Result<_, _>>()?;
+        read_glows(&root, &mut media, &objects, outside)?;
         let shone_on = ShoneOn { objects: &objects, media: &media, outside, base_dir };
-        let lights: Vec<Light> =
+        let mut lights: Vec<Light> =
             root.tables("light")?.iter().map(|t| read_light(t, &shone_on)).collect::<Result<_, _>>()?;
+        lights.extend(GlowingFog::all(&media).map(Light::Glow));
         if lights.is_empty() {
-            return Err(root.lacks("light", "at least one [[light]]"));
+            return Err(root.lacks("light", "at least one [[light]], or a [[medium]] with `emission`"));
         }
         let given = read_given(&root)?;
         check_exponential(&root, &media, outside, given.corners, &objects, &camera, &lights)?;

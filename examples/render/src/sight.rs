@@ -5,6 +5,7 @@ use crate::optics::Interior;
 use crate::passage::clear;
 use crate::scene::{MediumId, Scene};
 use crate::starts::EyeStart;
+use covbeam::EyeRay;
 use covbeam_geometry::hit::Hit;
 
 /// The first piece of fog on an eye ray's way to the first surface.
@@ -25,6 +26,8 @@ pub struct FirstFog {
 pub struct Sight {
     /// The first piece of fog; None: there is none before the first surface.
     pub fog: Option<FirstFog>,
+    /// Whether any of the fog before the first surface sends out light.
+    pub glows: bool,
     /// Distance from the ray's start to the first surface; infinite: there is none.
     pub end: f32,
     /// That surface, and what the ray is inside of before it.
@@ -39,19 +42,25 @@ impl Sight {
             return Self { fog: None, end: f32::INFINITY, surface: None };
         }
         let mut fog: Option<FirstFog> = None;
+        let mut glows = false;
         let (mut passed, mut bounds) = (0.0, 0);
         loop {
             let hit = scene.intersect(origin, direction, f32::INFINITY);
             let end = passed + hit.as_ref().map_or(f32::INFINITY, |hit| hit.distance);
             if let Some(medium) = interior.medium(scene) {
+                let length = end - passed;
+                let glow = scene.medium_of(medium).glow.as_ref();
+                glows |= glow.is_some_and(|glow| glow.is_met(&EyeRay { origin, direction, length }));
                 match &mut fog {
                     Some(first) => first.is_alone = false,
                     None => fog = Some(FirstFog { from: passed, to: end, medium, is_alone: true }),
                 }
             }
-            let Some(hit) = hit else { return Self { fog, end, surface: None } };
+            let Some(hit) = hit else { return Self { fog, glows, end, surface: None } };
             let beyond = clear(scene, &hit, direction, &interior).filter(|_| bounds < MOST_BOUNDS);
-            let Some(beyond) = beyond else { return Self { fog, end, surface: Some((hit, interior)) } };
+            let Some(beyond) = beyond else {
+                return Self { fog, glows, end, surface: Some((hit, interior)) };
+            };
             (origin, interior) = (hit.leave(direction), beyond);
             passed = (origin - start.origin).dot(direction);
             bounds += 1;

@@ -36,14 +36,14 @@ pub(crate) fn is_left_to_beams(scene: &Scene, medium: u32) -> bool {
 
 /// Shadow rays of a piece of an eye path, alone in its pixel.
 pub(crate) fn rays_of_piece(scene: &Scene) -> u32 {
-    PLACES as u32 * scene.lights.len().min(LAMPS) as u32
+    PLACES as u32 * scene.lights.iter().filter(|light| light.is_straight()).count().min(LAMPS) as u32
 }
 
 /// The straight light of a pass.
 pub(crate) struct Straight<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) fogs: &'a [Medium<'a>],
-    /// Cumulative shares of the lamps, for drawing some of many.
+    /// Cumulative shares of the lamps, for drawing some of many; those whose light is not straight have none.
     pub(crate) lamps: &'a [f32],
     pub(crate) seed: u32,
     pub(crate) pass: u32,
@@ -101,6 +101,9 @@ impl Straight<'_> {
             let u = (draw as f32 + shift) / LAMPS as f32;
             let lamp = self.lamps.partition_point(|&end| end <= u).min(self.lamps.len() - 1);
             let share = self.lamps[lamp] - if lamp == 0 { 0.0 } else { self.lamps[lamp - 1] };
+            if !(share > 0.0) {
+                continue;
+            }
             let light = &self.scene.lights[lamp];
             let found = self.of_lamp(&piece, light, places, &self.shifts(&mut random, fraction));
             sum += found / (share * LAMPS as f32);

@@ -108,7 +108,7 @@ fn light_paths(scene: &Scene) -> PhotonRecord {
 fn eye_pieces(scene: &Scene, fogs: &[Medium]) -> Vec<EyeSegment> {
     let starts = EyeStarts::new(scene);
     let surfaces = SurfaceMap::empty();
-    let tracer = EyeTracer { scene, fogs, starts, surfaces: &surfaces };
+    let tracer = EyeTracer { scene, fogs, starts, surfaces: &surfaces, beyond: true };
     let mut pieces: Vec<EyeSegment> = Vec::new();
     for node in 0..LATTICE * LATTICE {
         let at = |index: u32, count: u32| (index as f32 + 0.5) / LATTICE as f32 * count as f32;

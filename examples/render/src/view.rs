@@ -59,8 +59,8 @@ pub(crate) struct View<'a> {
     pub(crate) plans: Vec<Plan>,
     /// Where straight light is not left to beams; it is of the first layer.
     pub(crate) straight: Option<Straight<'a>>,
-    /// Whether anything is wanted from the first surface on.
-    pub(crate) beyond: bool,
+    /// Whether more is wanted than what the fog before the first surface scatters.
+    pub(crate) wants_rest: bool,
     /// What layer σ tells of where kernels look nothing up: the mean along the eye ray; None: it is 0 there.
     pub(crate) spectra: Option<FluenceGrid<'a>>,
 }
@@ -72,6 +72,7 @@ struct Wanted {
     y: u32,
     /// By layer: the fog before the first surface.
     fog: [bool; MOST_LAYERS],
+    /// All else that it sees.
     surfaces: bool,
     /// Rays that look for its light, itself and others beside it: for straight light only, unless it is blurred.
     looks: u32,
@@ -151,7 +152,7 @@ impl View<'_> {
             .map(move |place| (x0 + every_second_bit(place), y0 + every_second_bit(place >> 1)));
         pixels.filter(move |(x, y)| *x < width && *y < height).filter_map(|(x, y)| {
             let fog = [self.plans.is_empty(); MOST_LAYERS];
-            let mut wanted = Wanted { x, y, fog, surfaces: self.beyond, looks: 1, is_blurred: false };
+            let mut wanted = Wanted { x, y, fog, surfaces: self.wants_rest, looks: 1, is_blurred: false };
             if let Some(plan) = self.plans.first() {
                 let surfaces = plan.surfaces();
                 wanted.surfaces &= surfaces.are_wanted(x, y, self.pass, self.seed);

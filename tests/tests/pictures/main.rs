@@ -6,6 +6,7 @@ mod edges;
 mod edges_mesh;
 mod fleet;
 mod geometry;
+mod glow;
 mod guided;
 mod heterogeneous;
 mod lamps;

@@ -11,7 +11,7 @@ import covbeam_rays
 import numpy as np
 from covbeam_rays import MATERIAL
 
-__all__ = ["MATERIAL", "Aperture", "Camera", "Density", "Light", "LightKind", "Pattern", "Phase", "Projection", "Scene", "Volume"]
+__all__ = ["MATERIAL", "Aperture", "Camera", "Density", "Glow", "Light", "LightKind", "Pattern", "Phase", "Projection", "Scene", "Volume"]
 
 
 class LightKind(IntEnum):
@@ -106,6 +106,17 @@ class Density:
 
 
 @dataclass(frozen=True)
+class Glow:
+    """Light that a medium sends out, the same in all directions: voxels as those of Density."""
+
+    #: Corners of the box [m].
+    min: np.ndarray
+    max: np.ndarray
+    #: Emission coefficient per channel [W/(m^3 sr)], >= 0, float32 (z, y, x, 3).
+    values: np.ndarray
+
+
+@dataclass(frozen=True)
 class Volume:
     """A medium and where it is: inside the closed meshes of its objects, or everywhere. Coefficients hold where the relative density is
     1, its largest value."""
@@ -122,6 +133,8 @@ class Volume:
     asymmetry: float = 0.0
     #: How much of the medium there is; None: 1 everywhere.
     density: Density | None = None
+    #: What it sends out, however much of it there is; None: it is dark. The world's is.
+    glow: Glow | None = None
     #: Indices of the volumes whose sum this is, where all of them and no others are; empty: it is one of a scene's own. The world's is in
     #: all of them.
     parts: tuple[int, ...] = ()

@@ -72,7 +72,7 @@ fn scene() -> Arc<Scene> {
         materials: &[glass],
         object_volumes: &[-1],
         object_closed: &[1],
-        volumes: vec![Volume { fields: fog, densities: None, parts: &[] }],
+        volumes: vec![Volume { fields: fog, densities: None, glow: None, parts: &[] }],
         world_volume: 0,
         lights: vec![Light { fields: lamp, triangles: &[], cells: None }],
         camera: CAMERA,

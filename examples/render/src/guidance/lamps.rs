@@ -134,13 +134,14 @@ impl<'a> Lamp<'a> {
         let mut sampler = PathSampler::new(Emission::Independent, 0, KEY, index);
         let emitted = self.light.emit_at(place, &mut sampler);
         let all = mean(emitted.power);
-        let (origin, interior) = self.interior.start_of(self.scene, self.light, &emitted);
+        let start = self.interior.start_of(self.scene, self.light, &emitted);
+        let Some((origin, interior)) = start else { return 0.0 };
         let start = Ray {
             origin,
             direction: emitted.direction,
             interior,
             power: all,
-            is_straight: true,
+            is_straight: self.light.is_straight(),
             dark: emitted.dark,
             until: emitted.until,
             met: 0,

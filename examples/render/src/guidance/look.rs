@@ -128,7 +128,7 @@ impl<'a> Look<'a> {
         memory: &mut Memory,
     ) -> ByKind {
         let Self { scene, fogs, starts, ref surfaces, .. } = *self;
-        let eye = EyeTracer { scene, fogs, starts, surfaces };
+        let eye = EyeTracer { scene, fogs, starts, surfaces, beyond: true };
         memory.segments.clear();
         let mut radiance = eye.trace(start, number, random, &mut memory.segments);
         for segment in &memory.segments {

@@ -5,6 +5,7 @@ mod area;
 mod cells;
 mod directions;
 mod disk;
+mod glow;
 mod lamp;
 mod mesh;
 mod patch;
@@ -20,6 +21,7 @@ mod triangle;
 pub use aim::Ball;
 pub use area::Area;
 pub use directions::cosine_direction;
+pub use glow::GlowingFog;
 pub use lamp::Lamp;
 pub use mesh::ShiningMesh;
 pub use pattern::Pattern;
@@ -81,6 +83,7 @@ impl Light {
             Light::Area(area) => area.flux(),
             Light::Mesh(ref mesh) => mesh.flux(),
             Light::Sky(ref sky) => sky.flux(),
+            Light::Glow(ref fog) => fog.flux(),
         }
     }
 
@@ -98,7 +101,13 @@ impl Light {
             Light::Area(area) => area.position(),
             Light::Mesh(ref mesh) => mesh.position(),
             Light::Sky(ref sky) => sky.position(),
+            Light::Glow(ref fog) => fog.position(),
         }
+    }
+
+    /// Whether its light comes straight from it, for shadow rays to look for; else it counts as scattered, and photons bring all of it.
+    pub(crate) fn is_straight(&self) -> bool {
+        !matches!(self, Light::Glow(_))
     }
 
     /// Whether its light comes from infinitely far away.
@@ -114,6 +123,7 @@ impl Light {
             Light::Area(area) => area.bounds(),
             Light::Mesh(mesh) => mesh.bounds(),
             Light::Sky(sky) => sky.bounds(),
+            Light::Glow(fog) => fog.bounds(),
             _ => (self.position(), self.position()),
         }
     }
@@ -133,6 +143,8 @@ impl Light {
             Light::Area(area) => area.may_have_sent(origin),
             Light::Mesh(ref mesh) => mesh.may_have_sent(origin),
             Light::Sky(ref sky) => sky.may_have_sent(origin),
+            // Its light counts as scattered.
+            Light::Glow(_) => false,
         }
     }
 
@@ -189,6 +201,7 @@ impl Light {
             Light::Area(area) => area.emit_at([a, b], sampler),
             Light::Mesh(ref mesh) => mesh.emit_at([a, b], sampler),
             Light::Sky(ref sky) => sky.emit_at([a, b], sampler),
+            Light::Glow(ref fog) => fog.emit_at([a, b], sampler),
         }
     }
 
@@ -216,6 +229,7 @@ impl Light {
             Light::Area(area) => area.light_field(photon.direction),
             Light::Mesh(ref mesh) => mesh.light_field(photon.direction, photon.normal),
             Light::Sky(ref sky) => sky.light_field(photon.direction),
+            Light::Glow(ref fog) => fog.light_field(photon.direction),
         }
     }
 
@@ -250,6 +264,7 @@ impl Light {
             Light::Area(area) => area.flux_density(point, xi),
             Light::Mesh(ref mesh) => mesh.flux_density(point, xi),
             Light::Sky(ref sky) => sky.flux_density(point, xi),
+            Light::Glow(ref fog) => (Vec3::ZERO, fog.position()),
         }
     }
 
@@ -275,6 +290,7 @@ impl Light {
             Light::Lamp(ref lamp) => lamp.lit_stretch(o, d, [from, to]),
             Light::Area(area) => area.lit_stretch(o, d, [from, to]),
             Light::Mesh(_) | Light::Sky(_) => (from < to).then_some((from, to)),
+            Light::Glow(_) => None,
         }
     }
 
@@ -283,7 +299,7 @@ impl Light {
     pub(crate) fn seen_along(&self, origin: Vec3, direction: Vec3, reach: f32) -> Vec3 {
         let (o, d, reach) = (origin.as_dvec3(), direction.as_dvec3(), f64::from(reach));
         let (is_met, radiance) = match *self {
-            Light::Point { .. } | Light::Spot { .. } => return Vec3::ZERO,
+            Light::Point { .. } | Light::Spot { .. } | Light::Glow(_) => return Vec3::ZERO,
             Light::Disk { center, normal, radius, radiance } => {
                 let slope = d.dot(normal.as_dvec3());
                 let distance = (center.as_dvec3() - o).dot(normal.as_dvec3()) / slope;
@@ -344,6 +360,7 @@ impl Light {
             Light::Area(area) => area.softening(),
             Light::Mesh(ref mesh) => return mesh.middle(),
             Light::Sky(ref sky) => return sky.middle(),
+            Light::Glow(ref fog) => fog.softening(),
         };
         (self.position(), softening)
     }

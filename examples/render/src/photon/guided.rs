@@ -83,11 +83,11 @@ impl<'a> PhotonTracer<'a> {
         let (place, density) = guidance.emission(light).warp(sampler.uniform_pair());
         let emitted = self.scene.lights[light].emit_at(place, &mut sampler);
         let power = emitted.power / (share * density * paths as f32);
+        let Some(photon) = self.start(light, &emitted, power, record) else { return };
         add(&mut out.energy.emitted, power);
         if !(power.max_element() > 0.0) {
             return;
         }
-        let photon = self.start(light, &emitted, power, record);
         let mut tree = Tree {
             tracer: self,
             guidance,

@@ -20,7 +20,7 @@ use std::sync::Arc;
 /// A shadow's border crosses a pixel around which straight light varies by more than this.
 const EDGE: f32 = 0.5;
 
-/// Share of the passes in which pixels with nothing to see look beyond the fog.
+/// Share of the passes in which pixels with nothing else to see look beyond the light that fog scatters.
 const BLACK_DENSITY: f32 = 0.25;
 
 /// Keeps the choice of pixels apart from others.
@@ -40,7 +40,7 @@ pub struct FirstSurfaces {
     fog: Vec<Vec<Option<NodeFog>>>,
     /// Whether there is any before the first surface, in any pixel.
     has_fog: bool,
-    /// Of each pixel: whether it and those around it are black, or there is none, and no silhouette crosses it.
+    /// Of each pixel: whether it and those around it are black, or there is none, no fog before it sends out light, and no silhouette crosses it.
     black: Vec<bool>,
     /// Of each pixel: whether a silhouette or the border of a shadow on it crosses it.
     edge: Vec<bool>,
@@ -139,7 +139,7 @@ impl FirstSurfaces {
         self.has_fog
     }
 
-    /// Whether a pass looks at what is beyond the fog in pixel (x, y): always where there is something to see in it or beside it, and at
+    /// Whether a pass looks at what is beyond the fog in pixel (x, y), and at what this sends out: always where there is something to see in it or beside it, and at
     /// silhouettes, which cross pixels; else in a quarter of the passes, for what is smaller than a pixel.
     pub fn are_wanted(&self, x: u32, y: u32, pass: u32, seed: u32) -> bool {
         let density = if self.black[self.index(x, y)] { BLACK_DENSITY } else { 1.0 };
@@ -235,9 +235,9 @@ struct Look {
 impl Look {
     fn new(scene: &Scene, fogs: &[Medium], start: &EyeStart) -> Self {
         let camera = &scene.camera;
-        let Sight { fog, end, surface } = Sight::new(scene, start);
+        let Sight { fog, glows, end, surface } = Sight::new(scene, start);
         let depth = |distance: f32| camera.near + distance * camera.depth_along(start.direction);
-        let is_black = surface.as_ref().is_none_or(|(hit, _)| !scene.shows(scene.material(hit)));
+        let is_black = !glows && surface.as_ref().is_none_or(|(hit, _)| !scene.shows(scene.material(hit)));
         let surface = surface.filter(|_| scene.shows_surfaces());
         let lit = surface.map_or(0.0, |(hit, interior)| lit(scene, fogs, interior, start.direction, &hit));
         let begins = fog.map_or(f32::INFINITY, |fog| depth(fog.from));

@@ -81,7 +81,7 @@ fn medium_share(scene: &Scene, solids: &[Solid], layout: &GridLayout, voxel: [u3
         let point = point.as_vec3();
         let medium = Interior::at(scene, point).medium(scene);
         let scatters = |id: u32| {
-            let SceneMedium { medium, density } = scene.medium_of(id);
+            let SceneMedium { medium, density, .. } = scene.medium_of(id);
             // Beams end where a volume ends, so the fluence is known inside only.
             let within = match density {
                 MediumDensity::Grid(volume) => voxel_at(&volume.layout, point).is_some(),

@@ -19,7 +19,7 @@ fn seen(scene: &Scene, direction: Vec3, asked: [bool; 2], seed: u32) -> (Vec<Eye
     let starts = EyeStarts::new(scene);
     let start =
         EyeStart { origin: scene.camera.position, direction, interior: starts.interior(), sees: true };
-    let tracer = EyeTracer { scene, fogs: &fogs, starts, surfaces: &surfaces };
+    let tracer = EyeTracer { scene, fogs: &fogs, starts, surfaces: &surfaces, beyond: true };
     let mut segments = Vec::new();
     let mut random = Random::new([seed, 0, 0, 0]);
     let light = tracer.trace_wanted(&start, 0, asked, &mut random, &mut segments);

@@ -21,6 +21,8 @@ pub struct covbeam_rays_volume {
     pub fields: VolumeFields,
     /// Density, one number a voxel, x first, then y, then z; NULL = 1 everywhere.
     pub densities: *const f32,
+    /// Emission coefficients, one colour a voxel, in the same order; NULL = it is dark.
+    pub glow: *const [f32; 3],
     /// How many volumes this is the sum of.
     pub part_count: usize,
     /// Their numbers.
@@ -99,16 +101,18 @@ pub unsafe extern "C" fn covbeam_rays_scene_new(
 /// The contract of this module.
 unsafe fn volume<'a>(given: &covbeam_rays_volume, number: usize) -> Result<Volume<'a>> {
     let fields = given.fields;
-    let is_even = given.densities.is_null();
+    let (is_even, is_dark) = (given.densities.is_null(), given.glow.is_null());
     let count = if is_even { 0 } else { product(&fields.cells) };
+    let glow_count = if is_dark { 0 } else { product(&fields.glow_cells) };
     // SAFETY: the contract of this module.
-    let (densities, parts) = unsafe {
+    let (densities, glow, parts) = unsafe {
         (
             array(given.densities, count, &format!("volumes[{number}].density"))?,
+            array(given.glow, glow_count, &format!("volumes[{number}].glow"))?,
             array(given.parts, given.part_count, &format!("volumes[{number}].parts"))?,
         )
     };
-    Ok(Volume { fields, densities: (!is_even).then_some(densities), parts })
+    Ok(Volume { fields, densities: (!is_even).then_some(densities), glow: (!is_dark).then_some(glow), parts })
 }
 
 /// # Safety

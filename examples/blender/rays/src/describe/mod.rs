@@ -18,7 +18,7 @@ pub use volumes::{Volume, VolumeFields};
 use crate::failure::{Result, invalid};
 use covbeam_geometry::instances::Instances;
 use covbeam_render::defaults::{Given, NO_GRID};
-use covbeam_render::scene::{Placed, PlacedObject, Scene, Sees};
+use covbeam_render::scene::{GlowingFog, Light as RenderLight, Placed, PlacedObject, Scene, Sees};
 use std::sync::Arc;
 use volumes::Media;
 
@@ -51,7 +51,8 @@ impl Description<'_> {
         let media = Media::new(&self.volumes, self.world_volume)?;
         let objects = self.objects(&media)?;
         let lit = extent::Lit::new(self, &geometry, &camera);
-        let lights = lights::lights(&self.lights, &media, &lit)?;
+        let mut lights = lights::lights(&self.lights, &media, &lit)?;
+        lights.extend(GlowingFog::all(&media.all).map(RenderLight::Glow));
         let placed = match geometry.is_empty() {
             true => None,
             false => {

@@ -1,13 +1,15 @@
 //! Media, and where they are.
 
-use super::fields::Fields;
+use super::fields::{BRIGHTEST, Fields};
 use crate::failure::{Result, invalid};
 use covbeam::{GridLayout, Medium, PhaseFunction, PhaseKind};
 use covbeam_geometry::MAX_COORDINATE;
 use covbeam_render::fogs::{AddedFogs, FogSum, FogVolume};
+use covbeam_render::glow::Glow;
 use covbeam_render::scene::{MediumDensity, MediumId, SceneMedium};
 use covbeam_render::volume::{MAX_DENSITY, MAX_VOXELS, Volume as Voxels};
 use glam::{DVec3, Vec3};
+use std::sync::Arc;
 
 /// A medium and where it is. See Volume in the extension's `host/scene.py`.
 #[repr(C)]
@@ -27,8 +29,14 @@ pub struct VolumeFields {
     pub density_min: [f64; 3],
     /// Upper corner.
     pub density_max: [f64; 3],
-    /// Voxels along x, y and z.
+    /// Lower corner of the voxels of what it sends out \[m\]; these three are not read without.
+    pub glow_min: [f64; 3],
+    /// Upper corner.
+    pub glow_max: [f64; 3],
+    /// Voxels of the density along x, y and z.
     pub cells: [u32; 3],
+    /// Voxels of what it sends out.
+    pub glow_cells: [u32; 3],
     /// 0 = isotropic, 1 = Henyey-Greenstein, 2 = Rayleigh.
     pub phase: u32,
 }
@@ -40,6 +48,8 @@ pub struct Volume<'a> {
     pub fields: VolumeFields,
     /// Density, one number a voxel; None = 1 everywhere.
     pub densities: Option<&'a [f32]>,
+    /// Emission coefficient, one colour a voxel [W/(m³ sr)]; None = it is dark.
+    pub glow: Option<&'a [[f32; 3]]>,
     /// Numbers of the volumes that this is the sum of, where all of them and no others are.
     pub parts: &'a [i32],
 }
@@ -77,28 +87,32 @@ impl Volume<'_> {
             None => MediumDensity::Uniform,
             Some(densities) => MediumDensity::Grid(self.voxels(&fields, densities)?),
         };
-        Ok(SceneMedium { medium, density })
+        let glow = self.glow.map(|glow| self.glow(&fields, glow)).transpose()?.flatten().map(Arc::new);
+        Ok(SceneMedium { medium, density, glow })
+    }
+
+    /// None: it is dark.
+    fn glow(&self, fields: &Fields, glow: &[[f32; 3]]) -> Result<Option<Glow>> {
+        let VolumeFields { glow_cells, glow_min, glow_max, .. } = self.fields;
+        let layout = layout(fields, "glow", glow_cells, [glow_min, glow_max])?;
+        let is_emission = |value: &f32| (0.0..=BRIGHTEST as f32).contains(value);
+        if let Some(wrong) = glow.iter().position(|emission| !emission.iter().all(is_emission)) {
+            let wanted = format_args!("numbers from 0 to {BRIGHTEST:e}");
+            return Err(fields.wrong(&format!("glow.values[{wrong}]"), glow[wrong], wanted));
+        }
+        let made = Glow::new(layout, glow.iter().map(|&emission| Vec3::from(emission)).collect());
+        match made.as_ref().map(Glow::flux).filter(|flux| !flux.is_finite()) {
+            Some(flux) => {
+                let wanted = "a glow whose power single precision holds";
+                Err(fields.wrong("glow.values", flux.to_array(), wanted))
+            }
+            None => Ok(made),
+        }
     }
 
     fn voxels(&self, fields: &Fields, densities: &[f32]) -> Result<Voxels> {
         let VolumeFields { cells, density_min, density_max, .. } = self.fields;
-        if !(1..=MAX_VOXELS as usize).contains(&densities.len()) {
-            return Err(fields.wrong(
-                "density.cells",
-                cells,
-                format_args!("1 to {MAX_VOXELS} voxels in all"),
-            ));
-        }
-        let min = fields.point("density.min", density_min)?;
-        let max = fields.point("density.max", density_max)?;
-        let voxel = (max - min) / glam::UVec3::from(cells).as_dvec3();
-        if !(voxel.min_element() >= f64::from(1.0 / MAX_COORDINATE)) {
-            return Err(fields.wrong(
-                "density.max",
-                density_max,
-                "a box whose voxels are at least 1e-9 m wide",
-            ));
-        }
+        let layout = layout(fields, "density", cells, [density_min, density_max])?;
         let most = f64::from(MAX_DENSITY) / self.extinction().max(1.0);
         let is_density = |density: &f32| (0.0..=most).contains(&f64::from(*density));
         if let Some(wrong) = densities.iter().position(|density| !is_density(density)) {
@@ -106,9 +120,24 @@ impl Volume<'_> {
             let wanted = "numbers from 0 to 1e9, and products with the coefficients up to 1e9";
             return Err(fields.wrong(&name, densities[wrong], wanted));
         }
-        let layout = GridLayout { min: min.as_vec3(), max: max.as_vec3(), cells };
         Ok(Voxels { layout, values: densities.to_vec() })
     }
+}
+
+/// That of voxels between two corners; `name`: of the field that has them.
+fn layout(fields: &Fields, name: &str, cells: [u32; 3], [min, max]: [[f64; 3]; 2]) -> Result<GridLayout> {
+    let count = cells.iter().map(|&count| u128::from(count)).product::<u128>();
+    if !(1..=u128::from(MAX_VOXELS)).contains(&count) {
+        let wanted = format_args!("1 to {MAX_VOXELS} voxels in all");
+        return Err(fields.wrong(&format!("{name}.cells"), cells, wanted));
+    }
+    let field = |corner| format!("{name}.{corner}");
+    let (low, high) = (fields.point(&field("min"), min)?, fields.point(&field("max"), max)?);
+    let voxel = (high - low) / glam::UVec3::from(cells).as_dvec3();
+    if !(voxel.min_element() >= f64::from(1.0 / MAX_COORDINATE)) {
+        return Err(fields.wrong(&field("max"), max, "a box whose voxels are at least 1e-9 m wide"));
+    }
+    Ok(GridLayout { min: low.as_vec3(), max: high.as_vec3(), cells })
 }
 
 /// The media of a scene.
@@ -137,6 +166,10 @@ impl Media {
                 })? as MediumId)
             }
         };
+        if let Some(index) = outside.filter(|&id| all[id as usize].glow.is_some()) {
+            let wanted = "None: what the world's volume sends out has no end";
+            return Err(Fields::of("volumes", index as usize).wrong("glow", "voxels", wanted));
+        }
         let (mut places, mut bodies, mut sums) = (Vec::new(), Vec::new(), Vec::new());
         for (index, volume) in volumes.iter().enumerate() {
             let medium = index as MediumId;

@@ -38,8 +38,10 @@ _d3 = _d * 3
 
 class _Volume(ctypes.Structure):
     _fields_ = [(name, _d3) for name in ("scattering", "absorption", "min", "max")]
-    _fields_ += [("asymmetry", _d), ("density_min", _d3), ("density_max", _d3), ("cells", _u * 3), ("phase", _u)]
-    _fields_ += [("densities", _p), ("part_count", _z), ("parts", _p)]
+    _fields_ += [("asymmetry", _d), ("density_min", _d3), ("density_max", _d3), ("glow_min", _d3), ("glow_max", _d3)]
+    _fields_ += [("cells", _u * 3), ("glow_cells", _u * 3), ("phase", _u)]
+    # The last is what aligns the arrays.
+    _fields_ += [("_", _u), ("densities", _p), ("glow", _p), ("part_count", _z), ("parts", _p)]
 
 
 class _Light(ctypes.Structure):
@@ -73,7 +75,8 @@ class Scene:
     - volumes: media and where they are, up to 64 that fill objects. Of each: `scattering` and `absorption` coefficients [1/m] (3,);
       `phase`, 0 isotropic, 1 Henyey-Greenstein, 2 Rayleigh, and `asymmetry`, the mean cosine of Henyey-Greenstein in (-1, 1); `min` and
       `max`, corners of what it fills [m], not read for the world's; `density`, None or what has `min` and `max` [m] and `values`, float32
-      (z, y, x), relative densities at the middles of voxels; `parts`, of a sum: the indices of the volumes that overlap where it counts.
+      (z, y, x), relative densities at the middles of voxels; `glow`, the same, of emission coefficients, float32 (z, y, x, 3)
+      [W/(m^3 sr)], of what fills objects; `parts`, of a sum: the indices of the volumes that overlap where it counts.
     - world_volume: index of the volume that is outside of all objects, or -1.
     - lights: each with `kind` and what that needs; see LightKind and Light of the extension.
     - camera: with `position`, `right`, `up`, `forward` (3,), `projection`, 0 perspective, 1 orthographic, 2 equirectangular, 3 fisheye,
@@ -135,6 +138,12 @@ def _volume(name, volume, kept):
         corners = _vectors(f"{name}.density", volume.density, ("min", "max"))
         given |= {f"density_{corner}": value for corner, value in corners.items()}
         given |= {"cells": (_u * 3)(*values.shape[::-1]), "densities": values.ctypes.data}
+        kept.append(values)
+    if volume.glow is not None:
+        values = packed(f"{name}.glow.values", volume.glow.values, _FLOAT, (None, None, None, 3))
+        corners = _vectors(f"{name}.glow", volume.glow, ("min", "max"))
+        given |= {f"glow_{corner}": value for corner, value in corners.items()}
+        given |= {"glow_cells": (_u * 3)(*values.shape[2::-1]), "glow": values.ctypes.data}
         kept.append(values)
     parts = packed(f"{name}.parts", np.array(volume.parts, int), _INT, (None,))
     kept.append(parts)
