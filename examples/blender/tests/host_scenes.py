@@ -53,11 +53,11 @@ BLACK = material()
 BOUND = material(transparent=1)
 
 
-def volume(name, scattering, absorption, asymmetry=0.0, low=-np.inf, high=np.inf, density=None):
-    """A Volume, grey or of three channels; asymmetry: of Henyey-Greenstein; density: a Density, or None for 1 everywhere."""
+def volume(name, scattering, absorption, asymmetry=0.0, low=-np.inf, high=np.inf, density=None, glow=None):
+    """A Volume, grey or of three channels; asymmetry: of Henyey-Greenstein; density: a Density, or None for 1 everywhere; glow: a Glow."""
     s, a, low, high = (np.broadcast_to(np.asarray(v, np.float64), 3).copy() for v in (scattering, absorption, low, high))
     phase = Phase.HENYEY_GREENSTEIN if asymmetry else Phase.ISOTROPIC
-    return Volume(name, s, a, low, high, phase, asymmetry, density)
+    return Volume(name, s, a, low, high, phase, asymmetry, density, glow)
 
 
 _CELLS = 12
@@ -93,6 +93,12 @@ def density_at(density, places):
         place = (np.minimum(low[..., k] + corner[k], cells[k] - 1) for k in (2, 1, 0))
         found = found + weight * values[tuple(place)]
     return np.where(((places >= density.min) & (places <= density.max)).all(axis=-1), found, 0)
+
+
+def glow_at(glow, places):
+    """A Glow at places (n, 3), the same: (n, 3)."""
+    channels = (Density(glow.min, glow.max, glow.values[..., k]) for k in range(3))
+    return np.stack([density_at(channel, places) for channel in channels], axis=-1)
 
 
 def camera(position, look_at, vertical_fov, width, height, up=(0, 1, 0)):

@@ -39,7 +39,7 @@ def _settings(scene):
 
 def _world(scene):
     scenes.world(None, shader("VolumePrincipled", {"Density": 0.02, "Emission Strength": 1.0}))
-    return _all('World "World"', "light that the volume emits")
+    return _all('World "World"', "light that fog without end sends out")
 
 
 def _objects(scene):
@@ -194,7 +194,7 @@ def _volumes(scene):
 
     two = joined("AddShader", shader("VolumeScatter", {"Anisotropy": 0.5}), shader("VolumeScatter"))
     volumes = {
-        "Noisy Fog": (noisy, ("Density of Principled Volume comes from Voronoi Texture", "light that the volume emits")),
+        "Noisy Fog": (noisy, ("Density of Principled Volume comes from Voronoi Texture",)),
         "Two Fogs": (two, ("sum of different phase functions",)),
         "No Fog": (shader("BsdfDiffuse"), ("Diffuse BSDF as a volume",)),
     }

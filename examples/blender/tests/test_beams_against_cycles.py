@@ -54,6 +54,20 @@ class BeamsAgainstCycles(unittest.TestCase):
         return np.array([half.mean(axis=(0, 1)) for row in np.split(picture, 2) for half in np.split(row, 2, axis=1)])
 
     def test_every_quarter_has_the_same_light(self):
+        self.compare()
+
+    def test_what_fog_sends_out_stays_cycles_and_what_it_scatters_of_that_is_replaced(self):
+        tree = bpy.data.objects["Cube"].data.materials[0].node_tree
+        scatter, fire = next(node for node in tree.nodes if node.type == "VOLUME_SCATTER"), tree.nodes.new("ShaderNodeEmission")
+        both, output = tree.nodes.new("ShaderNodeAddShader"), next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
+        fire.inputs["Strength"].default_value, fire.inputs["Color"].default_value = 0.3, (0.3, 0.6, 1, 1)
+        tree.links.new(scatter.outputs[0], both.inputs[0])
+        tree.links.new(fire.outputs[0], both.inputs[1])
+        tree.links.new(both.outputs[0], output.inputs["Volume"])
+        self.scene.cycles.samples = 256
+        self.compare()
+
+    def compare(self):
         cycles = self.quarters("cycles")
         bpy.ops.covbeam.add_beams()
         composited = self.quarters("composited")

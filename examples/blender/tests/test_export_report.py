@@ -44,7 +44,7 @@ class ReportTest(unittest.TestCase):
         scenes_unsupported.build()
         _, report = export(bpy.context.evaluated_depsgraph_get())
         in_fog = [entry.what for entry in report.entries if entry.in_fog]
-        for words in ("light that the volume emits", "OpenVDB file"):
+        for words in ("light that fog without end sends out", "OpenVDB file"):
             self.assertTrue(any(what.startswith(words) for what in in_fog), words)
         for entry in report.entries:
             if any(what in entry.what for what in ("hair", "phase function", "subsurface", "bump")):

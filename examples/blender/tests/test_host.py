@@ -13,7 +13,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 import bpy  # noqa: F401  the add-on is a package of Blender's
 import host_scenes as scenes
-from addon.host.scene import Light, LightKind, Projection
+from addon.host.scene import Glow, Light, LightKind, Projection
 from addon.host.session import Session, Settings
 
 
@@ -130,6 +130,24 @@ class Sessions(unittest.TestCase):
         # Variances over all pixels: filters leave some twenty independent ones in each of eight pictures.
         ratio = float(np.sqrt(spread.mean() / stated.mean()))
         self.assertTrue(0.6 < ratio < 1.6, ratio)
+
+    def test_a_box_of_gas_is_as_bright_as_the_closed_form_has_it_and_not_in_scattered(self):
+        """Of two layers, of which one glows as what it lies beside fades; no lamp is there, and nothing scatters."""
+        values = np.zeros((2, 1, 1, 3), np.float32)
+        values[0, 0, 0] = (4, 2, 0)
+        values[1, 0, 0] = (0, 2, 1)
+        glow, absorption = Glow(np.full(3, -1.0), np.full(3, 1.0), values), np.array([0.5, 1.0, 1e-6])
+        gas = scenes.volume("gas", 0, absorption, low=-1, high=1, glow=glow)
+        view = scenes.camera((0, 0, -4), (0, 0, 0), 2, 4, 4)
+        made = scenes.scene([(scenes.box((-1, -1, -1), (1, 1, 1)), scenes.BOUND, 0)], [], [gas], view)
+        at = (np.arange(4000) + 0.5) / 4000 * 2
+        share = np.clip(at - 0.5, 0, 1)[:, None]
+        emission = (1 - share) * values[0, 0, 0] + share * values[1, 0, 0]
+        expected = (emission * np.exp(-absorption * at[:, None])).mean(axis=0) * 2
+        for beyond in (True, False):
+            picture = rendered(made, beyond=beyond)
+            np.testing.assert_allclose(picture.in_scattered, np.broadcast_to(expected, (4, 4, 3)), rtol=2e-3)
+            self.assertFalse(picture.first.any())
 
     def test_scenes_without_light_fog_or_geometry_are_dark_or_plain(self):
         view = scenes.camera((0, 0, -4), (0, 0, 0), 40, 16, 16)

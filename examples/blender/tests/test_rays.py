@@ -34,7 +34,7 @@ def volume(**values):
     """Fog."""
     grey, zero = np.ones(3), np.zeros(3)
     fields = {"scattering": 0.2 * grey, "absorption": 0.1 * grey, "phase": 0, "asymmetry": 0.0, "min": zero, "max": grey}
-    return SimpleNamespace(**fields | {"density": None, "parts": ()} | values)
+    return SimpleNamespace(**fields | {"density": None, "glow": None, "parts": ()} | values)
 
 
 def light(**values):
@@ -211,6 +211,9 @@ class Errors(unittest.TestCase):
         pattern = {"cells": np.ones((2, 4, 3)), "axes": np.eye(3), "reach": 3.0}
         voxels = {"min": np.zeros(3), "max": np.ones(3), "values": np.ones((2, 3, 4), np.float32)}
 
+        of_two = np.ones((1, 2, 1, 3), np.float32)
+        glow = {"min": np.zeros(3), "max": np.ones(3), "values": of_two}
+
         def of_light(**values):
             return {"lights": [light(), light(**values)]}
 
@@ -227,6 +230,9 @@ class Errors(unittest.TestCase):
             r"volumes\[1\].absorption: \[NaN": of_fog(absorption=np.full(3, np.nan)),
             r"volumes\[1\].density.values: shape": of_fog(density=SimpleNamespace(**voxels | {"values": np.ones(4)})),
             r"volumes\[1\].density.values\[0\]: inf": of_fog(density=SimpleNamespace(**voxels | {"values": np.full((1, 1, 1), 1e300)})),
+            r"volumes\[1\].glow.values: shape": of_fog(glow=SimpleNamespace(**voxels)),
+            r"volumes\[1\].glow.values\[1\]: \[-1": of_fog(glow=SimpleNamespace(**glow | {"values": of_two * np.float32([[[[1]], [[-1]]]])})),
+            r"volumes\[0\].glow: .*no end": {"volumes": [volume(glow=SimpleNamespace(**glow))]},
             r"volumes\[1\].phase: -1": of_fog(phase=-1),
             r"volumes\[1\].parts": of_fog(parts=(1,)),
             r"lights\[1\].kind: 4294967296": of_light(kind=2**32),
@@ -247,6 +253,7 @@ class Errors(unittest.TestCase):
             with self.subTest(what), self.assertRaisesRegex((ValueError, TypeError), what):
                 scene(geometry, **values)
         sound = (of_light(pattern=SimpleNamespace(**pattern)), of_fog(density=SimpleNamespace(**voxels)), {"lights": [], "volumes": []})
+        sound += (of_fog(glow=SimpleNamespace(**glow)),)
         for values in sound:
             scene(geometry, **{"world_volume": -1} | values)
 

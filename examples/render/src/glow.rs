@@ -7,11 +7,11 @@ use glam::{Vec3, Vec3Swizzles};
 use std::f32::consts::PI;
 use std::fmt;
 
-/// Steps that are taken across a voxel, at least: the middle of each stands for it.
-const STEPS: f32 = 2.0;
+/// Steps that are taken across a voxel, at least.
+const STEPS: f32 = 4.0;
 
-/// Optical depth of a step below which 1 - exp(-τ) is τ - τ²/2 to the last digit.
-const THIN: f32 = 1e-3;
+/// Optical depth of a step below which the first three terms of a series are good to 5e-6.
+const THIN: f32 = 0.05;
 
 /// Emission coefficient in voxels: trilinear between their middles, held over the half voxel at the border of the box, 0 outside of it.
 #[derive(Clone, PartialEq)]
@@ -138,7 +138,7 @@ impl Glow {
 
     /// Radiance that arrives at a ray's start from all along it.
     ///
-    /// Exact where emission and density are the same all along the ray; else emission and density count as the same within half a voxel.
+    /// Exact where emission and density are the same all along the ray; else emission is linear, and density the same, over a quarter of a voxel.
     ///
     /// - `fog`: the medium, of this density; `column`: along the ray.
     pub(crate) fn seen(&self, fog: &Medium, density: &MediumDensity, ray: &EyeRay, column: &Column) -> Vec3 {
@@ -150,23 +150,23 @@ impl Glow {
         });
         let count = (STEPS * rate * (to - from)).ceil().max(1.0);
         let step = (to - from) / count;
-        let extinction = fog.extinction();
+        let place = |distance: f32| self.at(ray.origin + distance * ray.direction);
         let mut sum = Vec3::ZERO;
-        for index in 0..count as u32 {
-            let start = from + index as f32 * step;
-            let emission = self.at(ray.origin + (start + 0.5 * step) * ray.direction);
-            if emission == Vec3::ZERO {
-                continue;
+        let mut start = from;
+        let mut here = place(from);
+        for index in 1..=count as u32 {
+            let end = from + index as f32 * step;
+            let next = place(end);
+            if here != Vec3::ZERO || next != Vec3::ZERO {
+                let (before, after) = (column.at(start), column.at(end));
+                let left = fog.transmittance(before);
+                if left == Vec3::ZERO {
+                    break;
+                }
+                let [all, of_end] = shares(fog.extinction() * (after - before));
+                sum += step * left * (all * here + of_end * (next - here));
             }
-            let (before, after) = (column.at(start), column.at(start + step));
-            let left = fog.transmittance(before);
-            if left == Vec3::ZERO {
-                break;
-            }
-            let depth = extinction * (after - before);
-            let thick = (left - fog.transmittance(after)) / depth.max(Vec3::splat(THIN));
-            let thin = left * (1.0 - 0.5 * depth);
-            sum += step * emission * Vec3::select(depth.cmpgt(Vec3::splat(THIN)), thick, thin);
+            (start, here) = (end, next);
         }
         sum
     }
@@ -179,6 +179,16 @@ fn mean(color: Vec3) -> f64 {
 
 fn cells(layout: &GridLayout) -> Vec3 {
     Vec3::from(layout.cells.map(|count| count as f32))
+}
+
+/// Of a step through an optical depth τ: the mean of exp(-τs) over s from 0 to 1, and that of s exp(-τs).
+fn shares(depth: Vec3) -> [Vec3; 2] {
+    let is_thin = depth.cmplt(Vec3::splat(THIN));
+    let (left, safe) = ((-depth).exp(), depth.max(Vec3::splat(THIN)));
+    let all = (1.0 - left) / safe;
+    let of_end = (1.0 - left * (1.0 + depth)) / (safe * safe);
+    let thin = [1.0 - depth * (0.5 - depth / 6.0), 0.5 - depth * (1.0 / 3.0 - depth / 8.0)];
+    [Vec3::select(is_thin, thin[0], all), Vec3::select(is_thin, thin[1], of_end)]
 }
 
 /// How many voxels a ray crosses on the axis on which these are most; 0 where there is but one voxel.
@@ -301,9 +311,9 @@ mod tests {
             .sum();
         let seen = glow.seen(&fog, &MediumDensity::Grid(density.clone()), &ray, &column);
         println!("{seen} for {expected}");
-        // Steps of half a voxel, a fifth of the way through all there is.
+        // Few voxels, whose values have nothing in common: in smoother ones it is less.
         assert!(
-            ((seen / expected.as_vec3()) - 1.0).abs().truncate().max_element() < 0.01,
+            ((seen / expected.as_vec3()) - 1.0).abs().truncate().max_element() < 0.006,
             "{seen} for {expected}"
         );
     }

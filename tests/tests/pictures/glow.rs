@@ -266,7 +266,8 @@ fn voxels_glow_as_they_are_dense() {
     // The column is 4: half a metre of 1, one from 1 to 3, half of 3.
     let expected = DVec3::new(2.0 / 0.5 * (1.0 - (-2.0_f64).exp()), 4.0, 2.0);
     println!("{found} for {expected}");
-    assert!((found / expected - 1.0).abs().max_element() < 2e-3, "{found} for {expected}");
+    // Over a quarter of a voxel the density grows by .5, but counts as even: a column up to .5 x .25 / 8 off, times .5.
+    assert!((found / expected - 1.0).abs().max_element() < 8e-3, "{found} for {expected}");
 }
 
 #[test]

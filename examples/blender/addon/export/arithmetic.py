@@ -209,10 +209,7 @@ def _ramp(node, output, argument, note):
 
 
 def _blackbody(node, output, argument, note):
-    temperature = argument("Temperature")
-    if np.ndim(temperature):
-        raise NotConstant(f"{node.name}, whose temperature varies")
-    return blackbody(temperature)
+    return blackbody(as_number(argument("Temperature")))
 
 
 def _light_path(node, output, argument, note):

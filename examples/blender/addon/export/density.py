@@ -3,10 +3,11 @@
 
 from dataclasses import dataclass
 
+import bpy
 import numpy as np
 
 from ..host import ask
-from ..host.scene import Density
+from ..host.scene import Density, Glow
 
 #: Voxels along the longest side, from the first trial to the last; and the mean error over the mean density that ends the trials.
 _SIDES, _WANTED = (24, 48, 96), 0.01
@@ -25,17 +26,20 @@ class Baked:
     scattering: np.ndarray
     absorption: np.ndarray
     density: Density | None
+    #: What it sends out, however dense it is; None: it is dark.
+    glow: Glow | None
     #: Voxels along x, y, z.
     cells: tuple[int, int, int]
-    #: Mean error of the density between the voxels' middles, over its mean.
+    #: Mean errors of the density and of what is sent out between the voxels' middles, over their means.
     error: float
+    glow_error: float
     #: How much of the light that is scattered or absorbed is of a colour that the mean's is not, as a share.
     coloured: float
 
 
 def bake(coefficients, low, high, finest, poll):
     """Voxels between the corners `low` and `high` [m] for what `coefficients` says: a function of places, float64 (n, 3), that returns
-    scattering and absorption coefficients there, (n, 3) both [1/m], in the same order.
+    coefficients of scattering, absorption [1/m] and emission [W/(m^3 sr)] there, (n, 3) each, in the same order.
 
     - finest: voxels along x, y and z that show all there is to see, int (3,); ones if that is not known.
     - poll: as for export.
@@ -44,33 +48,55 @@ def bake(coefficients, low, high, finest, poll):
     # What is flat is as thick as a voxel.
     size = np.maximum(high - low, 1e-3 * float((high - low).max()))
     trials = low + np.random.default_rng(0).random((_TRIALS, 3)) * size
-    samples = coefficients(trials)
+    *samples, emitted = coefficients(trials)
     expected = _extinction(*samples)
-    for cells in _tries(size, finest):
-        values, sums = _at_middles(coefficients, low, size, cells, poll)
-        found = _between(values.reshape(cells[::-1]), (trials - low) / size * cells - 0.5)
-        mean = float(expected.mean())
-        error = float(np.abs(found - expected).mean()) / mean if mean > 0 else 0.0
+    for cells in _tries(size, finest, 2):
+        values, sums, glows = _at_middles(coefficients, low, size, cells, poll)
+        error = _error(_between(values.reshape(cells[::-1]), (trials - low) / size * cells - 0.5), expected)
         if error <= _WANTED:
             break
+    glow, glow_error = _glow(coefficients, low, size, finest, trials, emitted, poll) if glows else (None, 0.0)
     largest = float(values.max())
     if not largest > 0:
-        return Baked(np.zeros(3), np.zeros(3), None, tuple(cells.tolist()), 0.0, 0.0)
+        return Baked(np.zeros(3), np.zeros(3), None, glow, tuple(cells.tolist()), 0.0, glow_error, 0.0)
     relative = values / np.float32(largest)
     parts = [of / relative.sum(dtype=np.float64) for of in sums]
     other = sum(np.abs(of - (expected / largest)[:, None] * part).sum() for of, part in zip(samples, parts))
     density = Density(low, low + size, relative.astype(np.float32).reshape(cells[::-1]))
     coloured = float(other) / max(3 * float(expected.sum()), 1e-30)
-    return Baked(*parts, density, tuple(cells.tolist()), error, coloured)
+    return Baked(*parts, density, glow, tuple(cells.tolist()), error, glow_error, coloured)
 
 
-def _tries(size, finest):
-    """Numbers of voxels along x, y and z, int (3,), from few to many. If the finest is known, that, and half of that for voxels that lie
-    otherwise than what an object holds: a wisp of smoke may be where no trial is."""
+def _glow(coefficients, low, size, finest, trials, expected, poll):
+    """The host.scene.Glow of what is sent out, and its mean error over its mean."""
+    # Up to Blender 4.5 Cycles' nodes see what is between an object's cells, where colours and powers bend; middles of three times as many
+    # voxels have those of the cells among them. Later ones see the cells alone, and mix what they make of them.
+    of_cells = np.prod(finest) > 1 and bpy.app.version >= (5, 0)
+    for cells in _tries(size, finest, 3)[: 1 if of_cells else None]:
+        parts = [coefficients(places)[2].astype(np.float32) for places in _middles(low, size, cells, poll)]
+        values = np.concatenate(parts).reshape(*cells[::-1], 3)
+        if (values == values[0, 0, 0]).all():
+            values = values[:1, :1, :1]
+        at = (trials - low) / size * values.shape[2::-1] - 0.5
+        error = 0.0 if of_cells else _error(_between(values, at), expected)
+        if error <= _WANTED:
+            break
+    return Glow(low, low + size, values), error
+
+
+def _error(found, expected):
+    """Mean error over the mean of what is expected; 0 where that is 0."""
+    mean = float(expected.mean())
+    return float(np.abs(found - expected).mean()) / mean if mean > 0 else 0.0
+
+
+def _tries(size, finest, finer):
+    """Numbers of voxels along x, y and z, int (3,), from few to many. If the finest is known, that, and `finer` times as many, for voxels
+    that lie otherwise than what an object holds: a wisp of smoke may be where no trial is."""
     if np.prod(finest) == 1:
         return [np.maximum(1, np.ceil(size / (float(size.max()) / side) - 1e-6)).astype(int) for side in _SIDES]
     found = []
-    for cells in (finest, 2 * finest):
+    for cells in (finest, finer * finest):
         share = min(1.0, (MOST / float(np.prod(cells, dtype=float))) ** (1 / 3))
         found.append(np.maximum(1, cells * share).astype(int) if share < 1 else cells)
     return found
@@ -82,27 +108,36 @@ def _extinction(scattering, absorption):
 
 
 def _at_middles(coefficients, low, size, cells, poll):
-    """Extinction at the middles of voxels, x first, float32 (n,), and sums of scattering and absorption coefficients, (3,) both [1/m]."""
+    """Extinction at the middles of voxels, x first, float32 (n,); sums of scattering and absorption coefficients, (3,) both [1/m]; and
+    whether anything is sent out there."""
+    found, sums, glows = [], np.zeros((2, 3)), False
+    for places in _middles(low, size, cells, poll):
+        *parts, emission = coefficients(places)
+        found.append(_extinction(*parts).astype(np.float32))
+        sums += [of.sum(axis=0) for of in parts]
+        glows |= bool(emission.any())
+    return np.concatenate(found), sums, glows
+
+
+def _middles(low, size, cells, poll):
+    """Middles of voxels, x first, float64 (n, 3), some at a time."""
     nx, ny, _ = cells
-    found, sums = [], np.zeros((2, 3))
     for first in range(0, int(np.prod(cells)), _SLICE):
         ask(poll)
         index = np.arange(first, min(first + _SLICE, int(np.prod(cells))))
         place = np.stack([index % nx, index // nx % ny, index // (nx * ny)], axis=1)
-        parts = coefficients(low + (place + 0.5) / cells * size)
-        found.append(_extinction(*parts).astype(np.float32))
-        sums += [of.sum(axis=0) for of in parts]
-    return np.concatenate(found), sums
+        yield low + (place + 0.5) / cells * size
 
 
 def _between(values, at):
-    """Values (nz, ny, nx) between the middles of voxels, trilinear, as host.scene.Density has them; at: (n, 3) in voxels."""
-    most = np.array(values.shape[::-1]) - 1
+    """Values (nz, ny, nx, ...) between the middles of voxels, trilinear, as host.scene.Density has them; at: (n, 3) in voxels."""
+    most = np.array(values.shape[2::-1]) - 1
     at = np.clip(at, 0, most)
     low = at.astype(int)
     rest, high = at - low, np.minimum(low + 1, most)
-    found = np.zeros(len(at))
+    found = np.zeros((len(at), *values.shape[3:]))
     for corner in np.ndindex(2, 2, 2):
         x, y, z = (np.where(corner, high, low)).T
-        found += np.prod(np.where(corner, rest, 1 - rest), axis=1) * values[z, y, x]
+        weight = np.prod(np.where(corner, rest, 1 - rest), axis=1)
+        found += (values[z, y, x].T * weight).T
     return found

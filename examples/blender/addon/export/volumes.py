@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..host.scene import Phase, Volume
-from . import phases
+from ..host.scene import Glow, Phase, Volume
+from . import blackbody, phases
 from .density import bake
 from .grids import Asked, Grids, Lookup
 from .nodes import Values, closures
@@ -18,7 +18,10 @@ _MOST_SETS = 16
 #: Places where it is looked at what fog asks for.
 _LOOKS = 64
 
-#: No coefficient is larger [1/m]: a nanometre of it is opaque.
+#: What is flat is as thick as this [m], for what it sends out: no voxel is thinner.
+_THINNEST = 1e-6
+
+#: No coefficient is larger [1/m] or [W/(m^3 sr)]: a nanometre of it is opaque.
 _MOST = 1e9
 
 
@@ -71,10 +74,10 @@ class Frame:
 
 
 class Sum:
-    """Coefficients [1/m] of the closures added so far, and the phase function of each that scatters."""
+    """Coefficients [1/m] of the closures added so far, that of emission [W/(m^3 sr)], and the phase function of each that scatters."""
 
     def __init__(self):
-        self.scattering, self.absorption = np.zeros(3), np.zeros(3)
+        self.scattering, self.absorption, self.emission = np.zeros(3), np.zeros(3), np.zeros(3)
         # (scattering coefficient, mean cosine, is it Rayleigh's)
         self.phases = []
 
@@ -88,6 +91,13 @@ class Sum:
 
     def absorb(self, coefficient):
         self.absorption = self.absorption + _sound(coefficient)
+
+    def emit(self, coefficient):
+        self.emission = self.emission + _sound(coefficient)
+
+    @property
+    def is_nothing(self):
+        return not (self.scattering.any() or self.absorption.any() or self.emission.any())
 
 
 @dataclass(frozen=True)
@@ -114,12 +124,12 @@ class Filled:
 
 
 def _sound(coefficient):
-    """Coefficients [1/m] without what is negative or no number; none is above _MOST."""
+    """Coefficients without what is negative or no number; none is above _MOST."""
     return np.clip(np.nan_to_num(coefficient), 0, _MOST)
 
 
 def fog(values, socket, may_vary=False):
-    """The Fog that leads to the Volume socket of an output node, or None if it neither scatters nor absorbs.
+    """The Fog that leads to the Volume socket of an output node, or None if it neither scatters nor absorbs, nor sends out light.
 
     - may_vary: whether its values may vary from place to place; if not, what does is reported.
     """
@@ -130,8 +140,7 @@ def fog(values, socket, may_vary=False):
     made = Fog(values, socket, may_vary and trial.varies)
     if made.varies:
         return made
-    total = made.at()
-    return made if total.scattering.any() or total.absorption.any() else None
+    return None if made.at().is_nothing else made
 
 
 def _phase(values, lobes):
@@ -174,8 +183,7 @@ def _absorption(values, node, groups, weight, total):
 def _coefficients(values, node, groups, weight, total):
     total.scatter(weight * values.colour(node, "Scatter Coefficients", groups), *_asymmetry(values, node, groups))
     total.absorb(weight * values.colour(node, "Absorption Coefficients", groups))
-    if values.colour(node, "Emission Coefficients", groups).any():
-        _note_emission(values)
+    total.emit(weight * values.colour(node, "Emission Coefficients", groups))
 
 
 def _principled(values, node, groups, weight, total):
@@ -191,16 +199,21 @@ def _principled(values, node, groups, weight, total):
     tint = np.sqrt(np.maximum(values.colour(node, "Absorption Color", groups), 0))
     total.scatter(density * colour, values.number(node, "Anisotropy", groups))
     total.absorb(density * np.maximum(1 - colour, 0) * np.maximum(1 - tint, 0))
-    if any(np.any(values.number(node, name, groups) > 0) for name in ("Emission Strength", "Blackbody Intensity")):
-        _note_emission(values)
+    # What it sends out does not depend on its density.
+    strength = np.maximum(values.number(node, "Emission Strength", groups), 0)
+    if np.any(strength > 0):
+        total.emit(weight * strength * values.colour(node, "Emission Color", groups))
+    intensity = np.maximum(values.number(node, "Blackbody Intensity", groups), 0)
+    if np.any(intensity > 0):
+        held, name = values.held(node, "Temperature Attribute")
+        of_object = held.number(name) if held is not None else None
+        kelvin = values.number(node, "Temperature", groups) * (1 if of_object is None else np.maximum(of_object, 0))
+        glow = np.where(intensity > 0, blackbody.glow(kelvin, intensity), 0)
+        total.emit(weight * values.colour(node, "Blackbody Tint", groups) * glow)
 
 
 def _emission(values, node, groups, weight, total):
-    _note_emission(values)
-
-
-def _note_emission(values):
-    values.note("light that the volume emits", "it is dark", in_fog=True)
+    total.emit(weight * np.maximum(values.number(node, "Strength", groups), 0) * values.colour(node, "Color", groups))
 
 
 def _asymmetry(values, node, groups):
@@ -243,6 +256,9 @@ def volumes(filled, report, poll):
     for parts in sets:
         together = _volume([*(filled[k] for k in parts), *world], poll)
         made.append(replace(together, parts=parts))
+    for each in world:
+        if each.fog.at().emission.any():
+            each.fog.values.note("light that fog without end sends out", "it is dark", in_fog=True)
     for k in rest:
         report.add(f'Volume of "{filled[k].name}"', "overlaps too many others", "only the smallest one is there", True)
     return made
@@ -274,12 +290,14 @@ def _volume(parts, poll):
     """The host.scene.Volume where all `parts` are, each a Filled."""
     low = np.max([part.low for part in parts], axis=0)
     high = np.min([part.high for part in parts], axis=0)
-    values, density = parts[0].fog.values, None
+    values, density, glow = parts[0].fog.values, None, None
     if any(part.varies for part in parts):
         baked, lobes = _baked(parts, low, high, poll)
-        scattering, absorption, density = baked.scattering, baked.absorption, baked.density
+        scattering, absorption, density, glow = baked.scattering, baked.absorption, baked.density, baked.glow
     else:
-        scattering, absorption, lobes = _added(parts)
+        scattering, absorption, emission, lobes = _added(parts)
+        if emission.any():
+            glow = Glow(low, np.maximum(high, low + _THINNEST), np.float32(emission).reshape(1, 1, 1, 3))
     asymmetry, phase = _phase(values, lobes)
     return Volume(
         name=parts[0].name,
@@ -290,14 +308,17 @@ def _volume(parts, poll):
         min=low,
         max=high,
         density=density,
+        glow=glow,
     )
 
 
 def _added(parts, world=None):
-    """Scattering and absorption coefficients of some Filled together, and their phase functions; world: places, where they vary [m]."""
+    """Coefficients of scattering, absorption and emission of some Filled together, and their phase functions; world: places, where they
+    vary [m]. What has no end is dark."""
     totals = [part.fog.at(part.frame.places(world) if part.varies else None) for part in parts]
     lobes = [lobe for total in totals for lobe in total.phases]
-    return sum(total.scattering for total in totals), sum(total.absorption for total in totals), lobes
+    emission = sum((total.emission for part, total in zip(parts, totals) if part.frame is not None), np.zeros(3))
+    return sum(total.scattering for total in totals), sum(total.absorption for total in totals), emission, lobes
 
 
 def _baked(parts, low, high, poll):
@@ -315,6 +336,9 @@ def _baked(parts, low, high, poll):
     if baked.error > 0.01:
         cells = " x ".join(map(str, baked.cells))
         values.note("density that varies finely", f"{cells} voxels, which are {baked.error:.1%} off on average")
+    if baked.glow_error > 0.01:
+        cells = " x ".join(map(str, baked.glow.values.shape[2::-1]))
+        values.note("emission that varies finely", f"{cells} voxels, which are {baked.glow_error:.1%} off on average")
     if baked.coloured > 0.01:
         values.note("colour that varies in a volume", "its mean; the density varies", in_fog=True)
     # The first places are scattered over all of it.

@@ -157,6 +157,7 @@ struct Given {
     object_closed: Vec<u8>,
     volumes: Vec<VolumeFields>,
     densities: Option<Vec<f32>>,
+    glow: Option<Vec<[f32; 3]>>,
     parts: Vec<i32>,
     world_volume: i32,
     light: LightFields,
@@ -175,7 +176,10 @@ impl Default for Given {
             asymmetry: 0.4,
             density_min: [-1.0; 3],
             density_max: [1.0; 3],
+            glow_min: [-1.0; 3],
+            glow_max: [1.0; 3],
             cells: [2, 1, 1],
+            glow_cells: [1, 2, 1],
             phase: 1,
         };
         Self {
@@ -184,6 +188,7 @@ impl Default for Given {
             object_closed: vec![1],
             volumes: vec![fog; 3],
             densities: None,
+            glow: None,
             parts: vec![0, 1],
             world_volume: -1,
             light: LIGHT,
@@ -226,6 +231,7 @@ impl Given {
             .map(|(index, &fields)| covbeam_rays_volume {
                 fields,
                 densities: self.densities.as_ref().filter(|_| index == 0).map_or(null(), |d| d.as_ptr()),
+                glow: self.glow.as_ref().filter(|_| index == 0).map_or(null(), |glow| glow.as_ptr()),
                 // The third is the sum of the others.
                 part_count: if index == 2 { self.parts.len() } else { 0 },
                 parts: self.parts.as_ptr(),
@@ -324,6 +330,7 @@ fn scenes_that_are_wrong_are_refused_with_the_name_of_the_field() {
             );
         }
         refuse(&|given| given.densities = Some(vec![1.0, small]), &["volumes[0].density.values[1]"]);
+        refuse(&|given| given.glow = Some(vec![[1.0; 3], [0.0, small, 0.0]]), &["volumes[0].glow.values[1]"]);
     }
     refuse(&|given| given.light.intensity[0] = -1.0, &["lights[0].intensity", "from 0"]);
     refuse(&|given| given.light.kind = 6, &["lights[0].kind: 6"]);
@@ -366,6 +373,34 @@ fn scenes_that_are_wrong_are_refused_with_the_name_of_the_field() {
             given.densities = Some(vec![1.0; 2]);
         },
         &["volumes[0].density", "more than memory"],
+    );
+    refuse(
+        &|given| {
+            given.volumes[0].glow_cells = [u32::MAX; 3];
+            given.glow = Some(vec![[1.0; 3]; 2]);
+        },
+        &["volumes[0].glow", "more than memory"],
+    );
+    refuse(
+        &|given| {
+            given.volumes[0].glow_max[2] = -1.0;
+            given.glow = Some(vec![[1.0; 3]; 2]);
+        },
+        &["volumes[0].glow.max", "1e-9 m wide"],
+    );
+    refuse(
+        &|given| {
+            (given.volumes[0].glow_min, given.volumes[0].glow_max) = ([-1e9; 3], [1e9; 3]);
+            given.glow = Some(vec![[1e30; 3]; 2]);
+        },
+        &["volumes[0].glow.values", "power"],
+    );
+    refuse(
+        &|given| {
+            (given.world_volume, given.object_volumes) = (0, vec![1]);
+            (given.glow, given.parts) = (Some(vec![[1.0; 3]; 2]), vec![1]);
+        },
+        &["volumes[0].glow", "no end"],
     );
     refuse(
         &|given| {

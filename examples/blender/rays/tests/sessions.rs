@@ -44,7 +44,10 @@ fn scene() -> Arc<Scene> {
         asymmetry: 0.0,
         density_min: [0.0; 3],
         density_max: [0.0; 3],
+        glow_min: [0.0; 3],
+        glow_max: [0.0; 3],
         cells: [0; 3],
+        glow_cells: [0; 3],
         phase: 0,
     };
     let lamp = LightFields {
