@@ -252,7 +252,7 @@ mod tests {
         let count = 400_000;
         let volume = (LAYOUT.max - LAYOUT.min).element_product();
         let (mut expected, mut found) = ([0.0_f64; 8], [0.0_f64; 8]);
-        let mut add = |sums: &mut [f64; 8], place: Vec3, light: Vec3| {
+        let add = |sums: &mut [f64; 8], place: Vec3, light: Vec3| {
             let light = light.as_dvec3();
             let cell = usize::from(place.x > -0.1) + 2 * usize::from(place.y > 0.7);
             sums[2 * cell] += light.x / f64::from(count);
