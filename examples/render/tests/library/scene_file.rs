@@ -823,7 +823,9 @@ fn a_scene_without_lights_or_camera_is_refused_and_one_without_a_box_to_fill_is_
     let folder = meshes();
     let dark = &VALID[..VALID.find("[[light]]").expect("present")];
     let error = Scene::parse(dark, "dark.toml", folder.path()).expect_err("no light");
-    assert_eq!(error.to_string(), "dark.toml:1: light: found nothing, expected at least one [[light]]");
+    let expected =
+        "dark.toml:1: light: found nothing, expected at least one [[light]], or a [[medium]] with `emission`";
+    assert_eq!(error.to_string(), expected);
     let blind = VALID.replace("[camera]", "[render2]");
     assert!(Scene::parse(&blind, "blind.toml", folder.path()).is_err());
     let flat = "[camera]\nposition=[0,0,-9]\nlook_at=[0,0,0]\nvertical_fov=40\nwidth=8\nheight=8\n\
