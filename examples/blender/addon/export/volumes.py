@@ -3,6 +3,7 @@
 
 from dataclasses import dataclass, replace
 
+import bpy
 import numpy as np
 
 from ..host.scene import Glow, Phase, Volume
@@ -114,6 +115,14 @@ class Filled:
     def varies(self):
         """Whether it varies from place to place."""
         return self.fog.varies or (self.frame is not None and self.frame.grids is not None)
+
+    @property
+    def is_turned(self):
+        """Whether what the object holds of its own lies otherwise than the axes of the world."""
+        if self.frame is None or self.frame.grids is None:
+            return False
+        axes = np.abs(self.frame.matrix[:3, :3])
+        return bool((axes.sum(axis=0) > 1.001 * axes.max(axis=0)).any())
 
     def cells(self, size):
         """How many voxels of some `size` [m] are as fine as what the object holds of its own; ones if that is nothing: int (3,)."""
@@ -336,6 +345,8 @@ def _baked(parts, low, high, poll):
     if baked.error > 0.01:
         cells = " x ".join(map(str, baked.cells))
         values.note("density that varies finely", f"{cells} voxels, which are {baked.error:.1%} off on average")
+    if baked.glow is not None and bpy.app.version >= (5, 0) and any(part.is_turned for part in varying):
+        values.note("emission of a domain that is turned", "its voxels lie otherwise than its cells, and are off where flames have borders")
     if baked.glow_error > 0.01:
         cells = " x ".join(map(str, baked.glow.values.shape[2::-1]))
         values.note("emission that varies finely", f"{cells} voxels, which are {baked.glow_error:.1%} off on average")
