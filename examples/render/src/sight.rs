@@ -39,7 +39,7 @@ impl Sight {
     pub fn new(scene: &Scene, start: &EyeStart) -> Self {
         let EyeStart { mut origin, direction, mut interior, sees } = *start;
         if !sees {
-            return Self { fog: None, end: f32::INFINITY, surface: None };
+            return Self { fog: None, glows: false, end: f32::INFINITY, surface: None };
         }
         let mut fog: Option<FirstFog> = None;
         let mut glows = false;

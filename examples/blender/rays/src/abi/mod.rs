@@ -25,7 +25,7 @@ use std::ffi::{CStr, CString};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Rises when anything here changes.
-const ABI: u32 = 4;
+const ABI: u32 = 5;
 
 thread_local! {
     static LAST: RefCell<Option<CString>> = const { RefCell::new(None) };

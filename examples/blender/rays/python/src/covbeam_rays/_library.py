@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 #: Of the library: ABI in abi/mod.rs.
-ABI_VERSION = 4
+ABI_VERSION = 5
 
 FILE_NAME = {"darwin": "libcovbeam_rays.dylib", "win32": "covbeam_rays.dll"}.get(sys.platform, "libcovbeam_rays.so")
 
