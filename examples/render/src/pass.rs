@@ -2,7 +2,7 @@
 
 use crate::eye::EyeTracer;
 use crate::grids::Grids;
-use crate::guidance::{Guidance, Spread};
+use crate::guidance::{self, Guidance, Spread};
 use crate::kind::{Kind, Split};
 use crate::march::{Guide, Marcher, Marching, Placement};
 use crate::media;
@@ -252,17 +252,32 @@ impl<'a> Renderer<'a> {
 
     /// The same with some parts only, to see what each buys.
     pub fn light_by_parts(&mut self, parts: Parts) {
+        Self::light_instants_by_parts(std::slice::from_mut(self), parts);
+    }
+
+    /// The same of renderers of one scene at several instants while a shutter is open, all with the same grid: with one pilot for all of them.
+    pub fn light_instants_by_parts(instants: &mut [Self], parts: Parts) {
         let start = Instant::now();
-        if parts.guided
-            && let Some(guidance) = Guidance::new(self.scene, &self.fogs)
-        {
-            self.tracer.guide(guidance);
-            self.spread = Some(Spread::of(&self.tracer, &self.fogs));
-            self.decide_branches();
+        if parts.guided {
+            let scenes: Vec<_> =
+                instants.iter().map(|at| guidance::Instant { scene: at.scene, fogs: &at.fogs }).collect();
+            let found = Guidance::of(&scenes);
+            let mut spread = None;
+            for (made, guidance) in instants.iter_mut().zip(found) {
+                let Some(guidance) = guidance else { continue };
+                made.tracer.guide(guidance);
+                // What it says of one holds for the others: only their noise depends on it.
+                made.spread = Some(*spread.get_or_insert_with(|| Spread::of(&made.tracer, &made.fogs)));
+                made.decide_branches();
+            }
         }
-        self.pilot = start.elapsed().as_secs_f64();
-        self.has_shadow_rays = parts.straight;
-        self.split_into(if parts.apart { Split::STRAIGHT_APART } else { Split::TOGETHER });
+        for made in &mut *instants {
+            made.has_shadow_rays = parts.straight;
+            made.split_into(if parts.apart { Split::STRAIGHT_APART } else { Split::TOGETHER });
+        }
+        if let Some(first) = instants.first_mut() {
+            first.pilot = start.elapsed().as_secs_f64();
+        }
     }
 
     fn decide_branches(&mut self) {

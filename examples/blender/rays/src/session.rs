@@ -397,8 +397,8 @@ struct State<'a> {
     beyond: bool,
     /// Of all instants. None: nothing lights any fog.
     surfaces: Option<Arc<FirstSurfaces>>,
-    /// What renders passes, and what renders plain ones, by instant. Made when they are needed.
-    renderers: [Vec<Option<Renderer<'a>>>; 2],
+    /// What renders passes, and what renders plain ones, by instant. Empty until they are needed.
+    renderers: [Vec<Renderer<'a>>; 2],
     /// The instant whose renderer has the light fields, of either kind.
     latest: [usize; 2],
     film: Film,
@@ -417,7 +417,7 @@ impl<'a> State<'a> {
             scenes,
             beyond,
             surfaces,
-            renderers: [(); 2].map(|()| scenes.iter().map(|_| None).collect()),
+            renderers: Default::default(),
             latest: [0; 2],
             film: Film::of_scene(&scenes[0]),
             photons,
@@ -428,7 +428,7 @@ impl<'a> State<'a> {
     fn restart(&mut self, photons: u32, plain: bool) {
         (self.photons, self.plain) = (photons, plain);
         self.film = Film::of_scene(&self.scenes[0]);
-        self.renderers.iter_mut().flatten().flatten().for_each(|renderer| renderer.restart(photons));
+        self.renderers.iter_mut().flatten().for_each(|renderer| renderer.restart(photons));
     }
 
     /// What renders passes of an instant; None: they are black.
@@ -436,26 +436,32 @@ impl<'a> State<'a> {
         let surfaces = self.surfaces.as_ref()?;
         let Self { scenes, beyond, photons, plain, .. } = *self;
         let renderers = &mut self.renderers[usize::from(plain)];
-        renderers[instant].get_or_insert_with(|| {
-            let scene = &scenes[instant];
-            let mut made = Renderer::new(scene, Method::Adaptive, photons, scene.settings.seed);
-            made.plan_by(Arc::clone(surfaces));
-            made.keep_first_apart();
-            if scenes.len() > 1 {
-                made.look_everywhere();
-            }
-            if !beyond {
-                made.leave_out_beyond();
-            }
-            made.light_by_parts(Parts { guided: !plain, ..Parts::DEFAULT });
-            made
-        });
+        let latest = &mut self.latest[usize::from(plain)];
+        if renderers.is_empty() {
+            let make = |scene: &'a Scene| {
+                let mut made = Renderer::new(scene, Method::Adaptive, photons, scene.settings.seed);
+                made.plan_by(Arc::clone(surfaces));
+                made.keep_first_apart();
+                if scenes.len() > 1 {
+                    made.look_everywhere();
+                }
+                if !beyond {
+                    made.leave_out_beyond();
+                }
+                made
+            };
+            *renderers = scenes.iter().map(make).collect();
+            Renderer::light_instants_by_parts(renderers, Parts { guided: !plain, ..Parts::DEFAULT });
+            let (first, others) = renderers.split_first_mut()?;
+            others.iter_mut().for_each(|other| first.go_on_from(other));
+            *latest = 0;
+        }
         // All instants' light fields are in one grid: kernels and filters may blur what the mean of them bears.
-        let latest = std::mem::replace(&mut self.latest[usize::from(plain)], instant);
-        if let Ok([Some(made), Some(before)]) = renderers.get_disjoint_mut([instant, latest]) {
+        let before = std::mem::replace(latest, instant);
+        if let Ok([made, before]) = renderers.get_disjoint_mut([instant, before]) {
             made.go_on_from(before);
         }
-        renderers[instant].as_mut()
+        renderers.get_mut(instant)
     }
 
     fn pass(&mut self, job: &Job<()>, shared: &Shared) -> Result<()> {

@@ -1,7 +1,7 @@
 //! Paths from the camera: what they cross matters to the picture.
 
 use super::look::Pixel;
-use super::{left, mean};
+use super::{Instant, left, mean};
 use crate::defaults::divide;
 use crate::light::cosine_direction;
 use crate::material::{Encounter, Lobe};
@@ -45,6 +45,7 @@ impl Deposit {
 
 /// A segment in a medium.
 struct Flight {
+    instant: usize,
     /// None: vacuum.
     medium: Option<u32>,
     origin: Vec3,
@@ -67,7 +68,7 @@ const LEFT_OUT: f64 = 0.005;
 pub(super) struct Found(Vec<Vec<Deposit>>);
 
 /// Follows paths from all pixels.
-pub(super) fn walk(scene: &Scene, fogs: &[Medium], pixels: &[Pixel]) -> Found {
+pub(super) fn walk(instants: &[Instant], pixels: &[Pixel]) -> Found {
     let total: f64 = pixels.iter().map(|pixel| f64::from(pixel.weight)).sum();
     let mut starts = Vec::new();
     let mut sum = 0.0;
@@ -77,18 +78,18 @@ pub(super) fn walk(scene: &Scene, fogs: &[Medium], pixels: &[Pixel]) -> Found {
         let paths = f64::from(PATHS) * share;
         sum += paths;
         while starts.len() as f64 + 0.5 < sum {
-            starts.push((pixel.start, (weight / paths) as f32));
+            starts.push((pixel, (weight / paths) as f32));
         }
     }
-    let walker = Walker { scene, fogs };
     let chunks = starts
         .par_chunks(CHUNK)
         .enumerate()
         .map(|(chunk, starts)| {
             let mut out = Vec::new();
-            for (index, &(start, weight)) in starts.iter().enumerate() {
+            for (index, &(&Pixel { instant, start, .. }, weight)) in starts.iter().enumerate() {
                 let mut random = Random::new([0, (chunk * CHUNK + index) as u32, 0, KEY]);
-                walker.follow(start, weight, &mut random, &mut out);
+                let Instant { scene, fogs } = instants[instant];
+                Walker { instant, scene, fogs }.follow(start, weight, &mut random, &mut out);
             }
             out
         })
@@ -118,9 +119,10 @@ impl Found {
     }
 
     /// Adds what was found to a grid.
-    pub(super) fn add_to(&self, grid: &mut ImportanceGrid, fogs: &[Medium]) {
+    pub(super) fn add_to(&self, grid: &mut ImportanceGrid, instants: &[Instant]) {
         let vacuum = Medium::default();
-        let medium = |flight: &Flight| flight.medium.map_or(&vacuum, |id| &fogs[id as usize]);
+        let medium =
+            |flight: &Flight| flight.medium.map_or(&vacuum, |id| &instants[flight.instant].fogs[id as usize]);
         for deposit in self.all() {
             match deposit {
                 Deposit::EyeRay(at) => {
@@ -138,6 +140,7 @@ impl Found {
 }
 
 struct Walker<'a> {
+    instant: usize,
     scene: &'a Scene,
     fogs: &'a [Medium<'a>],
 }
@@ -181,7 +184,7 @@ impl Walker<'_> {
         let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
         let Importon { origin, direction, weight, .. } = importon;
         let medium = importon.interior.medium(self.scene);
-        let flight = Flight { medium, origin, direction, length: reach, weight };
+        let flight = Flight { instant: self.instant, medium, origin, direction, length: reach, weight };
         out.push(if importon.specular { Deposit::EyeRay(flight) } else { Deposit::Path(flight) });
         if let Some(medium) = medium {
             let fog = &self.fogs[medium as usize];

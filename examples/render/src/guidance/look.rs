@@ -1,5 +1,6 @@
-//! A coarse picture.
+//! A coarse picture, of all instants while a shutter is open.
 
+use super::Instant;
 use crate::compare::luminance;
 use crate::eye::{EyeSegment, EyeTracer};
 use crate::kind::{ByKind, Kind};
@@ -15,8 +16,9 @@ use rayon::prelude::*;
 /// Eye rays across and down.
 pub(super) const LATTICE: u32 = 32;
 
-/// Light paths.
+/// Light paths of all instants, and of one at least.
 const PATHS: u32 = 4096;
+const LEAST_PATHS: u32 = 1024;
 
 /// Kernels are as many times as wide as those of the first pass, and disks of surface photons as many times wider.
 const WIDER: f32 = 2.0;
@@ -33,31 +35,46 @@ const KEY: u32 = 0x100c;
 
 /// An eye ray of the coarse picture.
 pub(super) struct Pixel {
+    /// Index of the instant that it sees.
+    pub(super) instant: usize,
     pub(super) start: EyeStart,
     /// 1/(pixels x luminance).
     pub(super) weight: f32,
 }
 
-/// The coarse picture's eye rays; None if it is black.
-pub(super) fn pixels(scene: &Scene, fogs: &[Medium]) -> Option<Vec<Pixel>> {
-    let tracer = PhotonTracer::new(scene, 0, Emission::LowDiscrepancy);
-    let look = Look::new(&tracer, fogs, [KEY, PATHS], 1);
-    let seen: Vec<(EyeStart, f32)> = (0..LATTICE * LATTICE)
+/// The coarse picture's eye rays, as many of each instant; None if it is black.
+pub(super) fn pixels(instants: &[Instant]) -> Option<Vec<Pixel>> {
+    let tracers: Vec<PhotonTracer> =
+        instants.iter().map(|at| PhotonTracer::new(at.scene, 0, Emission::LowDiscrepancy)).collect();
+    let paths = (PATHS / instants.len() as u32).max(LEAST_PATHS);
+    let both = tracers.iter().zip(instants);
+    let looks: Vec<Look> = both.map(|(tracer, at)| Look::new(tracer, at.fogs, [KEY, paths], 1)).collect();
+    let seen: Vec<Seen> = (0..LATTICE * LATTICE)
         .into_par_iter()
         .map_init(Memory::default, |memory, node| {
+            let (x, y) = (node % LATTICE, node / LATTICE);
+            // Of eight there are all in each row and column, far from others of their own.
+            let instant = (x + 3 * y) as usize % instants.len();
+            let look = &looks[instant];
             let mut random = Random::new([0, node, 0, KEY]);
             let place = [random.uniform(), random.uniform()];
-            let camera = &scene.camera;
+            let camera = &look.scene.camera;
             let at =
                 |index: u32, place: f32, count: u32| (index as f32 + place) / LATTICE as f32 * count as f32;
-            let point =
-                [at(node % LATTICE, place[0], camera.width), at(node / LATTICE, place[1], camera.height)];
+            let point = [at(x, place[0], camera.width), at(y, place[1], camera.height)];
             let start = look.starts.anywhere(point, &mut random);
             let radiance = look.radiance(&start, node, &mut random, memory);
-            (start, luminance(radiance.iter().sum()))
+            Seen { instant, start, luminance: luminance(radiance.iter().sum()) }
         })
         .collect();
     weigh(&seen)
+}
+
+/// What an eye ray of the coarse picture sees.
+struct Seen {
+    instant: usize,
+    start: EyeStart,
+    luminance: f32,
 }
 
 /// Some light paths, and what eye rays see of them.
@@ -147,9 +164,9 @@ impl<'a> Look<'a> {
     }
 }
 
-fn weigh(seen: &[(EyeStart, f32)]) -> Option<Vec<Pixel>> {
+fn weigh(seen: &[Seen]) -> Option<Vec<Pixel>> {
     let count = seen.len() as f32;
-    let mean = seen.iter().map(|(_, luminance)| luminance).sum::<f32>() / count;
+    let mean = seen.iter().map(|ray| ray.luminance).sum::<f32>() / count;
     if !(mean > 0.0 && mean.is_finite()) {
         return None;
     }
@@ -157,12 +174,13 @@ fn weigh(seen: &[(EyeStart, f32)]) -> Option<Vec<Pixel>> {
         let (x, y) = (node % LATTICE, node / LATTICE);
         let near = |at: u32| at.saturating_sub(1)..=(at + 1).min(LATTICE - 1);
         let nodes = near(y).flat_map(|y| near(x).map(move |x| (y * LATTICE + x) as usize));
-        let (sum, count) = nodes.fold((0.0, 0.0), |(sum, count), node| (sum + seen[node].1, count + 1.0_f32));
+        let (sum, count) =
+            nodes.fold((0.0, 0.0), |(sum, count), node| (sum + seen[node].luminance, count + 1.0_f32));
         sum / count
     };
-    let pixels = seen.iter().zip(0..).map(|(&(start, luminance), node)| {
+    let pixels = seen.iter().zip(0..).map(|(&Seen { instant, start, luminance }, node)| {
         let least = (LEAST_OF_NEIGHBOURS * around(node)).max(LEAST_OF_PICTURE * mean);
-        Pixel { start, weight: 1.0 / (count * luminance.max(least)) }
+        Pixel { instant, start, weight: 1.0 / (count * luminance.max(least)) }
     });
     Some(pixels.collect())
 }
