@@ -11,7 +11,7 @@ program=(cargo run --quiet --locked --release --package covbeam-tests --bin glas
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
 # Regions are means over many pixels: light paths make their noise, not pixels. So few pixels and many paths.
-runs=8 passes=8 photons=20000 size=64
+runs=8 passes=8 photons=20000 size=32
 
 # shellcheck disable=SC2046
 cc -std=c99 -O2 "$root/examples/c/glass_ball.c" -o "$work/glass_ball" \

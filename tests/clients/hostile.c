@@ -4,7 +4,7 @@
  * First each parameter of each function is spoiled in turn, in every way; then come random sequences of calls on a few objects,
  * with some arguments spoiled. After each call: the status is one that the spoiled arguments allow (and COVBEAM_OK if none is spoiled),
  * a failure has a message that names a parameter, has written nothing and changed no object, and what a success has
- * written are numbers. Compiled with -DSCARCE and linked as scarce.h says, each call is made again and again, with the first of
+ * written are numbers. In the end each function has succeeded at least once. Compiled with -DSCARCE and linked as scarce.h says, each call is made again and again, with the first of
  * its requests for memory refused, then the second, and so on: each time it says so, and has written and changed nothing; and in
  * the end all memory has been given back. `hostile --list` prints the functions that it calls; `hostile --lie` passes an array that is shorter than
  * it says, which no library can notice, but a memory checker must.
@@ -41,6 +41,7 @@ struct function functions[] = {
 #undef OTHER
 const size_t function_count = sizeof functions / sizeof *functions;
 
+static bool succeeded[sizeof functions / sizeof *functions];
 static uint64_t seed, sequence, calls, by_status[COVBEAM_BUSY + 1], cancelled_later;
 
 static void complain(const struct prepared *call, int32_t status, const char *message, const char *what) {
@@ -249,6 +250,7 @@ static int32_t perform(struct prepared *call, bool thorough) {
     const char *message = status == COVBEAM_OK ? "" : covbeam_last_error();
     if (status < 0 || status >= COVBEAM_POISONED) complain(call, status, message, "never to be returned");
     by_status[status]++;
+    if (status == COVBEAM_OK) succeeded[call->function - functions] = true;
     const bool freeing = strstr(f->name, "_free") != NULL;
     if (callbacks.wrong) complain(call, status, message, "a callback was called with something wrong, or after it had said no");
     if (callbacks.refused != (status == COVBEAM_CANCELLED) || callbacks.failed != (status == COVBEAM_CALLBACK_FAILED))
@@ -441,5 +443,10 @@ int main(int argc, char **argv) {
 #endif
     for (int32_t status = 0; status <= COVBEAM_BUSY; status++)
         printf("  %-24s %12llu\n", covbeam_status_name(status), (unsigned long long)by_status[status]);
+    for (size_t f = 0; f < function_count; f++) {
+        if (succeeded[f]) continue;
+        fprintf(stderr, "hostile: seed %llu: %s has never succeeded: too few sequences\n", (unsigned long long)seed, functions[f].name);
+        return 1;
+    }
     return 0;
 }

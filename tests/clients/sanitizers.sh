@@ -1,6 +1,6 @@
 #!/bin/bash
 # Memory errors, undefined behaviour, leaks and data races of the C library, under hosts that do everything wrong.
-#   tests/clients/sanitizers.sh PREFIX            50,000 random sequences of calls
+#   tests/clients/sanitizers.sh PREFIX            20,000 random sequences of calls
 #   tests/clients/sanitizers.sh PREFIX --full     1,000,000 of them
 # The library itself is built with AddressSanitizer and ThreadSanitizer, by the stable compiler; Rust's standard library comes
 # without, and is seen by valgrind. Needs clang with its sanitizers, and valgrind. What is missing is a failure.
@@ -11,7 +11,7 @@ target="$(realpath -m "${CARGO_TARGET_DIR:-$root/target}")/sanitizers"
 [ $# -ge 1 ] || { echo "usage: $0 PREFIX [--full]" >&2; exit 1; }
 released="$(cd "$1" && pwd)/lib/libcovbeam.a"
 # Random sequences of a process; and states of objects on which everything is spoiled under valgrind, which is 50 times as slow.
-sequences=25000 states=2
+sequences=10000 states=1
 [ "${2:-}" != --full ] || { sequences=500000 states=6; }
 
 build="$(mktemp -d)"
@@ -87,7 +87,7 @@ refused "an array that is too short" "Invalid read" "${check[@]}" "$build/hostil
 # never been written, memcheck can judge only code that is not optimised.
 "${check[@]}" --undef-value-errors=no "$build/hostile" 200 3 "$states" > "$build/first" 2>&1 &
 first=$!
-"${check[@]}" "$build/hostile-slow" 10 4 "$states" > "$build/second" 2>&1 || { tail -60 "$build/second"; exit 1; }
+"${check[@]}" "$build/hostile-slow" 40 4 "$states" > "$build/second" 2>&1 || { tail -60 "$build/second"; exit 1; }
 wait "$first" || { tail -60 "$build/first"; exit 1; }
 cat "$build/first" "$build/second"
 echo "no findings in $((SECONDS - started)) s"

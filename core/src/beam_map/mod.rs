@@ -245,5 +245,6 @@ impl BeamMap {
     }
 }
 
-#[cfg(test)]
+// Processors with one set of vector instructions have only scalar code to compare it with.
+#[cfg(all(test, any(feature = "scalar", target_arch = "x86", target_arch = "x86_64")))]
 mod levels;
