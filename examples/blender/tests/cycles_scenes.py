@@ -118,6 +118,19 @@ def cube(name, location, size, made):
     return thing
 
 
+def moves(thing, path, *values, every=1.0, axis=0):
+    """Keys a property of a thing so that it goes through values from frame 1 on, as evenly as a clock."""
+    for count, value in enumerate(values):
+        getattr(thing, path)[axis] = value
+        thing.keyframe_insert(path, index=axis, frame=1 + count * every)
+    action = thing.animation_data.action
+    curves = action.fcurves if hasattr(action, "fcurves") else action.layers[0].strips[0].channelbags[0].fcurves
+    for curve in curves:
+        curve.extrapolation = "LINEAR"
+        for key in curve.keyframe_points:
+            key.interpolation = "LINEAR"
+
+
 def picture_of_the_sky(world, cells, rotation=(0, 0, 0)):
     """A world that shines as a picture, (h, w, 3) from the top, turned by a Mapping node."""
     wire(world, [("ShaderNodeBackground", {}, "Surface")])

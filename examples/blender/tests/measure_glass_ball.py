@@ -87,10 +87,15 @@ def rel_mse(picture, reference, mask):
 
 
 def save(path, picture):
-    """An EXR for later, a PNG to look at: sRGB, 1.0 at the 99.5th percentile."""
+    """An array for later, a PNG to look at."""
     np.save(path.with_suffix(".npy"), picture)
+    show(path, picture)
+
+
+def show(path, picture):
+    """Writes a PNG: sRGB, 1.0 at the 99.5th percentile."""
     height, width, _ = picture.shape
-    scaled = np.clip(picture / np.float32(np.percentile(picture, 99.5)), 0, 1)
+    scaled = np.clip(picture / np.percentile(picture, 99.5), 0, 1)
     encoded = np.where(scaled <= 0.0031308, 12.92 * scaled, 1.055 * np.maximum(scaled, 1e-9) ** (1 / 2.4) - 0.055)
     image = bpy.data.images.new(path.stem, width, height)
     image.pixels.foreach_set(np.concatenate([encoded, np.ones_like(encoded[..., :1])], 2)[::-1].astype(np.float32).ravel())

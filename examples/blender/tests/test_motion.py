@@ -16,6 +16,7 @@ import cycles_scenes  # noqa: E402
 import harness  # noqa: E402
 import host_scenes  # noqa: E402
 import scenes_export as scenes  # noqa: E402
+from cycles_scenes import moves  # noqa: E402
 
 from addon.export.motion import INSTANTS, exposures, moments  # noqa: E402
 from addon.export.scene import export  # noqa: E402
@@ -28,19 +29,6 @@ def exposed():
     scene = bpy.context.scene
     bpy.context.view_layer.update()
     return exposures(bpy.context.evaluated_depsgraph_get(), lambda frame, part: scene.frame_set(frame, subframe=part))
-
-
-def moves(thing, path, *values, every=1.0, axis=0):
-    """Keys a property of a thing so that it goes through values from frame 1 on, as evenly as a clock."""
-    for count, value in enumerate(values):
-        getattr(thing, path)[axis] = value
-        thing.keyframe_insert(path, index=axis, frame=1 + count * every)
-    action = thing.animation_data.action
-    curves = action.fcurves if hasattr(action, "fcurves") else action.layers[0].strips[0].channelbags[0].fcurves
-    for curve in curves:
-        curve.extrapolation = "LINEAR"
-        for key in curve.keyframe_points:
-            key.interpolation = "LINEAR"
 
 
 def rendered(made, *others, passes, photons=20_000, seed=0, **settings):

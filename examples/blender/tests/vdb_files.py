@@ -35,32 +35,38 @@ FILES = {
 }
 
 
-def write(openvdb):
-    """Writes them all, and one with a grid of another type, one with something all around, and one without any grid."""
-
-    def grid(kind, name, first, values, transform):
-        made = kind()
-        made.name, made.transform = name, openvdb.createLinearTransform(transform.T.tolist())
-        if values.size:
-            made.copyFromArray(values if values.shape[3] == 3 else values[..., 0], ijk=first)
-        return made
-
-    for name, grids in FILES.items():
-        made = [grid(openvdb.FloatGrid if of[1].shape[3] == 1 else openvdb.Vec3SGrid, key, *of) for key, of in grids.items()]
-        openvdb.write(str(FOLDER / f"{name}.vdb"), made)
-    of = FILES["straight"]["density"]
-    openvdb.write(str(FOLDER / "double.vdb"), [grid(openvdb.DoubleGrid, "density", *of)])
-    openvdb.write(str(FOLDER / "background.vdb"), [grid(lambda: openvdb.FloatGrid(0.5), "density", *of)])
-    openvdb.write(str(FOLDER / "none.vdb"), [])
-
-
-if __name__ == "__main__":
+def module():
+    """Blender's own module of OpenVDB, which there is from 5.0 on."""
     import bpy
 
     sys.path.append(str(next(Path(bpy.utils.resource_path("LOCAL")).rglob("openvdb*.so")).parent))
     import openvdb
 
+    return openvdb
+
+
+def grid(openvdb, kind, name, first, values, transform):
+    """A grid of a kind of the module's, of `values` (x, y, z, channels) from index `first` on."""
+    made = kind()
+    made.name, made.transform = name, openvdb.createLinearTransform(transform.T.tolist())
+    if values.size:
+        made.copyFromArray(values if values.shape[3] == 3 else values[..., 0], ijk=first)
+    return made
+
+
+def write(openvdb):
+    """Writes them all, and one with a grid of another type, one with something all around, and one without any grid."""
+    for name, grids in FILES.items():
+        made = [grid(openvdb, openvdb.FloatGrid if of[1].shape[3] == 1 else openvdb.Vec3SGrid, key, *of) for key, of in grids.items()]
+        openvdb.write(str(FOLDER / f"{name}.vdb"), made)
+    of = FILES["straight"]["density"]
+    openvdb.write(str(FOLDER / "double.vdb"), [grid(openvdb, openvdb.DoubleGrid, "density", *of)])
+    openvdb.write(str(FOLDER / "background.vdb"), [grid(openvdb, lambda: openvdb.FloatGrid(0.5), "density", *of)])
+    openvdb.write(str(FOLDER / "none.vdb"), [])
+
+
+if __name__ == "__main__":
     FOLDER.mkdir(exist_ok=True)
-    write(openvdb)
+    write(module())
     sys.stdout.flush()
     os._exit(0)
