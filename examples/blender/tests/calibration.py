@@ -16,7 +16,6 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from mathutils import Matrix
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
@@ -251,9 +250,7 @@ def cloud(bounces):
         for node in tree.nodes:
             if node.type in ("VOLUME_SCATTER", "VOLUME_ABSORPTION"):
                 link(density.outputs[0], node.inputs["Density"])
-        box = scenes.cube("Cloud", (0, 0, 0.2), (1.4, 1.0, 1.1), fog)
-        # Its own space from -1 to 1, in which the gradient ends at the border.
-        box.data.transform(Matrix.Diagonal((2, 2, 2, 1)))
+        box = scenes.to_unit(scenes.cube("Cloud", (0, 0, 0.2), (1.4, 1.0, 1.1), fog))
         box.rotation_euler = (0.2, 0.3, 0.5)
         scenes.lamp("AREA", (1.0, 0.5, 3.0), (0, 0, 0), energy=300, shape="SQUARE", size=0.6)
 
@@ -312,9 +309,7 @@ def fire(bounces):
         link(noise.outputs[0], ramp.inputs[0])
         link(strength.outputs[0], emission.inputs["Strength"])
         link(ramp.outputs[0], emission.inputs["Color"])
-        box = scenes.cube("Fire", (-0.3, 0.2, 0.2), (1.2, 1.2, 1.2), flame)
-        # Its own space from -1 to 1, in which the gradient ends at the border.
-        box.data.transform(Matrix.Diagonal((2, 2, 2, 1)))
+        scenes.to_unit(scenes.cube("Fire", (-0.3, 0.2, 0.2), (1.2, 1.2, 1.2), flame))
         scenes.ball("Ball", (0.9, -0.8, 0), 0.4, scenes.material("Black", scenes.BLACK))
 
     return build, bounces

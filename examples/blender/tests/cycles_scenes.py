@@ -6,7 +6,7 @@ import tempfile
 
 import bpy
 import numpy as np
-from mathutils import Vector
+from mathutils import Matrix, Vector
 
 
 def empty_scene(size, samples=64, seed=0):
@@ -116,6 +116,12 @@ def cube(name, location, size, made):
     thing.name, thing.scale = name, size
     thing.data.materials.append(made)
     return thing
+
+
+def to_unit(box):
+    """Makes a box's own space go from -1 to 1, where gradients end."""
+    box.data.transform(Matrix.Diagonal((2, 2, 2, 1)))
+    return box
 
 
 def moves(thing, path, *values, every=1.0, axis=0):

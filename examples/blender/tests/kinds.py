@@ -55,12 +55,6 @@ def _card(place, size, made, rotation=(0, 0, 0)):
     return thing
 
 
-def _within(box):
-    """Makes the box's own space go from -1 to 1, where gradients end."""
-    box.data.transform(Matrix.Diagonal((2, 2, 2, 1)))
-    return box
-
-
 def _stage():
     """A floor and a wall."""
     grey = _matt(0.45, 0.42, 0.4)
@@ -144,7 +138,7 @@ def _lighthouse(scene):
         tree.link(tree.node("TexCoord").outputs["Object"], fade)
         return tree.link(next(s for s in fade.outputs if s.identifier == "Fac"), thick, 0)
 
-    _within(scenes.cube("Bank", (-3.0, 0, 1.4), (3.2, 2.4, 2.6), medium("Bank", fading)))
+    scenes.to_unit(scenes.cube("Bank", (-3.0, 0, 1.4), (3.2, 2.4, 2.6), medium("Bank", fading)))
     scenes.ball("Cloud", (1.7, 0, 2.3), 0.9, medium("Cloud", 0.5, (1, 0.7, 0.4)), 4)
     scenes.ball("Other", (2.8, 0.2, 2.0), 0.8, medium("Other", 0.3, (0.4, 0.7, 1)), 4)
     for side in (-1, 1):
@@ -201,7 +195,7 @@ def _campfire(scene):
     tree.link(tree.link(noise.outputs[0], tongues, "Value"), strength, 1)
     tree.link(tree.link(strength.outputs[0], bright, 0), emission, "Strength")
     tree.link(tree.link(warm, ramp), emission, "Color")
-    _within(scenes.cube("Fire", (0, 0, 0.75), (0.8, 0.8, 1.2), flame))
+    scenes.to_unit(scenes.cube("Fire", (0, 0, 0.75), (0.8, 0.8, 1.2), flame))
     scenes.lamp("SUN", (-3, 2, 5), (0, 0, 0), energy=0.05, angle=0.02, color=(0.5, 0.7, 1.0))
 
 
