@@ -40,9 +40,43 @@ class Ies(unittest.TestCase):
         half = GOOD.replace("0 90 180", "0 45 90")
         self.assertEqual((self.at(half, 100), self.at(half, 179)), (0, 0))
 
+    @unittest.skipIf(bpy.app.version < (5, 0), "in Cycles of Blender 4.2 it is not alike, as the next test sees")
     def test_all_around_alike_is_one_horizontal_angle(self):
         even = "TILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 100\n0 180\n0\n10 10\n"
         self.assertAlmostEqual(self.at(even, 77, 123), 10 * WATTS)
+
+    def test_in_all_directions_it_shines_as_in_cycles(self):
+        uneven = "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 7 5 1 2 0 0 0\n1 1 100\n0 10 20 90 160 170 180\n0 90 180 270 360\n"
+        uneven += "".join(f"900 300 {value} 400 {value} 100 700\n" for value in (900, 300, 600, 100, 900))
+        even = "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 3 1 1 2 0 0 0\n1 1 100\n0 90 180\n0\n500 500 500\n"
+        for text in (uneven, even):
+            self.compare(text)
+
+    def compare(self, text):
+        """A lamp on a white surface, in directions on both sides of horizontal angles and near straight down and up."""
+        scenes.empty()
+        scenes.grid(size=40.0, material=scenes.material("White", scenes.shader("BsdfDiffuse", {"Color": (1, 1, 1)})))
+        lamp = bpy.data.lights.new("Lamp", "POINT")
+        lamp.energy, lamp.shadow_soft_size = 1.0, 0.0
+        tree, file = scenes.tree_of(lamp), bpy.data.texts.new("Lamp")
+        file.write(text)
+        emission, ies = scenes.node(tree, "Emission"), scenes.node(tree, "TexIES", mode="INTERNAL", ies=file)
+        tree.links.new(ies.outputs[0], emission.inputs["Strength"])
+        tree.links.new(emission.outputs[0], scenes.node(tree, "OutputLight").inputs["Surface"])
+        height = 2.0
+        hung = scenes.add(lamp, location=(0, 0, height))
+        for turned in (False, True):
+            hung.rotation_euler = (np.pi if turned else 0, 0, 0)
+            for off, turn in ((1.0, 70.0), (5.0, 40.0), (8.0, 130.0), (15.0, 45.0), (25.0, 170.0), (60.0, 200.0), (60.0, 340.0)):
+                with self.subTest(turned=turned, off=off, turn=turn):
+                    angle, x, y = np.radians(off), np.sin(np.radians(turn)), np.cos(np.radians(turn))
+                    far = height * np.tan(angle)
+                    shown = scenes.cycles_at((far * x, far * y, 0), samples=1)[0]
+                    horizontal = np.degrees(np.arctan2(x, -y if turned else y)) + 180
+                    value = self.at(text, 180 - off if turned else off, horizontal)
+                    # Of a white surface: irradiance over pi. A lamp's watts go in all directions.
+                    expected = value / (4 * np.pi) * np.cos(angle) ** 3 / height**2 / np.pi
+                    self.assertAlmostEqual(expected / shown, 1, delta=2e-3)
 
     def test_what_is_no_ies_file_is_refused_and_says_why(self):
         for text, why in (

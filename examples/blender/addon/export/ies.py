@@ -29,13 +29,20 @@ class Measured:
         inside = (vertical >= self._vertical[0]) & (vertical < self._vertical[-1])
         v, across = _place(self._vertical, vertical)
         h, around = _place(self._horizontal, horizontal % (2 * np.pi))
-        count, last = len(self._horizontal) - 1, len(self._vertical) - 1
-        rows = []
-        for step in range(-1, 3):
-            # The last angle around is the first.
-            row = (h + step) % count
-            rows.append(_cubic([self._values[row, np.clip(v + k, 0, last)] for k in range(-1, 3)], across))
+        count = len(self._horizontal) - 1
+        rows = [self._along(np.clip(h + k, 0, count), v, across) for k in range(-1, 3)]
+        # In single precision Cycles never sees that the last angle around is the first, nor that the last vertical one is straight up.
+        rows[0] = np.where(h > 0, rows[0], _beyond(rows[1]))
+        rows[3] = np.where(h + 2 <= count, rows[3], _beyond(rows[1]))
         return np.where(inside, np.maximum(_cubic(rows, around), 0), 0.0)
+
+    def _along(self, row, v, across):
+        """Light `across` from vertical angle v to the next, at a horizontal one, indices (n,)."""
+        last = len(self._vertical) - 1
+        a, b, c, d = (self._values[row, np.clip(v + k, 0, last)] for k in range(-1, 3))
+        # Beyond straight down it goes on as it came.
+        a = np.where(v > 0, a, self._values[row, 1] if self._vertical[0] < 1e-7 else _beyond(b))
+        return _cubic((a, b, c, np.where(v + 2 <= last, d, _beyond(c))), across)
 
 
 def measured(node):
@@ -91,6 +98,11 @@ def _place(angles, at):
     """Between which of the angles others lie, and how far along."""
     low = np.clip(np.searchsorted(angles, at, side="right") - 1, 0, len(angles) - 2)
     return low, np.clip((at - angles[low]) / (angles[low + 1] - angles[low]), 0, 1)
+
+
+def _beyond(value):
+    """What Cycles takes for the light beyond the last angle: before Blender 5.0 none."""
+    return value if bpy.app.version >= (5, 0) else np.zeros_like(value)
 
 
 def _cubic(values, t):
