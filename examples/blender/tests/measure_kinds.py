@@ -144,9 +144,8 @@ def measure(name, arguments):
     off = ratio * np.hypot(*(error(of) / of.mean() for of in means))
     mean = 0.5 * (covbeam.mean(axis=0) + cycles.mean(axis=0))
     print(f"{name}: covbeam {values[0]}, Cycles {values[1]} (plain {values[2]}, guided {values[3]}): {ratio:.4f}+-{off:.4f}")
-    for line in (str(report), block_line(covbeam, cycles), ring_line(covbeam, cycles), noise_line(ours, others, mean)):
-        if line:
-            print(f"  {line}", flush=True)
+    for line in (*str(report).splitlines(), block_line(covbeam, cycles), ring_line(covbeam, cycles), noise_line(ours, others, mean)):
+        print(f"  {line}", flush=True)
     np.savez(arguments.folder / f"{name.lower()}.npz", covbeam=covbeam, cycles=cycles)
     pair = np.concatenate([covbeam.mean(axis=0), cycles.mean(axis=0)], axis=1)
     show(arguments.folder / name.lower(), pair)
