@@ -256,6 +256,7 @@ impl<'a> Renderer<'a> {
     }
 
     /// The same of renderers of one scene at several instants while a shutter is open, all with the same grid: with one pilot for all of them.
+    /// The first has their light fields; see [`Renderer::go_on_from`].
     pub fn light_instants_by_parts(instants: &mut [Self], parts: Parts) {
         let start = Instant::now();
         if parts.guided {
@@ -271,11 +272,14 @@ impl<'a> Renderer<'a> {
                 made.decide_branches();
             }
         }
+        let split = if parts.apart { Split::STRAIGHT_APART } else { Split::TOGETHER };
         for made in &mut *instants {
             made.has_shadow_rays = parts.straight;
-            made.split_into(if parts.apart { Split::STRAIGHT_APART } else { Split::TOGETHER });
+            made.split = Some(split);
+            made.give_up_fields();
         }
         if let Some(first) = instants.first_mut() {
+            first.split_into(split);
             first.pilot = start.elapsed().as_secs_f64();
         }
     }
@@ -303,7 +307,13 @@ impl<'a> Renderer<'a> {
     /// Goes on from the light fields of another renderer, which has none then: one of the same scene at another instant, with the same grid. In
     /// spectra that are the mean over the instants all of them may have a part, and the pictures of all be filtered as one.
     pub fn go_on_from(&mut self, other: &mut Self) {
-        self.grids = std::mem::replace(&mut other.grids, Grids::new(NO_GRID, Split::TOGETHER));
+        std::mem::swap(&mut self.grids, &mut other.grids);
+        other.give_up_fields();
+    }
+
+    /// Gives the memory of the light fields up, for those of another renderer: [`Renderer::go_on_from`].
+    pub fn give_up_fields(&mut self) {
+        self.grids = Grids::new(NO_GRID, Split::TOGETHER);
     }
 
     /// From now on each kind of light that the scene can have has spectra, eye rays and filters of its own, for a film that keeps them apart.

@@ -448,12 +448,12 @@ impl<'a> State<'a> {
                 if !beyond {
                     made.leave_out_beyond();
                 }
+                // Grids may take most of the memory, and one is enough.
+                made.give_up_fields();
                 made
             };
             *renderers = scenes.iter().map(make).collect();
             Renderer::light_instants_by_parts(renderers, Parts { guided: !plain, ..Parts::DEFAULT });
-            let (first, others) = renderers.split_first_mut()?;
-            others.iter_mut().for_each(|other| first.go_on_from(other));
             *latest = 0;
         }
         // All instants' light fields are in one grid: kernels and filters may blur what the mean of them bears.
