@@ -86,11 +86,11 @@ class CovbeamEngine(bpy.types.RenderEngine):
         camera = job.scene.camera
         result = self.begin_result(0, 0, camera.width, camera.height, layer=job.view_layer)
         try:
-            look = first_look(job.scene, job.settings, self.goes_on)
-            if look is not None:
-                put(self, result, look)
-                side, taken = pixel_size(camera.width, camera.height), text.duration(perf_counter() - job.start)
-                job.record.figures.append(f"First look, in pixels of {side} x {side}: after {taken}")
+            pixel = pixel_size(camera.width, camera.height)
+            if pixel > 1:
+                put(self, result, first_look(job.scene, job.settings, pixel, self.goes_on))
+                taken = text.duration(perf_counter() - job.start)
+                job.record.figures.append(f"First look, in pixels of {pixel} x {pixel}: after {taken}")
             with closing(Session(job.scene, job.settings, self.goes_on, job.instants)) as session:
                 passes = Passes(self, session, job.budget, result, job.start)
                 passes.run()

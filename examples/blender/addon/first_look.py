@@ -26,15 +26,12 @@ def pixel_size(width, height):
     return pixel
 
 
-def first_look(scene, settings, poll):
-    """A host.session.Picture as large as the scene's, each of its pixels that of `pixel_size`; None if that is 1.
+def first_look(scene, settings, pixel, poll):
+    """A host.session.Picture as large as the scene's, in pixels of `pixel` x `pixel` of these.
 
     - scene: host.scene.Scene; settings: host.session.Settings; poll: asked whether to go on, raises Cancelled if not.
     """
     camera = scene.camera
-    pixel = pixel_size(camera.width, camera.height)
-    if pixel == 1:
-        return None
     with closing(Session(replace(scene, camera=camera.coarser(pixel)), settings, poll)) as session:
         session.restart(_PHOTONS, plain=True)
         session.render_pass(poll)
