@@ -20,6 +20,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 import cycles_scenes as scenes
+import fog_light
 import smoke_scenes
 from addon.export.scene import export
 from addon.host.session import Session, Settings
@@ -60,24 +61,8 @@ def projected():
         lamp.rotation_euler.rotate_axis("Z", 0.7)
         cells = np.full((6, 6, 4), (0.1, 0.1, 0.2, 1.0), np.float32)
         cells[1, 1:5, 0] = cells[2:5, 1, 1] = cells[3, 3, :3] = 4.0
-        image = bpy.data.images.new("Slide", 6, 6, float_buffer=True)
-        image.colorspace_settings.name = "Linear Rec.709"
-        image.pixels.foreach_set(cells.ravel())
-        emission, link, new = _emission_of(lamp.data)
-        parts, place, slide = (new(f"ShaderNode{kind}") for kind in ("SeparateXYZ", "CombineXYZ", "TexImage"))
-        slide.image, slide.extension = image, "CLIP"
-        link(new("ShaderNodeTexCoord").outputs["Normal"], parts.inputs[0])
-        for axis in "XY":
-            # From -.7 to .7 across the cone.
-            slope, half = new("ShaderNodeMath"), new("ShaderNodeMath")
-            slope.operation, half.operation = "DIVIDE", "MULTIPLY_ADD"
-            half.inputs[1].default_value, half.inputs[2].default_value = -1 / 1.4, 0.5
-            link(parts.outputs[axis], slope.inputs[0])
-            link(parts.outputs["Z"], slope.inputs[1])
-            link(slope.outputs[0], half.inputs[0])
-            link(half.outputs[0], place.inputs[axis])
-        link(place.outputs[0], slide.inputs["Vector"])
-        link(slide.outputs["Color"], emission.inputs["Color"])
+        # From -.7 to .7 across the cone.
+        fog_light.slide(lamp.data, fog_light.picture("Slide", cells), 1.4)
 
     return build, 0
 
