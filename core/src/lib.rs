@@ -98,7 +98,7 @@ pub use grid::{CovarianceGrid, FluenceCell, FluenceGrid, GridCell};
 pub use image::{
     FILM_TILE, FILM_TILE_PIXELS, FilmEvidence, FilmFilterNode, FilmFilters, FilmLattice, FilmNode, FilmPixel,
     FilmSample, FilmSizeError, FilmSums, FilmUnit, ImageFilter, ImageSpectrum, PixelStep, Reconstruction,
-    film_regions, pixel_threshold, standard_errors, verify_filters,
+    RegionNode, film_regions, part_regions, pixel_threshold, standard_errors, verify_filters,
 };
 pub use importance::{
     Importance, ImportanceCell, ImportanceGrid, ImportanceSums, SegmentImportance, weight_window,

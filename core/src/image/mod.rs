@@ -10,7 +10,7 @@
 //!    [`ImageFilter::density`], or [`FilmLattice::least_density`]. The host adds up what the rays saw
 //!    ([`FilmSums`]) and the densities of all passes, pixel by pixel;
 //! 3. whenever a picture is wanted: a [`Reconstruction`] of the sums over the densities, inside regions
-//!    between silhouettes ([`film_regions`]); the filters checked by the samples ([`FilmFilters::evidence`],
+//!    between silhouettes ([`film_regions`], [`part_regions`]); the filters checked by the samples ([`FilmFilters::evidence`],
 //!    [`verify_filters`]): a spectrum is local, a filter is not, so each is narrowed until what it gives
 //!    agrees with what narrower ones give; then the picture, tile by tile ([`Reconstruction::tile`]), and its
 //!    error ([`standard_errors`]).
@@ -19,6 +19,7 @@
 //! picture.
 
 mod blocks;
+mod contacts;
 mod error;
 mod filter;
 mod lattice;
@@ -32,6 +33,7 @@ mod tilt;
 mod verify;
 
 pub use blocks::FilmNode;
+pub use contacts::{RegionNode, part_regions};
 pub use error::standard_errors;
 pub use filter::ImageFilter;
 pub use lattice::{FilmFilterNode, FilmFilters, FilmLattice};

@@ -37,7 +37,7 @@ pub fn film_regions(width: u32, height: u32, depth: &[f32], labels: &mut [u32]) 
         return Err(FilmSizeError);
     }
     let (columns, rows) = (width as usize, height as usize);
-    let inverse = |index: usize| if depth[index] > 0.0 { 1.0 / depth[index] } else { f32::NAN };
+    let inverse = inverse_depth(depth);
     for y in 0..rows {
         for x in 0..columns {
             let index = y * columns + x;
@@ -67,21 +67,36 @@ pub fn film_regions(width: u32, height: u32, depth: &[f32], labels: &mut [u32]) 
     Ok(())
 }
 
+/// Of each pixel; NaN where it is none.
+pub(super) fn inverse_depth(depth: &[f32]) -> impl Fn(usize) -> f32 {
+    |index| if depth[index] > 0.0 { 1.0 / depth[index] } else { f32::NAN }
+}
+
 /// Whether the surface goes on to both neighbours of a pixel along one axis.
 fn continuous(inverse: &impl Fn(usize) -> f32, index: usize, at: usize, count: usize, stride: usize) -> bool {
-    let value = |steps: i64| {
-        let place = at as i64 + steps;
-        let inside = (0..count as i64).contains(&place);
-        inside.then(|| inverse((index as i64 + steps * stride as i64) as usize))
-    };
-    [1, -1].iter().all(|side| {
-        let (Some(here), Some(there)) = (value(0), value(*side)) else { return true };
-        let close = |guess: f32, truth: f32| (guess - truth).abs() <= JUMP * here.max(there);
-        let continued = |near: f32, behind: Option<f32>, far: f32| {
-            behind.is_some_and(|behind| close(2.0 * near - behind, far))
-        };
-        close(here, there) || continued(here, value(-side), there) || continued(there, value(2 * side), here)
-    })
+    (at == 0 || !is_apart(inverse, index - stride, at - 1, count, stride))
+        && !is_apart(inverse, index, at, count, stride)
+}
+
+/// Whether the surface ends between a pixel and the next one along one axis.
+///
+/// - `at`: the pixel's place among `count` along it; `stride`: from one to the next.
+pub(super) fn is_apart(
+    inverse: &impl Fn(usize) -> f32,
+    index: usize,
+    at: usize,
+    count: usize,
+    stride: usize,
+) -> bool {
+    if at + 1 >= count {
+        return false;
+    }
+    let (here, there) = (inverse(index), inverse(index + stride));
+    let close = |guess: f32, truth: f32| (guess - truth).abs() <= JUMP * here.max(there);
+    let is_continued = close(here, there)
+        || at > 0 && close(2.0 * here - inverse(index - stride), there)
+        || at + 2 < count && close(2.0 * there - inverse(index + 2 * stride), here);
+    !is_continued
 }
 
 fn root(labels: &[u32], mut label: u32) -> u32 {

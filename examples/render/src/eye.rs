@@ -1,6 +1,6 @@
 //! Eye paths: from the camera through media, which may send out light, and specular surfaces to the first diffuse or black one.
 
-use crate::clearance::clearance;
+use crate::clearance::Clearance;
 use crate::geometry::MOST_BOUNDS;
 use crate::kind::{ByKind, Kind};
 use crate::material::{Encounter, Lobe, Way};
@@ -298,7 +298,8 @@ impl EyeTracer<'_> {
     fn irradiance(&self, hit: &Hit, normal: Vec3, interior: Interior, random: &mut Random) -> ByKind {
         let start = hit.leave(normal);
         let reach = self.surfaces.reach();
-        let clear = reach.map_or(f32::INFINITY, |reach| clearance(self.scene, start, normal, reach, random));
+        let unbounded = Clearance::of(f32::INFINITY);
+        let clear = reach.map_or(unbounded, |reach| Clearance::new(self.scene, start, normal, reach, random));
         let mut irradiance = self.surfaces.irradiance(hit.position, normal, &hit.curvature, clear);
         irradiance[Kind::Straight as usize] =
             straight_irradiance(self.scene, self.fogs, interior, start, |light| {

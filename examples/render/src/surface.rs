@@ -5,6 +5,7 @@ mod crowd;
 
 pub(crate) use crowd::CROWD;
 
+use crate::clearance::Clearance;
 use crate::kind::{ByKind, Kind};
 use covbeam::Curvature;
 use glam::{Vec3, Vec3A};
@@ -96,20 +97,27 @@ impl SurfaceMap {
         Self::build(Vec::new(), Disks { diffuse: 0.0, caustic: 0.0, crowd: None })
     }
 
-    /// How far other surfaces narrow disks from; None: they never do.
-    pub fn reach(&self) -> Option<f32> {
-        (self.disks.crowd.is_some() && !self.photons.is_empty()).then_some(self.disks.diffuse)
+    /// To which radius other surfaces narrow disks, and from which; None: they never do.
+    pub(crate) fn reach(&self) -> Option<[f32; 2]> {
+        let Disks { diffuse, caustic, crowd } = self.disks;
+        (crowd.is_some() && !self.photons.is_empty()).then_some([caustic, diffuse])
     }
 
     /// Irradiance \[W/m²\] at a point of a surface with this normal: 2D Epanechnikov kernel over distances, no wider than the surface is
     /// [`FLAT`]. On a sphere that is as even as on a plane: the part of it within a distance d of a point has the area πd².
     ///
-    /// - `clear`: how far diffuse light may be spread there \[m\]; counts down to the widest disk of a caustic.
-    pub fn irradiance(&self, point: Vec3, normal: Vec3, curvature: &Curvature, clear: f32) -> ByKind {
+    /// - `clear`: of diffuse light there.
+    pub(crate) fn irradiance(
+        &self,
+        point: Vec3,
+        normal: Vec3,
+        curvature: &Curvature,
+        clear: Clearance,
+    ) -> ByKind {
         let mut sum = ByKind::default();
         // cos θ = 1 - d²/2 of points of a unit sphere at a distance of d.
         let widest = (2.0 * (1.0 - FLAT)).sqrt() / strongest(curvature);
-        let diffuse = widest.min(clear.max(self.disks.caustic));
+        let diffuse = widest.min(clear.radius);
         if self.photons.is_empty() {
             return sum;
         }
@@ -128,6 +136,7 @@ impl SurfaceMap {
             }
             true
         });
+        sum[Kind::Scattered as usize] /= clear.share;
         sum
     }
 }
@@ -181,7 +190,9 @@ mod tests {
             for index in 0..64 {
                 let mut random = Random::new([index, 1, 0, 0]);
                 let normal = normal_of(&mut random);
-                sum += map.irradiance(ball * normal, normal, &curvature, radius)[Kind::Scattered as usize].x
+                sum += map.irradiance(ball * normal, normal, &curvature, Clearance::of(radius))
+                    [Kind::Scattered as usize]
+                    .x
                     / 64.0;
             }
             let expected = 1.0 / (4.0 * PI * ball * ball);
@@ -209,8 +220,14 @@ mod tests {
         let even = SurfaceMap::build(photons.clone(), Disks { crowd: None, ..disks });
         let map = SurfaceMap::build(photons, disks);
         let on_line = |map: &SurfaceMap| -> f32 {
-            let seen =
-                |x: i32| map.irradiance(Vec3::X * (x as f32 / 100.0), Vec3::Y, &Curvature::default(), 0.0);
+            let seen = |x: i32| {
+                map.irradiance(
+                    Vec3::X * (x as f32 / 100.0),
+                    Vec3::Y,
+                    &Curvature::default(),
+                    Clearance::of(0.0),
+                )
+            };
             (-40..40).map(|x| seen(x)[Kind::Focused as usize].x).sum()
         };
         // A disk's profile across a line is 4/(πr): 250 W along 1 m, narrowest and widest, and 250 W/m² that are everywhere.
@@ -226,7 +243,7 @@ mod tests {
         let mut sum = 0.0;
         for (row, column) in (0..cells).flat_map(|row| (0..cells).map(move |column| (row, column))) {
             let at = Vec3::new(place(row), 0.0, place(column));
-            let seen = map.irradiance(at, Vec3::Y, &Curvature::default(), f32::INFINITY);
+            let seen = map.irradiance(at, Vec3::Y, &Curvature::default(), Clearance::of(f32::INFINITY));
             sum += f64::from(seen[Kind::Focused as usize].x);
         }
         let sum = sum as f32 * (side / cells as f32).powi(2);

@@ -6,8 +6,8 @@ use super::media::medium;
 use super::words::{Script, Words};
 use covbeam::{
     EyeRay, FILM_TILE, FILM_TILE_PIXELS, FilmEvidence, FilmFilterNode, FilmFilters, FilmLattice, FilmNode,
-    FilmPixel, FilmSample, FilmSums, FilmUnit, GridLayout, ImageSpectrum, PixelStep, Reconstruction, Vec3,
-    film_regions, pixel_threshold, standard_errors, verify_filters,
+    FilmPixel, FilmSample, FilmSums, FilmUnit, GridLayout, ImageSpectrum, PixelStep, Reconstruction,
+    RegionNode, Vec3, film_regions, part_regions, pixel_threshold, standard_errors, verify_filters,
 };
 
 pub(super) fn write(script: &mut Script) {
@@ -87,6 +87,8 @@ fn picture(script: &mut Script, hard: &mut Hard, width: u32, height: u32) {
         .collect();
     let mut regions = vec![0; count];
     film_regions(width, height, &depth, &mut regions).expect("as many as pixels");
+    part_regions(width, height, &depth, &mut regions, &mut vec![RegionNode::default(); count])
+        .expect("as many as pixels");
     script.call("film_regions", &[&width, &height, &depth], &[&regions]);
     let typical = hard.decades(-2.0, 2.0);
     script.call("film_new", &[&width, &height, &typical, &regions], &[]);

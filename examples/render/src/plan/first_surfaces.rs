@@ -10,7 +10,10 @@ use crate::optics::{Interior, facing_normal};
 use crate::scene::{MediumId, Scene};
 use crate::sight::{FirstFog, Sight};
 use crate::starts::{EyeStart, EyeStarts};
-use covbeam::{EyeRay, FilmLattice, FluenceGrid, ImageSpectrum, Knot, Medium, PixelStep, film_regions};
+use covbeam::{
+    EyeRay, FilmLattice, FluenceGrid, ImageSpectrum, Knot, Medium, PixelStep, RegionNode, film_regions,
+    part_regions,
+};
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -258,7 +261,10 @@ impl Seen<'_> {
         let of = |depth: &dyn Fn(&Look) -> f32| {
             let depth: Vec<f32> = self.looks.iter().map(depth).collect();
             let mut regions = vec![0; depth.len()];
-            film_regions(self.camera.width, self.camera.height, &depth, &mut regions).expect(FITS);
+            let mut nodes = vec![RegionNode::default(); depth.len()];
+            let Camera { width, height, .. } = *self.camera;
+            film_regions(width, height, &depth, &mut regions).expect(FITS);
+            part_regions(width, height, &depth, &mut regions, &mut nodes).expect(FITS);
             regions
         };
         let surfaces = of(&|look| look.depth);

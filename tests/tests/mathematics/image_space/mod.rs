@@ -1,5 +1,6 @@
 //! Image space: the picture's spectrum, its filters, which pixels get rays, regions, and the picture from the rays.
 
+mod contacts;
 mod filter;
 mod hostile;
 mod lattice;

@@ -5,20 +5,20 @@ use std::collections::VecDeque;
 use covbeam::{FilmSizeError, film_regions};
 use proptest::prelude::*;
 
-fn regions(width: u32, depth: &[f32]) -> Vec<u32> {
+pub(super) fn regions(width: u32, depth: &[f32]) -> Vec<u32> {
     let mut labels = vec![77; depth.len()];
     film_regions(width, depth.len() as u32 / width, depth, &mut labels).unwrap();
     labels
 }
 
 /// Depth along the viewing axis of a plane through `point` with this normal, through a camera with a slope of 1 over `size` pixels.
-fn plane(size: u32, point: [f64; 3], normal: [f64; 3]) -> impl Fn(u32, u32) -> f64 {
+pub(super) fn plane(size: u32, point: [f64; 3], normal: [f64; 3]) -> impl Fn(u32, u32) -> f64 {
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let at = move |pixel: u32| (f64::from(pixel) + 0.5) / f64::from(size) - 0.5;
     move |x, y| dot(point, normal) / dot([at(x), at(y), 1.0], normal)
 }
 
-fn picture(size: u32, depth: impl Fn(u32, u32) -> f64) -> Vec<f32> {
+pub(super) fn picture(size: u32, depth: impl Fn(u32, u32) -> f64) -> Vec<f32> {
     (0..size * size).map(|i| depth(i % size, i / size) as f32).collect()
 }
 
@@ -202,7 +202,7 @@ fn flood(width: usize, depth: &[f32]) -> Vec<u32> {
 }
 
 /// Rectangles of a few depths over one another, of which the first two are one surface, and some pixels that are none.
-fn scene() -> impl Strategy<Value = (usize, Vec<f32>)> {
+pub(super) fn scene() -> impl Strategy<Value = (usize, Vec<f32>)> {
     let depth = prop::sample::select(vec![1.0, 1.003, 1.5, 3.0, f32::INFINITY]);
     let rectangle = (0..40_usize, 0..40_usize, 1..30_usize, 1..30_usize, depth);
     let broken = (0..1600_usize, prop::sample::select(vec![f32::NAN, 0.0, -1.0]));
