@@ -1942,7 +1942,7 @@ static inline covbeam_status covbeam_pixel_threshold(uint32_t pass, uint32_t see
  * @note Two neighbours are apart where neither surface, continued as a plane, comes within 1 % of the other in
  *     inverse depth: floors seen at a grazing angle are no edges. A region that lies on both sides of a silhouette
  *     is taken apart where its surface bends most: a pillar from the floor that it stands on, which goes on
- *     behind its top. Needs 8 bytes a pixel for the call, where regions are taken apart 12 and 30 a pixel of silhouettes.
+ *     behind its top. Needs 24 bytes a pixel for the call.
  */
 covbeam_status covbeam_film_regions(uint32_t width,
                                     uint32_t height,

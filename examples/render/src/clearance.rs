@@ -5,6 +5,7 @@ use crate::optics::facing_normal;
 use crate::random::Random;
 use crate::scene::Scene;
 use crate::surface::FLAT;
+use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 use std::f32::consts::TAU;
 
@@ -21,6 +22,12 @@ const PLACES: u32 = 16;
 /// With less of it on the surface a disk is halved, at most as often as this. (A corner has a quarter of any.)
 const LEAST_SHARE: f32 = 0.25;
 const NARROWINGS: u32 = 4;
+
+/// Height over the next place, as a share of the step there.
+const RISE: f32 = 0.25;
+
+/// Sides of glass that are looked through.
+const MOST_SIDES: u32 = 4;
 
 /// Turns from one place to the next: evenly around.
 const GOLDEN: f32 = 0.618_034;
@@ -54,7 +61,7 @@ impl Clearance {
         [least, most]: [f32; 2],
         random: &mut Random,
     ) -> Self {
-        let mut radius = most;
+        let (least, mut radius) = (least.min(most), most);
         for _ in 0..CONTACT_RAYS {
             let direction = cosine_direction(normal, [random.uniform(), random.uniform()]);
             if let Some(hit) = scene.intersect_solid(start, direction, radius) {
@@ -76,8 +83,7 @@ impl Clearance {
                 let below = (*number as f32 + shift) / places as f32;
                 is_on(radius * (1.0 - (1.0 - below).sqrt()).sqrt(), *number as f32 * GOLDEN)
             });
-            // The place itself is.
-            on.count().max(1) as f32 / places as f32
+            on.count() as f32 / places as f32
         };
         let mut found = share(radius, PLACES, random.uniform());
         let is_narrow = found < 2.0 * LEAST_SHARE;
@@ -90,27 +96,41 @@ impl Clearance {
         }
         // What decided is above what is: looked at anew, and more closely, since light is divided by it.
         let share = if is_narrow { share(radius, 2 * PLACES, random.uniform()) } else { found };
-        Self { radius, share }
+        Self { radius, share: share.max(0.5 * LEAST_SHARE) }
     }
 }
 
 /// Whether the surface is also there a step further, with nothing in between.
 fn goes_on(scene: &Scene, start: Vec3, normal: Vec3, step: Vec3) -> bool {
-    let height = 0.5 * step.length();
+    // What is [`FLAT`] rises and falls by less.
+    let height = RISE * step.length();
     let over = step + height * normal;
     let length = over.length();
-    if scene.intersect_solid(start, over / length, length).is_some() {
+    if nearest(scene, start, over / length, length).is_some() {
         return false;
     }
-    let below = scene.intersect_solid(start + over, -normal, 2.0 * height);
+    let below = nearest(scene, start + over, -normal, 2.0 * height);
     below.is_some_and(|hit| facing_normal(&hit, -normal).dot(normal) > FLAT)
+}
+
+/// The nearest surface on a way but for glass, under which others have photons all the same.
+fn nearest(scene: &Scene, mut start: Vec3, direction: Vec3, mut length: f32) -> Option<Hit> {
+    for _ in 0..MOST_SIDES {
+        let hit = scene.intersect_solid(start, direction, length)?;
+        let material = *scene.material(&hit);
+        if !material.has_inside() || material.diffuse() != Vec3::ZERO {
+            return Some(hit);
+        }
+        (start, length) = (hit.leave(direction), length - hit.distance);
+    }
+    None
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::kind::Kind;
-    use crate::surface::{CROWD, Disks, SurfaceMap, SurfacePhoton};
+    use crate::surface::{CROWD, Disks, SurfaceMap, SurfacePhoton, flat_within};
     use covbeam::Curvature;
     use std::path::Path;
 
@@ -122,6 +142,8 @@ mod tests {
              [[object]]\nshape = \"rectangle\"\ncorner = [-1, 0, -1]\nedge_u = [0, 0, 2]\nedge_v = [2, 0, 0]\nmaterial = \"black\"\n\
              [[object]]\nshape = \"box\"\nmin = [-0.9, 0.01, -0.9]\nmax = [-0.3, 0.5, 0.9]\nmaterial = \"black\"\n\
              [[object]]\nshape = \"rectangle\"\ncorner = [4, 0, -1]\nedge_u = [0, 0, 2]\nedge_v = [0.06, 0, 0]\nmaterial = \"black\"\n\
+             [[object]]\nshape = \"sphere\"\ncenter = [8, 0, 0]\nradius = 0.1\nmaterial = \"black\"\n\
+             [[object]]\nshape = \"sphere\"\ncenter = [0.5, 0.1, 0.5]\nradius = 0.09999\nmaterial = { dielectric = { index = 1.5 } }\n\
              [[light]]\nkind = \"point\"\nposition = [0, 5, 0]\nintensity = 1\n";
         Scene::parse(text, "floor", Path::new("")).unwrap()
     }
@@ -160,6 +182,20 @@ mod tests {
             let share = found.iter().map(|clear| f64::from(clear.share)).sum::<f64>() / found.len() as f64;
             // 4,000 draws of 16 places, more even than at random: below .5/sqrt(64,000).
             assert!((share - expected).abs() < 0.002, "{share} for {expected}");
+        }
+    }
+
+    #[test]
+    fn a_ball_is_a_surface_as_far_as_it_is_flat_and_glass_is_none_that_ends_another() {
+        let scene = scene();
+        let ball = flat_within(&Curvature { along: 10.0, across: 10.0, ..Curvature::default() });
+        let (on_ball, under_glass) = (Vec3::new(8.0, 0.100_001, 0.0), Vec3::new(0.5, 1e-6, 0.52));
+        for (start, reach) in [(on_ball, ball), (under_glass, 0.05)] {
+            for index in 0..1000 {
+                let random = &mut Random::new([index, 3, 0, 0]);
+                let clear = Clearance::new(&scene, start, Vec3::Y, [reach, reach], random);
+                assert_eq!(clear, Clearance::of(reach));
+            }
         }
     }
 

@@ -11,7 +11,7 @@ use crate::photon::{GOING_ON, LONG_PATH};
 use crate::random::{Random, mix};
 use crate::scene::{Light, Material, Scene, SceneMedium};
 use crate::starts::{EyeStart, EyeStarts};
-use crate::surface::SurfaceMap;
+use crate::surface::{SurfaceMap, flat_within};
 use covbeam::{EyeRay, Knot, Medium};
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
@@ -299,7 +299,10 @@ impl EyeTracer<'_> {
         let start = hit.leave(normal);
         let reach = self.surfaces.reach();
         let unbounded = Clearance::of(f32::INFINITY);
-        let clear = reach.map_or(unbounded, |reach| Clearance::new(self.scene, start, normal, reach, random));
+        let clear = reach.map_or(unbounded, |[least, most]| {
+            let reach = [least, most.min(flat_within(&hit.curvature))];
+            Clearance::new(self.scene, start, normal, reach, random)
+        });
         let mut irradiance = self.surfaces.irradiance(hit.position, normal, &hit.curvature, clear);
         irradiance[Kind::Straight as usize] =
             straight_irradiance(self.scene, self.fogs, interior, start, |light| {

@@ -115,8 +115,7 @@ impl SurfaceMap {
         clear: Clearance,
     ) -> ByKind {
         let mut sum = ByKind::default();
-        // cos θ = 1 - d²/2 of points of a unit sphere at a distance of d.
-        let widest = (2.0 * (1.0 - FLAT)).sqrt() / strongest(curvature);
+        let widest = flat_within(curvature);
         let diffuse = widest.min(clear.radius);
         if self.photons.is_empty() {
             return sum;
@@ -139,6 +138,12 @@ impl SurfaceMap {
         sum[Kind::Scattered as usize] /= clear.share;
         sum
     }
+}
+
+/// How far a surface is [`FLAT`] around a place \[m\].
+pub(crate) fn flat_within(curvature: &Curvature) -> f32 {
+    // cos θ = 1 - d²/2 of points of a unit sphere at a distance of d.
+    (2.0 * (1.0 - FLAT)).sqrt() / strongest(curvature)
 }
 
 /// The larger of the two principal curvatures, in size.
