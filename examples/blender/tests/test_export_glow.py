@@ -45,6 +45,7 @@ def integrated(volume, x, y, low=0.0, high=1.0, steps=400):
 class Glow(unittest.TestCase):
     def setUp(self):
         scenes.empty().cycles.max_bounces = 0
+        scenes.march_volumes()
 
     def compare(self, make, samples=16, within=2e-3):
         """An even slab shows what Cycles shows of it. Returns its volume."""

@@ -41,6 +41,10 @@ def of_nothing(tree):
 
 
 class Smoke(SeenThrough):
+    def setUp(self):
+        super().setUp()
+        scenes.march_volumes()
+
     def test_smoke_is_as_dense_as_in_cycles(self):
         smoke_scenes.domain(material=scenes.material("Smoke", volume=PRINCIPLED))
         self.compare(self.baked())
