@@ -418,6 +418,8 @@ def make(name, size, samples):
     build, bounces = SCENES[name]
     build(scene)
     scene.cycles.max_bounces = scene.cycles.volume_bounces = bounces
+    # Only the seed changes from one picture to the next.
+    scene.render.use_persistent_data = True
     return scene, bounces
 
 
