@@ -63,7 +63,8 @@ impl Clearance {
         random: &mut Random,
     ) -> Self {
         let (least, mut radius) = (least.min(most), most);
-        for _ in 0..CONTACT_RAYS {
+        // Plain disks are narrowed by nothing.
+        for _ in 0..if least < most { CONTACT_RAYS } else { 0 } {
             let direction = cosine_direction(normal, [random.uniform(), random.uniform()]);
             if let Some(hit) = scene.intersect_solid(start, direction, radius) {
                 radius = hit.distance.max(least);
@@ -218,7 +219,7 @@ mod tests {
             let position = place(&mut Random::new([index, 1, 0, 0]));
             SurfacePhoton { position, normal: Vec3::Y, power: Vec3::ONE, caustic: false }
         });
-        let disks = Disks { diffuse: reach, caustic: 0.0, crowd: Some(CROWD) };
+        let disks = Disks { diffuse: reach, caustic: 0.0, crowd: Some(CROWD), within: true };
         let map = SurfaceMap::build(photons.collect(), disks);
         let seen = |index| {
             let random = &mut Random::new([index, 2, 0, 0]);

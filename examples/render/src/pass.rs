@@ -574,6 +574,7 @@ impl<'a> Renderer<'a> {
             diffuse: DIFFUSE_RADIUS_FACTOR * radius_on_surfaces,
             caustic: CAUSTIC_RADIUS_FACTOR * radius_on_surfaces,
             crowd: by_kind.then(|| crowd(index)),
+            within: true,
         };
         let photons = std::mem::take(&mut record.surface);
         times.build = start.elapsed().as_secs_f64();

@@ -43,6 +43,8 @@ pub struct Disks {
     /// ends where it holds so many, itself included, 2 to [`CROWD`] (L. Breiman, W. Meisel and E. Purcell 1977). Disks belong to photons,
     /// not to the places that look them up: so what leaves one place arrives at another, and no light is made where photons are dense.
     pub crowd: Option<usize>,
+    /// Whether light that arrives diffusely is divided by the share of its disk that lies on the surface.
+    pub within: bool,
 }
 
 /// Where a photon counts at most.
@@ -94,13 +96,14 @@ impl SurfaceMap {
 
     /// Without photons.
     pub fn empty() -> Self {
-        Self::build(Vec::new(), Disks { diffuse: 0.0, caustic: 0.0, crowd: None })
+        Self::build(Vec::new(), Disks { diffuse: 0.0, caustic: 0.0, crowd: None, within: false })
     }
 
-    /// To which radius other surfaces narrow disks, and from which; None: they never do.
+    /// To which radius other surfaces narrow disks of diffuse light, and from which; None: they and borders do not count, or there is no light.
     pub(crate) fn reach(&self) -> Option<[f32; 2]> {
-        let Disks { diffuse, caustic, crowd } = self.disks;
-        (crowd.is_some() && !self.photons.is_empty()).then_some([caustic, diffuse])
+        let Disks { diffuse, caustic, crowd, within } = self.disks;
+        let least = if crowd.is_some() { caustic } else { diffuse };
+        (within && !self.photons.is_empty()).then_some([least, diffuse])
     }
 
     /// Irradiance \[W/m²\] at a point of a surface with this normal: 2D Epanechnikov kernel over distances, no wider than the surface is
@@ -189,8 +192,10 @@ mod tests {
         let photons: Vec<SurfacePhoton> = photons.collect();
         let curvature = Curvature { along: 1.0 / ball, across: 1.0 / ball, ..Curvature::default() };
         for radius in [0.03, 0.05, 0.2] {
-            let map =
-                SurfaceMap::build(photons.clone(), Disks { diffuse: radius, caustic: radius, crowd: None });
+            let map = SurfaceMap::build(
+                photons.clone(),
+                Disks { diffuse: radius, caustic: radius, crowd: None, within: false },
+            );
             let mut sum = 0.0;
             for index in 0..64 {
                 let mut random = Random::new([index, 1, 0, 0]);
@@ -221,7 +226,7 @@ mod tests {
         let photons: Vec<SurfacePhoton> = (0..PHOTONS).map(photon).collect();
         let power: f32 = photons.iter().map(|photon| photon.power.x).sum();
         let widest = 0.1;
-        let disks = Disks { diffuse: widest, caustic: widest, crowd: Some(CROWD) };
+        let disks = Disks { diffuse: widest, caustic: widest, crowd: Some(CROWD), within: false };
         let even = SurfaceMap::build(photons.clone(), Disks { crowd: None, ..disks });
         let map = SurfaceMap::build(photons, disks);
         let on_line = |map: &SurfaceMap| -> f32 {

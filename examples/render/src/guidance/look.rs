@@ -125,7 +125,9 @@ impl<'a> Look<'a> {
         let build = |(beams, fog)| BeamMap::build(beams, radius, fog);
         let maps = beams.into_iter().zip(fogs).map(build).collect();
         let [diffuse, caustic] = DISKS.map(|factor| factor * scene.settings.schedule.radius);
-        let surfaces = SurfaceMap::build(record.surface, Disks { diffuse, caustic, crowd: None });
+        // A pilot asks where noise is, not how bright borders are.
+        let disks = Disks { diffuse, caustic, crowd: None, within: false };
+        let surfaces = SurfaceMap::build(record.surface, disks);
         let (min_radius, max_radius) = (radius, radius);
         let shape = scene.settings.schedule.shape;
         let kernel = Kernel { shape, min_radius, max_radius, error: 1.0, grid: None };
