@@ -1,6 +1,6 @@
 //! Regions that face themselves across a silhouette, taken apart where their surface bends most.
 
-use super::regions::{inverse_depth, is_apart};
+use super::regions::{inverse_depth, is_apart, root};
 use super::{FilmSizeError, pixel_count};
 
 /// Bends of inverse depth are told apart by factors of 2, from this share of it on; rounding is below.
@@ -220,18 +220,5 @@ impl Parts<'_> {
             pixel = node.next;
         }
         false
-    }
-}
-
-/// The first pixel of a part; shortens the way there.
-fn root(labels: &mut [u32], mut label: u32) -> u32 {
-    loop {
-        let above = labels[label as usize - 1];
-        if above == label {
-            return label;
-        }
-        let next = labels[above as usize - 1];
-        labels[label as usize - 1] = next;
-        label = next;
     }
 }

@@ -99,11 +99,17 @@ pub(super) fn is_apart(
     !is_continued
 }
 
-fn root(labels: &[u32], mut label: u32) -> u32 {
-    while labels[label as usize - 1] != label {
-        label = labels[label as usize - 1];
+/// The first pixel of a region, counted from 1; shortens the way there.
+pub(super) fn root(labels: &mut [u32], mut label: u32) -> u32 {
+    loop {
+        let above = labels[label as usize - 1];
+        if above == label {
+            return label;
+        }
+        let next = labels[above as usize - 1];
+        labels[label as usize - 1] = next;
+        label = next;
     }
-    label
 }
 
 fn join(labels: &mut [u32], a: u32, b: u32) {

@@ -64,7 +64,8 @@ impl Clearance {
     ) -> Self {
         let (least, mut radius) = (least.min(most), most);
         // Plain disks are narrowed by nothing.
-        for _ in 0..if least < most { CONTACT_RAYS } else { 0 } {
+        let rays = if least < most { CONTACT_RAYS } else { 0 };
+        for _ in 0..rays {
             let direction = cosine_direction(normal, [random.uniform(), random.uniform()]);
             if let Some(hit) = scene.intersect_solid(start, direction, radius) {
                 radius = hit.distance.max(least);

@@ -1,4 +1,4 @@
-//! Regions that touch themselves across a silhouette.
+//! Regions that face themselves across a silhouette.
 
 use super::regions::{picture, plane, regions, scene};
 use covbeam::{FilmSizeError, RegionNode, part_regions};
@@ -12,7 +12,7 @@ fn parts(width: u32, depth: &[f32]) -> Vec<u32> {
     labels
 }
 
-/// Of one label, as pixels.
+/// The labels of some pixels, but for those at borders.
 fn labels_of(labels: &[u32], wanted: impl Fn(usize) -> bool) -> HashSet<u32> {
     (0..labels.len())
         .filter(|pixel| wanted(*pixel))
@@ -51,7 +51,7 @@ fn a_pillar_that_stands_on_a_floor_is_cut_off_where_it_meets_the_floor() {
     assert_eq!(labels[0], labels[labels.len() - 1]);
 }
 
-/// A ball that hangs before a wall with its lower end in a slope: smooth all the way, and yet no part has both sides of the silhouette.
+/// Smooth all the way around the end of a silhouette, and yet no part has both sides of it.
 #[test]
 fn a_smooth_fold_is_taken_apart_somewhere() {
     let size = 96_u32;
