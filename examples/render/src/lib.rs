@@ -16,6 +16,7 @@ pub mod defaults;
 #[cfg(feature = "files")]
 mod exr_format;
 pub mod eye;
+mod faint;
 #[cfg(feature = "files")]
 mod fields;
 pub mod film;

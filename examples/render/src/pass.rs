@@ -516,7 +516,7 @@ impl<'a> Renderer<'a> {
         let adaptive = self.method == Method::Adaptive;
         let counts_only = self.radii.as_ref().is_some_and(|radii| radii.rule == RadiusRule::BeamDensity);
         // Planning needs spectra whatever the radii come from.
-        let has_spectra = adaptive && (!counts_only || self.surfaces.is_some());
+        let has_spectra = adaptive && (!counts_only || self.surfaces.is_some()) && !self.is_all_behind();
 
         let field_photons = self.field_photons();
         let has_fields = has_spectra && latest_field_pass(index) == index;
@@ -615,10 +615,18 @@ impl<'a> Renderer<'a> {
         Some((image, times))
     }
 
+    /// Whether all fog lies behind glass, where no filter thins rays out: wide kernels cost more than they are worth there, and spectra are of no
+    /// other use.
+    fn is_all_behind(&self) -> bool {
+        let has_first = |surfaces: &Arc<FirstSurfaces>| surfaces.has_fog() || self.is_first_apart;
+        self.radii.is_none() && self.surfaces.as_ref().is_some_and(|surfaces| !has_first(surfaces))
+    }
+
     /// The kernel of a layer's beams in a pass whose own is `plain`.
     fn kernel<'k>(&'k self, plain: Kernel<'k>, layer: usize) -> Kernel<'k> {
         let wide_enough = plain.max_radius > WORTH_LOOKING_UP * plain.min_radius;
-        if !(wide_enough || self.surfaces.is_none() || self.radii.is_some()) {
+        let is_wide = wide_enough || self.surfaces.is_none() || self.radii.is_some();
+        if !is_wide || self.is_all_behind() {
             return Kernel { max_radius: plain.min_radius, ..plain };
         }
         let rule = self.radii.as_ref();
@@ -628,10 +636,9 @@ impl<'a> Renderer<'a> {
 
     /// Where the pass needs eye rays for each layer; none: everywhere.
     fn plans(&mut self, index: u32, error: f32, beams: u32) -> Vec<Plan> {
-        let Some(surfaces) = self.surfaces.as_ref() else { return Vec::new() };
-        if !(surfaces.has_fog() || self.is_first_apart) {
+        let Some(surfaces) = self.surfaces.as_ref().filter(|_| !self.is_all_behind()) else {
             return Vec::new();
-        }
+        };
         let (grids, split) = (&mut self.grids, self.split);
         let plan = |layer| {
             let spectra = grids.image(layer, surfaces, &self.fogs);

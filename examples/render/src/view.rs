@@ -1,6 +1,8 @@
 //! The eye rays of one pass: through which pixels, and what they see.
 
+use crate::compare::luminance;
 use crate::eye::{EyeSegment, EyeTracer};
+use crate::faint::{Runs, by_path, is_faint};
 use crate::geometry::intersect_box;
 use crate::kind::{Kind, MOST_LAYERS};
 use crate::plan::Plan;
@@ -11,17 +13,13 @@ use crate::starts::EyeStart;
 use crate::straight::Straight;
 use crate::surface::SurfaceMap;
 use covbeam::{BeamMap, EyeRay, FluenceGrid, GatherScratch, Gathered, GridLayout, Kernel, Medium};
+use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::Mutex;
 use std::time::Instant;
 
 /// Pixels along the side of a tile, whose eye rays are gathered together.
 const TILE: u32 = 32;
-
-/// Beams around pieces of eye paths of which less than this reaches the camera are not gathered each time: such a piece costs as much as
-/// any other. Of a piece with share t they are with probability (t / FAINT)², which adds as much variance as one with this share has.
-const FAINT: f32 = 0.1;
-const LEAST: f32 = 0.01;
 
 /// Eye rays that look for straight light through a pixel that an edge crosses: such pixels have a third of the variance otherwise, and shadow
 /// rays cost less than beams.
@@ -32,7 +30,6 @@ const LOOKS: u32 = 4;
 const PLACES: u32 = 16;
 
 /// Purpose of random numbers.
-const FAINT_KEY: u32 = 0xfa17;
 const LOOK_KEY: u32 = 0x100c_0000;
 
 /// Beams of a layer of light that are seen through the same kernel.
@@ -194,12 +191,16 @@ impl View<'_> {
             }
         }
         self.add_straight(&mut seen, scratch);
+        // A plain picture has all of its pieces.
+        let Scratch { segments, faint, .. } = scratch;
+        faint.clear();
         if self.straight.is_some() {
-            self.thin_out(scratch, &seen);
+            faint.extend(segments.extract_if(.., |segment| is_faint(segment)));
         }
         // Paths that met the same surfaces run side by side.
-        scratch.segments.sort_by_key(|segment| (segment.medium, segment.signature, segment.pixel));
-        let pairs = self.beams.iter().map(|beams| self.gather(beams, &mut seen, scratch)).sum();
+        segments.sort_by_key(by_path);
+        faint.sort_by_key(by_path);
+        let pairs = self.gather(&mut seen, scratch, None) + self.gather_faint(&mut seen, scratch);
         Cost { seconds: start.elapsed().as_secs_f64(), pairs }
     }
 
@@ -231,12 +232,30 @@ impl View<'_> {
         starts.at([wanted.x as f32 + place[0], wanted.y as f32 + place[1]], lens)
     }
 
-    /// Beams around the pieces of the eye paths.
-    fn gather(&self, beams: &BeamView, seen: &mut Seen, scratch: &mut Scratch) -> u64 {
-        let Scratch { segments, looks, rays, pieces, gathered, gather } = scratch;
-        let BeamView { layer, maps, kernel, behind, kind } = beams;
+    /// Beams around the pieces of the eye paths. Returns the number of pairs.
+    ///
+    /// - `found`: gets the luminance that the camera sees in each of them; for pieces behind the first surface.
+    fn gather(&self, seen: &mut Seen, scratch: &mut Scratch, mut found: Option<&mut [f32]>) -> u64 {
         let mut pairs = 0;
+        for beams in self.beams {
+            pairs += self.gather_layer(beams, seen, scratch, found.as_deref_mut());
+        }
+        pairs
+    }
+
+    fn gather_layer(
+        &self,
+        beams: &BeamView,
+        seen: &mut Seen,
+        scratch: &mut Scratch,
+        mut found: Option<&mut [f32]>,
+    ) -> u64 {
+        let Scratch { segments, looks, rays, pieces, gathered, gather, .. } = scratch;
+        let BeamView { layer, maps, kernel, behind, kind } = beams;
+        let (mut pairs, mut next) = (0, 0);
         for group in segments.chunk_by(|a, b| (a.medium, a.signature) == (b.medium, b.signature)) {
+            let place = next;
+            next += group.len();
             let medium = group[0].medium as usize;
             if maps[medium].beams().is_empty() {
                 continue;
@@ -255,9 +274,12 @@ impl View<'_> {
             let kernel = if is_behind { behind } else { kernel };
             maps[medium].gather(fog, rays, kernel, gathered, gather).expect("its map was built in it");
             let spectra = self.spectra.as_ref().filter(|_| kernel.grid.is_none() && group[0].is_first());
-            for (segment, gathered) in pieces.iter().zip(gathered.iter()) {
+            for (number, (segment, gathered)) in pieces.iter().zip(gathered.iter()).enumerate() {
                 let &Look { ray, samples, .. } = &looks[segment.pixel as usize];
                 seen.add(ray, samples[*layer], segment, *kind, gathered.radiance);
+                if let Some(found) = &mut found {
+                    found[place + number] += luminance(segment.throughput * gathered.radiance);
+                }
                 let share = segment.throughput.element_sum() / 3.0;
                 let sigma = spectra
                     .map_or(gathered.sigma, |spectra| gathered.weight * self.sigma(spectra, &segment.ray));
@@ -269,6 +291,25 @@ impl View<'_> {
                 pairs += u64::from(gathered.pairs);
             }
         }
+        pairs
+    }
+
+    /// Beams around the faint pieces, as many of these as it takes.
+    fn gather_faint(&self, seen: &mut Seen, scratch: &mut Scratch) -> u64 {
+        let faint = std::mem::take(&mut scratch.faint);
+        let runs = Runs::new(&faint, [self.seed, self.pass]);
+        runs.first(&mut scratch.segments);
+        let mut found = vec![0.0; scratch.segments.len()];
+        let mut pairs = self.gather(seen, scratch, Some(&mut found));
+        let Scratch { segments, looks, .. } = &mut *scratch;
+        let brightness = |piece: &EyeSegment| {
+            let Look { ray, samples, .. } = looks[piece.pixel as usize];
+            let fog: Vec3 = samples.into_iter().flatten().map(|sample| seen.fog[sample].radiance).sum();
+            luminance(seen.rays[ray].light.into_iter().sum::<Vec3>() + fog)
+        };
+        runs.others(&found, brightness, segments);
+        pairs += self.gather(seen, scratch, None);
+        scratch.faint = faint;
         pairs
     }
 
@@ -334,22 +375,6 @@ impl View<'_> {
             }
         }
     }
-
-    /// Leaves pieces out that the camera hardly sees, and makes up for them.
-    fn thin_out(&self, scratch: &mut Scratch, seen: &Seen) {
-        let mut number = 0_u32;
-        scratch.segments.retain_mut(|segment| {
-            number += 1;
-            let share = segment.throughput.max_element() / FAINT;
-            if segment.is_first() || share >= 1.0 {
-                return true;
-            }
-            let chance = (share * share).max(LEAST);
-            segment.throughput /= chance;
-            let pixel = seen.rays[scratch.looks[segment.pixel as usize].ray].pixel;
-            Random::new([self.seed, self.pass, pixel, FAINT_KEY ^ (number << 16)]).uniform() < chance
-        });
-    }
 }
 
 /// Bits 0, 2, 4, … of a number below 2¹⁰, side by side.
@@ -361,6 +386,7 @@ fn every_second_bit(number: u32) -> u32 {
 #[derive(Default)]
 struct Scratch {
     segments: Vec<EyeSegment>,
+    faint: Vec<EyeSegment>,
     looks: Vec<Look>,
     pieces: Vec<EyeSegment>,
     rays: Vec<EyeRay>,
