@@ -83,9 +83,8 @@ impl<'s> Runs<'s> {
             let count = (pieces.len() - turn).div_ceil(EVERY);
             let squares: f32 = found.by_ref().take(count).map(|light| light * light).sum();
             let bright = pieces.iter().map(&brightness).sum::<f32>() / pieces.len() as f32;
-            let variance = squares / count as f32 / (bright * bright);
-            // Dark ones in the dark are not a number.
-            let chance = (variance / MOST_VARIANCE).max(LEAST).min(1.0);
+            let variance = if squares > 0.0 { squares / count as f32 / (bright * bright) } else { 0.0 };
+            let chance = (variance / MOST_VARIANCE).clamp(LEAST, 1.0);
             let others = pieces.iter().enumerate().filter(|(place, _)| place % EVERY != turn);
             for (_, piece) in others {
                 if random.uniform() < chance {
