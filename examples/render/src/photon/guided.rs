@@ -38,7 +38,8 @@ const FOR_GRANTED: f32 = 0.1;
 /// its fields are most of what fields cost. Straight light has the edges, and needs all.
 const SCATTERED_FIELDS: f32 = 0.3;
 
-/// Paths of which less than this is left behind a medium are thinned out.
+/// Paths of which less than this is left behind a medium are thinned out; and those with less than this of a path's mean power that only one
+/// way is left to.
 const FAINT: f32 = 0.1;
 
 /// With every so many segments of one tree twice as much is asked of its next branches: where importance seems to grow a thousandfold along
@@ -174,7 +175,8 @@ impl Tree<'_, '_> {
         }
     }
 
-    /// The only way that a photon can go, if it is worth it: light that is held in glass or between mirrors fades from piece to piece.
+    /// The only way that a photon can go. Light that is held in glass or between mirrors fades from piece to piece: what is faint goes on if it is
+    /// worth it. What glass makes of it is not known, so that none comes out brighter than a faint path.
     fn follow_if_worth_it(
         &mut self,
         mut photon: Photon,
@@ -182,12 +184,15 @@ impl Tree<'_, '_> {
         depth: u32,
         out: &mut PhotonRecord,
     ) {
-        let [unit, most_power] = self.limits(depth);
-        let Photon { origin, direction, bounces, .. } = photon;
-        let (scene, fogs) = (self.tracer.scene, &self.tracer.fogs);
-        let worth = self.guidance.of_ray(scene, fogs, origin, direction, &photon.interior, bounces);
         let power = mean(photon.power);
-        let chance = (power * worth / unit).max(power / most_power).max(LEAST);
+        let mut chance = power / (FAINT * self.power);
+        if chance < 1.0 {
+            let Photon { origin, direction, bounces, .. } = photon;
+            let (scene, fogs) = (self.tracer.scene, &self.tracer.fogs);
+            let worth = self.guidance.of_ray(scene, fogs, origin, direction, &photon.interior, bounces);
+            let [unit, _] = self.limits(depth);
+            chance = chance.max(power * worth / unit);
+        }
         if chance >= 1.0 || survives(&mut photon, chance, &mut sampler, out) {
             self.wait((photon, sampler, depth + 1), out);
         }
