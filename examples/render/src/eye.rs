@@ -48,6 +48,11 @@ impl EyeSegment {
     pub fn is_first(&self) -> bool {
         self.signature == FIRST
     }
+
+    /// Equal for pieces in one medium that have met the same surfaces in the same way: what lies around them is alike.
+    pub(crate) fn path(&self) -> (u32, u64) {
+        (self.medium, self.signature)
+    }
 }
 
 /// Follows eye paths of one scene.

@@ -27,12 +27,7 @@ pub(crate) fn is_faint(segment: &EyeSegment) -> bool {
     !segment.is_first() && segment.throughput.max_element() < FAINT
 }
 
-/// Pieces that met the same surfaces in the same way lie side by side in these.
-pub(crate) fn by_path(segment: &EyeSegment) -> (u32, u64, u32) {
-    (segment.medium, segment.signature, segment.pixel)
-}
-
-/// Faint pieces of a tile, in the order of [`by_path`], a few of them first.
+/// Faint pieces of a tile, those of one path side by side, a few of them first.
 pub(crate) struct Runs<'s> {
     faint: &'s [EyeSegment],
     seed: [u32; 2],
@@ -54,7 +49,7 @@ impl<'s> Runs<'s> {
 
     fn runs(&self) -> impl Iterator<Item = Run<'s>> + use<'s> {
         let [seed, pass] = self.seed;
-        let alike = self.faint.chunk_by(|a, b| (a.medium, a.signature) == (b.medium, b.signature));
+        let alike = self.faint.chunk_by(|a, b| a.path() == b.path());
         alike.flat_map(|group| group.chunks(RUN)).enumerate().map(move |(number, pieces)| {
             let mut random = Random::new([seed, pass, pieces[0].pixel, KEY ^ (number as u32) << 16]);
             let turn = (random.uniform() * EVERY.min(pieces.len()) as f32) as usize;

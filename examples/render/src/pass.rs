@@ -615,11 +615,15 @@ impl<'a> Renderer<'a> {
         Some((image, times))
     }
 
+    /// Whether eye rays may see fog before the first surface, as far as that is known.
+    fn sees_fog_first(&self) -> bool {
+        self.is_first_apart || self.surfaces.as_ref().is_none_or(|surfaces| surfaces.has_fog())
+    }
+
     /// Whether all fog lies behind glass, where no filter thins rays out: wide kernels cost more than they are worth there, and spectra are of no
-    /// other use.
+    /// other use. Radii by a rule are as the rule says.
     fn is_all_behind(&self) -> bool {
-        let has_first = |surfaces: &Arc<FirstSurfaces>| surfaces.has_fog() || self.is_first_apart;
-        self.radii.is_none() && self.surfaces.as_ref().is_some_and(|surfaces| !has_first(surfaces))
+        self.radii.is_none() && !self.sees_fog_first()
     }
 
     /// The kernel of a layer's beams in a pass whose own is `plain`.
@@ -636,7 +640,7 @@ impl<'a> Renderer<'a> {
 
     /// Where the pass needs eye rays for each layer; none: everywhere.
     fn plans(&mut self, index: u32, error: f32, beams: u32) -> Vec<Plan> {
-        let Some(surfaces) = self.surfaces.as_ref().filter(|_| !self.is_all_behind()) else {
+        let Some(surfaces) = self.surfaces.as_ref().filter(|_| self.sees_fog_first()) else {
             return Vec::new();
         };
         let (grids, split) = (&mut self.grids, self.split);

@@ -2,7 +2,7 @@
 
 use crate::compare::luminance;
 use crate::eye::{EyeSegment, EyeTracer};
-use crate::faint::{Runs, by_path, is_faint};
+use crate::faint::{Runs, is_faint};
 use crate::geometry::intersect_box;
 use crate::kind::{Kind, MOST_LAYERS};
 use crate::plan::Plan;
@@ -198,8 +198,9 @@ impl View<'_> {
             faint.extend(segments.extract_if(.., |segment| is_faint(segment)));
         }
         // Paths that met the same surfaces run side by side.
-        segments.sort_by_key(by_path);
-        faint.sort_by_key(by_path);
+        for pieces in [segments, faint] {
+            pieces.sort_by_key(|piece| (piece.path(), piece.pixel));
+        }
         let pairs = self.gather(&mut seen, scratch, None) + self.gather_faint(&mut seen, scratch);
         Cost { seconds: start.elapsed().as_secs_f64(), pairs }
     }
@@ -253,7 +254,7 @@ impl View<'_> {
         let Scratch { segments, looks, rays, pieces, gathered, gather, .. } = scratch;
         let BeamView { layer, maps, kernel, behind, kind } = beams;
         let (mut pairs, mut next) = (0, 0);
-        for group in segments.chunk_by(|a, b| (a.medium, a.signature) == (b.medium, b.signature)) {
+        for group in segments.chunk_by(|a, b| a.path() == b.path()) {
             let place = next;
             next += group.len();
             let medium = group[0].medium as usize;
@@ -296,10 +297,11 @@ impl View<'_> {
 
     /// Beams around the faint pieces, as many of these as it takes.
     fn gather_faint(&self, seen: &mut Seen, scratch: &mut Scratch) -> u64 {
-        let faint = std::mem::take(&mut scratch.faint);
+        let (faint, mut found) = (std::mem::take(&mut scratch.faint), std::mem::take(&mut scratch.found));
         let runs = Runs::new(&faint, [self.seed, self.pass]);
         runs.first(&mut scratch.segments);
-        let mut found = vec![0.0; scratch.segments.len()];
+        found.clear();
+        found.resize(scratch.segments.len(), 0.0);
         let mut pairs = self.gather(seen, scratch, Some(&mut found));
         let Scratch { segments, looks, .. } = &mut *scratch;
         let brightness = |piece: &EyeSegment| {
@@ -309,7 +311,7 @@ impl View<'_> {
         };
         runs.others(&found, brightness, segments);
         pairs += self.gather(seen, scratch, None);
-        scratch.faint = faint;
+        (scratch.faint, scratch.found) = (faint, found);
         pairs
     }
 
@@ -387,6 +389,7 @@ fn every_second_bit(number: u32) -> u32 {
 struct Scratch {
     segments: Vec<EyeSegment>,
     faint: Vec<EyeSegment>,
+    found: Vec<f32>,
     looks: Vec<Look>,
     pieces: Vec<EyeSegment>,
     rays: Vec<EyeRay>,

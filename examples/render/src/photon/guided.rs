@@ -500,13 +500,26 @@ mod tests {
 
     const PATHS: u32 = 2000;
 
+    fn tracer(scene: &Scene) -> PhotonTracer<'_> {
+        let fogs = media::all(scene);
+        let mut tracer = PhotonTracer::new(scene, 0, Emission::LowDiscrepancy);
+        tracer.guide(Guidance::new(scene, &fogs).expect("light"));
+        tracer
+    }
+
+    /// All paths of a scene.
+    fn trace_all(scene: &Scene) -> PhotonRecord {
+        let tracer = tracer(scene);
+        let mut record = PhotonRecord::default();
+        (0..PATHS).for_each(|index| tracer.trace(0, index, PATHS, Record::Beams, &mut record));
+        record
+    }
+
     /// Beams of all paths, and most of one.
     fn beams(text: &str) -> [usize; 2] {
         let camera = "[camera]\nposition = [0, 0, -3]\nlook_at = [0, 0, 0]\nvertical_fov = 40\nwidth = 48\nheight = 32\n";
         let scene = Scene::parse(&[text, camera].concat(), "white", Path::new("")).expect("a valid scene");
-        let fogs = media::all(&scene);
-        let mut tracer = PhotonTracer::new(&scene, 0, Emission::LowDiscrepancy);
-        tracer.guide(Guidance::new(&scene, &fogs).expect("light"));
+        let tracer = tracer(&scene);
         let of_path = |index| {
             let mut record = PhotonRecord::default();
             tracer.trace(0, index, PATHS, Record::Beams, &mut record);
@@ -555,11 +568,7 @@ mod tests {
             material = { lambert = { albedo = 0.5 } }\n\
             [[light]]\nkind = \"spot\"\nposition = [-2, 2, 0]\nlook_at = [0, 0, 0]\nintensity = 100\ninner_angle = 1\nouter_angle = 2\n";
         let scene = Scene::parse(scene, "water", Path::new("")).expect("a valid scene");
-        let fogs = media::all(&scene);
-        let mut tracer = PhotonTracer::new(&scene, 0, Emission::LowDiscrepancy);
-        tracer.guide(Guidance::new(&scene, &fogs).expect("light"));
-        let mut record = PhotonRecord::default();
-        (0..PATHS).for_each(|index| tracer.trace(0, index, PATHS, Record::Beams, &mut record));
+        let record = trace_all(&scene);
         let caustic: Vec<f32> =
             record.surface.iter().filter(|photon| photon.caustic).map(|photon| mean(photon.power)).collect();
         let flux = caustic.iter().sum::<f32>() / record.energy.emitted[0] as f32;
@@ -581,11 +590,7 @@ mod tests {
             [[object]]\nshape = \"box\"\nmin = [-4, -4, -4]\nmax = [4, 4, 4]\nmaterial = \"black\"\n\
             [[light]]\nkind = \"spot\"\nposition = [0.4, 0.8, -0.2]\nlook_at = [0, 0, 0]\nintensity = 100\ninner_angle = 6\nouter_angle = 7\n";
         let scene = Scene::parse(scene, "milk", Path::new("")).expect("a valid scene");
-        let fogs = media::all(&scene);
-        let mut tracer = PhotonTracer::new(&scene, 0, Emission::LowDiscrepancy);
-        tracer.guide(Guidance::new(&scene, &fogs).expect("light"));
-        let mut record = PhotonRecord::default();
-        (0..PATHS).for_each(|index| tracer.trace(0, index, PATHS, Record::Beams, &mut record));
+        let record = trace_all(&scene);
         let mean_power = mean(scene.lights[0].flux()) / PATHS as f32;
         let held: Vec<f32> =
             record.beams.iter().filter(|path| path.medium == 1).map(|path| mean(path.beam.power)).collect();
