@@ -30,7 +30,7 @@ pub(crate) fn is_faint(segment: &EyeSegment) -> bool {
 /// Faint pieces of a tile, those of one path side by side, a few of them first.
 pub(crate) struct Runs<'s> {
     faint: &'s [EyeSegment],
-    seed: [u32; 2],
+    seed: [u32; 3],
 }
 
 /// Some pieces side by side.
@@ -42,16 +42,16 @@ struct Run<'s> {
 }
 
 impl<'s> Runs<'s> {
-    /// - `seed`: of the render, and number of the pass.
-    pub(crate) fn new(faint: &'s [EyeSegment], seed: [u32; 2]) -> Self {
+    /// - `seed`: of the render, number of the pass, and a pixel of the tile.
+    pub(crate) fn new(faint: &'s [EyeSegment], seed: [u32; 3]) -> Self {
         Self { faint, seed }
     }
 
     fn runs(&self) -> impl Iterator<Item = Run<'s>> + use<'s> {
-        let [seed, pass] = self.seed;
+        let [seed, pass, tile] = self.seed;
         let alike = self.faint.chunk_by(|a, b| a.path() == b.path());
         alike.flat_map(|group| group.chunks(RUN)).enumerate().map(move |(number, pieces)| {
-            let mut random = Random::new([seed, pass, pieces[0].pixel, KEY ^ (number as u32) << 16]);
+            let mut random = Random::new([seed, pass, tile, KEY ^ (number as u32) << 16]);
             let turn = (random.uniform() * EVERY.min(pieces.len()) as f32) as usize;
             Run { pieces, turn, random }
         })
@@ -112,7 +112,7 @@ mod tests {
 
     /// What a pass sees of pieces with so much light: [sum over the pixels, pieces that were gathered].
     fn seen(pieces: &[EyeSegment], light: impl Fn(u32) -> f32, brightness: f32, pass: u32) -> [f32; 2] {
-        let runs = Runs::new(pieces, [1, pass]);
+        let runs = Runs::new(pieces, [1, pass, 0]);
         let [mut first, mut others] = [Vec::new(), Vec::new()];
         runs.first(&mut first);
         let found = |piece: &EyeSegment| piece.throughput.x * light(piece.pixel);

@@ -298,7 +298,8 @@ impl View<'_> {
     /// Beams around the faint pieces, as many of these as it takes.
     fn gather_faint(&self, seen: &mut Seen, scratch: &mut Scratch) -> u64 {
         let (faint, mut found) = (std::mem::take(&mut scratch.faint), std::mem::take(&mut scratch.found));
-        let runs = Runs::new(&faint, [self.seed, self.pass]);
+        let tile = seen.rays.first().map_or(0, |ray| ray.pixel);
+        let runs = Runs::new(&faint, [self.seed, self.pass, tile]);
         runs.first(&mut scratch.segments);
         found.clear();
         found.resize(scratch.segments.len(), 0.0);
