@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The add-on with its real host: many renders, cancelled, undone, switched off and on. No leak, no crash."""
 
+import ctypes
 import gc
 import os
 import random
@@ -25,7 +26,8 @@ GROWTH = 10e6
 
 
 def resident():
-    """Memory of the process [bytes]."""
+    """Memory of the process [bytes], without what the C library's allocator keeps of what threads have freed (65 MB were seen)."""
+    ctypes.CDLL(None).malloc_trim(0)
     with open("/proc/self/statm") as file:
         return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
