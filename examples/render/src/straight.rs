@@ -13,6 +13,10 @@ use glam::Vec3;
 /// the noise of straight light after 20 seconds; 32 cost as much as they are worth.
 const PLACES: f32 = 16.0;
 
+/// The same behind the first surface, where the noise is that of the paths: with 16 a figurine in fog has the same error and a tenth more
+/// time, fog in a glass box a quarter more; with 1 they have a twentieth more variance.
+const PLACES_BEHIND: f32 = 4.0;
+
 /// Most places, where few eye rays stand for many pixels.
 const MOST_PLACES: f32 = 64.0;
 
@@ -35,8 +39,13 @@ pub(crate) fn is_left_to_beams(scene: &Scene, medium: u32) -> bool {
 }
 
 /// Shadow rays of a piece of an eye path, alone in its pixel.
-pub(crate) fn rays_of_piece(scene: &Scene) -> u32 {
-    PLACES as u32 * scene.lights.iter().filter(|light| light.is_straight()).count().min(LAMPS) as u32
+pub(crate) fn rays_of_piece(scene: &Scene, segment: &EyeSegment) -> u32 {
+    places_on(segment) as u32
+        * scene.lights.iter().filter(|light| light.is_straight()).count().min(LAMPS) as u32
+}
+
+fn places_on(segment: &EyeSegment) -> f32 {
+    if segment.is_first() { PLACES } else { PLACES_BEHIND }
 }
 
 /// The straight light of a pass.
@@ -86,7 +95,8 @@ impl Straight<'_> {
         let column = media::column(fog, ray.origin, ray.direction, ray.length, knots);
         let to = ray.length.min(media::opaque_distance(fog, ray.origin, ray.direction, &column));
         let piece = Piece { segment, fog, column, from: 0.0, to };
-        let places = (PLACES / (density * looks as f32).sqrt()).round().clamp(1.0, MOST_PLACES) as u32;
+        let places =
+            (places_on(segment) / (density * looks as f32).sqrt()).round().clamp(1.0, MOST_PLACES) as u32;
         let fraction = look as f32 / looks as f32;
         let mut random = Random::new([self.seed, pixel, segment.signature as u32, KEY]);
         let mut sum = Vec3::ZERO;

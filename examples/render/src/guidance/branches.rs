@@ -9,7 +9,6 @@ use crate::camera::Camera;
 use crate::compare::luminance;
 use crate::photon::PhotonTracer;
 use crate::random::Random;
-use crate::straight;
 use covbeam::Medium;
 use rayon::prelude::*;
 
@@ -62,7 +61,7 @@ struct Seen {
     /// Luminance with either set of paths, of either place: of straight light, and of all other.
     light: [[[f32; 2]; 2]; 2],
     pairs: u32,
-    pieces: u32,
+    shadow_rays: u32,
 }
 
 impl Seen {
@@ -103,7 +102,7 @@ fn spread(tracer: &PhotonTracer, fogs: &[Medium], paths: u32) -> Spread {
     let seen: Vec<Seen> = (0..LATTICE * LATTICE)
         .into_par_iter()
         .map_init(Memory::default, |memory, node| {
-            (memory.pairs, memory.pieces) = (0, 0);
+            (memory.pairs, memory.shadow_rays) = (0, 0);
             let at = |index: u32, count: u32| ((index as f32 + 0.5) / LATTICE as f32 * count as f32).floor();
             let pixel = [at(node % LATTICE, camera.width), at(node / LATTICE, camera.height)];
             let light = looks.each_ref().map(|look| {
@@ -116,14 +115,14 @@ fn spread(tracer: &PhotonTracer, fogs: &[Medium], paths: u32) -> Spread {
                     [straight, focused + scattered]
                 })
             });
-            Seen { light, pairs: memory.pairs, pieces: memory.pieces }
+            Seen { light, pairs: memory.pairs, shadow_rays: memory.shadow_rays }
         })
         .collect();
     let count = seen.len() as f32;
     let mean = seen.iter().map(Seen::brightness).sum::<f32>() / count;
     let mut sum = Spread::default();
     for pixel in &seen {
-        let Seen { light, pairs, pieces } = pixel;
+        let Seen { light, pairs, shadow_rays } = pixel;
         let brightness = pixel.brightness().max(LEAST_OF_PICTURE * mean);
         let product = |a: f32, b: f32| 0.5 * a / brightness * (b / brightness);
         // [set of paths][place]
@@ -140,7 +139,7 @@ fn spread(tracer: &PhotonTracer, fogs: &[Medium], paths: u32) -> Spread {
         }
         // Two rays with either set.
         sum.pairs += 0.25 * *pairs as f32;
-        sum.shadow_rays += 0.25 * (pieces * straight::rays_of_piece(scene)) as f32;
+        sum.shadow_rays += 0.25 * *shadow_rays as f32;
     }
     let paths = paths as f32;
     Spread {

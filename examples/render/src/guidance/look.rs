@@ -8,7 +8,7 @@ use crate::photon::{PhotonRecord, PhotonTracer, Record};
 use crate::random::{Emission, Random};
 use crate::scene::Scene;
 use crate::starts::{EyeStart, EyeStarts};
-use crate::straight::{Straight, is_left_to_beams};
+use crate::straight::{Straight, is_left_to_beams, rays_of_piece};
 use crate::surface::{Disks, SurfaceMap};
 use covbeam::{Beam, BeamMap, GatherScratch, Gathered, Kernel, Knot, Medium};
 use rayon::prelude::*;
@@ -99,8 +99,8 @@ pub(super) struct Memory {
     segments: Vec<EyeSegment>,
     /// Pairs with beams, of all rays since it was last set.
     pub(super) pairs: u32,
-    /// Pieces in media, of all rays since it was last set.
-    pub(super) pieces: u32,
+    /// Shadow rays that straight light takes in a pass, of all rays since it was last set.
+    pub(super) shadow_rays: u32,
 }
 
 impl<'a> Look<'a> {
@@ -157,7 +157,7 @@ impl<'a> Look<'a> {
                 .gather(&self.fogs[medium], &[segment.ray], &self.kernel, &mut gathered, &mut memory.scratch)
                 .expect("its map was built in it");
             memory.pairs += gathered[0].pairs;
-            memory.pieces += 1;
+            memory.shadow_rays += rays_of_piece(scene, segment);
             let straight = self.straight.radiance(segment, number, 1.0, (0, 1), &mut memory.knots);
             radiance[Kind::Straight as usize] += segment.throughput * straight;
             radiance[Kind::Scattered as usize] += segment.throughput * gathered[0].radiance;

@@ -15,7 +15,7 @@ pub(crate) struct Spent {
 }
 
 /// Renders until the last of some rising budgets is spent; a pass is not begun that would end after a budget, if it took as long as
-/// the last. Making the renderer counts.
+/// the last. Making the renderer counts, once.
 pub(crate) fn spend<'a>(
     scene: &Scene,
     renderer: impl FnOnce() -> Renderer<'a>,
@@ -25,7 +25,8 @@ pub(crate) fn spend<'a>(
     let mut renderer = renderer();
     let mut film = Film::of_scene(scene);
     // Only its own point pays for a picture.
-    let (mut points, mut now, mut pictures) = (Vec::new(), 0.0, 0.0);
+    let (mut points, mut pictures) = (Vec::new(), 0.0);
+    let mut now = start.elapsed().as_secs_f64();
     for passes in 1.. {
         let before = now;
         let (image, _) = renderer.pass(passes, &|| false).expect("never cancelled");
