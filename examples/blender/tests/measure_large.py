@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A hall of more than 500,000 triangles, with instances and modifiers, in fog: how long until there is something to see.
 
-    python measure_large.py PICTURE.png [--passes 16] [--width 640]
+    python measure_large.py PICTURE.png [--passes 16] [--width 640] [--seconds 30] [--cancel 15]
 
-Renders with the add-on's engine, as F12 does, and prints how long it read the scene, when pictures came, and memory.
+Renders with the add-on's engine, as F12 does, and prints how long it read the scene, when pictures came, when it was done, and memory.
 """
 
 import argparse
@@ -22,6 +22,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import addon
 import cycles_scenes as scenes
 from addon import passes
+from addon.engine import CovbeamEngine
 from measure_glass_ball import save
 
 
@@ -93,11 +94,13 @@ def main(words):
     parser.add_argument("picture", type=Path)
     parser.add_argument("--passes", type=int, default=16)
     parser.add_argument("--width", type=int, default=640)
+    parser.add_argument("--seconds", type=float, default=0.0, help="time limit; 0: none")
+    parser.add_argument("--cancel", type=float, help="seconds after which Esc is pressed")
     arguments = parser.parse_args(words)
     addon.register()
     scene = make(arguments.width)
     scene.render.engine = "COVBEAM"
-    scene.covbeam.passes, scene.covbeam.time_limit = arguments.passes, 0.0
+    scene.covbeam.passes, scene.covbeam.time_limit = arguments.passes, arguments.seconds
     path = arguments.picture.with_suffix(".exr")
     scene.render.filepath = str(path)
     settings = scene.render.image_settings
@@ -109,12 +112,15 @@ def main(words):
     put = passes.put
     passes.put = lambda *given: (put(*given), shown.append(perf_counter()))
     start = perf_counter()
+    if arguments.cancel:
+        CovbeamEngine.goes_on = lambda engine: perf_counter() < start + arguments.cancel
     bpy.ops.render.render(write_still=True)
+    done = perf_counter() - start
     latest = addon.latest.get()
     print("\n".join([latest.outcome.value, latest.error, *latest.figures, *latest.untranslated]))
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
     seen = ", ".join(f"{at - start:.1f}" for at in shown[:3])
-    print(f"pictures after {seen} ... s; peak memory {peak:.2f} GB, {before:.2f} GB before the render")
+    print(f"pictures after {seen} ... s, done after {done:.2f} s; peak memory {peak:.2f} GB, {before:.2f} GB before the render")
     save(arguments.picture, scenes.read_exr(str(path)))
     path.unlink()
     arguments.picture.with_suffix(".npy").unlink()
