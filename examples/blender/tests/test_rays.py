@@ -1,7 +1,6 @@
 """covbeam_rays as the extension uses it: long calls stop when they are told to, what is wrong is refused by its name, and memory comes back.
 Needs the covbeam_rays wheel and numpy; no Blender."""
 
-import ctypes
 import gc
 import time
 import unittest
@@ -9,6 +8,7 @@ from types import SimpleNamespace
 
 import covbeam_rays as rays
 import numpy as np
+from process_memory import resident
 
 #: After this long a user wonders whether the program has heard [s].
 PATIENCE = 0.2
@@ -349,12 +349,6 @@ class Hits(unittest.TestCase):
 
 class Memory(unittest.TestCase):
     def test_building_and_rendering_again_and_again_does_not_grow_the_process(self):
-        def resident():
-            # The C library's allocator keeps what threads have freed, more or less of it by how they happened to run: 65 MB once.
-            ctypes.CDLL(None).malloc_trim(0)
-            with open("/proc/self/statm") as file:
-                return int(file.read().split()[1]) * 4096
-
         positions, triangles = grid_mesh(150)
 
         def once(stop):

@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The add-on with its real host: many renders, cancelled, undone, switched off and on. No leak, no crash."""
 
-import ctypes
 import gc
-import os
 import random
 import tempfile
 import time
@@ -15,6 +13,7 @@ import exr
 import harness
 import numpy as np
 import scenes_unsupported
+from process_memory import resident
 
 import addon
 from addon import latest
@@ -23,13 +22,6 @@ from addon.engine import CovbeamEngine
 #: How much memory may grow over 20 renders [bytes]. Sessions that are not freed keep grids and beams, over 20 MB each;
 #: the pictures of a render are 0.2 MB, 4 MB over all. What the allocators keep and give back at times is a few MB.
 GROWTH = 10e6
-
-
-def resident():
-    """Memory of the process [bytes], without what the C library's allocator keeps of what threads have freed (65 MB were seen)."""
-    ctypes.CDLL(None).malloc_trim(0)
-    with open("/proc/self/statm") as file:
-        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
 def alive():

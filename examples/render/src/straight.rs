@@ -40,8 +40,8 @@ pub(crate) fn is_left_to_beams(scene: &Scene, medium: u32) -> bool {
 
 /// Shadow rays of a piece of an eye path, alone in its pixel.
 pub(crate) fn rays_of_piece(scene: &Scene, segment: &EyeSegment) -> u32 {
-    places_on(segment) as u32
-        * scene.lights.iter().filter(|light| light.is_straight()).count().min(LAMPS) as u32
+    let lamps = scene.lights.iter().filter(|light| light.is_straight()).take(LAMPS);
+    places_on(segment) as u32 * lamps.count() as u32
 }
 
 fn places_on(segment: &EyeSegment) -> f32 {
