@@ -1,6 +1,7 @@
 //! How far light gets from a light in each direction: coarse maps, to expect the visibility of a place by,
 //! never to decide it. (The grid's voxels would say so too, but are wider than tracery.)
 
+use crate::light::cap_height;
 use crate::random::{Random, spread};
 use crate::scene::{Light, Scene};
 use glam::{Vec2, Vec3};
@@ -36,7 +37,7 @@ impl FirstHits {
     pub(crate) fn new(scene: &Scene, light: &Light, rays: usize, key: [u32; 2]) -> Self {
         let (axis, height, points) = match *light {
             Light::Point { .. } | Light::Sphere { .. } => (Vec3::Y, 2.0, 1),
-            Light::Spot { direction, outer_angle, .. } => (direction, 1.0 - outer_angle.cos(), 1),
+            Light::Spot { direction, outer_angle, .. } => (direction, cap_height(outer_angle), 1),
             Light::Disk { normal, .. } => (normal, 1.0, DISK_POINTS),
             Light::Rectangle { edge_u, edge_v, .. } => {
                 (edge_u.cross(edge_v).normalize(), 1.0, RECTANGLE_SIDE * RECTANGLE_SIDE)

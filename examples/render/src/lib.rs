@@ -42,6 +42,7 @@ pub mod media;
 #[cfg(feature = "files")]
 mod medium_file;
 pub mod memory;
+mod near;
 pub mod operators;
 pub mod optics;
 #[cfg(feature = "files")]

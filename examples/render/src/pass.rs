@@ -551,9 +551,12 @@ impl<'a> Renderer<'a> {
         let narrows = by_kind && !plans.is_empty();
         // In each layer: what has the layer's kernel, and focused light.
         let mut beams = vec![[(); 2].map(|()| vec![Vec::new(); self.scene.region_count()]); split.count()];
-        for PathBeam { medium, kind, beam } in record.beams.drain(..) {
+        let mut next_to_lamps = vec![Vec::new(); self.scene.region_count()];
+        for PathBeam { medium, kind, near, beam } in record.beams.drain(..) {
             let is_marched = self.has_shadow_rays && kind == Kind::Straight;
-            if !is_marched || is_left_to_beams(self.scene, medium) {
+            if is_marched && !is_left_to_beams(self.scene, medium) {
+                next_to_lamps[medium as usize].extend(first_part(beam, near));
+            } else {
                 let is_narrow = narrows && kind == Kind::Focused;
                 beams[split.of(kind)][usize::from(is_narrow)][medium as usize].push(beam);
             }
@@ -578,11 +581,14 @@ impl<'a> Renderer<'a> {
         };
         let photons = std::mem::take(&mut record.surface);
         times.build = start.elapsed().as_secs_f64();
-        let ((beams, of_beams), (surfaces, of_photons)) = rayon::join(
+        let ((mut beams, of_beams), (surfaces, of_photons)) = rayon::join(
             || timed(|| beams.into_iter().enumerate().flat_map(build).collect::<Vec<BeamView>>()),
             || timed(|| SurfaceMap::build(photons, disks)),
         );
         times.build += of_beams + of_photons;
+        let start = Instant::now();
+        beams.extend(self.next_to_lamps(next_to_lamps, index));
+        times.build += start.elapsed().as_secs_f64();
 
         let starts = self.starts;
         let tracer = EyeTracer {
@@ -606,6 +612,7 @@ impl<'a> Renderer<'a> {
                 lamps: self.tracer.lamps(),
                 seed: self.seed,
                 pass: index,
+                near: Some(self.tracer.near()),
             }),
             wants_rest: self.wants_rest(),
             spectra: (has_spectra && self.is_first_apart).then(|| self.grids.look_up(0)),
@@ -613,6 +620,19 @@ impl<'a> Renderer<'a> {
         let (image, cost) = view.image(cancelled)?;
         (times.gather, times.pairs) = (cost.seconds, cost.pairs);
         Some((image, times))
+    }
+
+    /// Straight light next to the lamps; None: no lamp is a point.
+    fn next_to_lamps(&self, beams: Vec<Vec<Beam>>, index: u32) -> Option<BeamView<'_>> {
+        if beams.iter().all(Vec::is_empty) {
+            return None;
+        }
+        let kernel = self.tracer.near().kernel(self.scene.settings.schedule, index);
+        let maps = beams.into_iter().zip(&self.fogs);
+        let maps = maps.map(|(beams, fog)| BeamMap::build(beams, kernel.max_radius, fog)).collect();
+        let split = self.split.unwrap_or(Split::TOGETHER);
+        let (layer, kind) = (split.of(Kind::Straight), Kind::Straight);
+        Some(BeamView { layer, maps, kernel, behind: kernel, kind })
     }
 
     /// Whether eye rays may see fog before the first surface, as far as that is known.
@@ -715,6 +735,13 @@ fn focused(kernel: Kernel<'_>) -> Kernel<'_> {
     let is_plain = kernel.max_radius <= kernel.min_radius;
     let min_radius = FOCUSED_SHARE * kernel.min_radius;
     Kernel { min_radius, max_radius: if is_plain { min_radius } else { kernel.max_radius }, ..kernel }
+}
+
+/// The part of a beam up to a distance > 0.
+fn first_part(beam: Beam, until: f32) -> Option<Beam> {
+    let is_cut = beam.length > until;
+    let cut = || Beam { length: until, end_normal: Vec3::ZERO, ..beam };
+    (until > 0.0).then(|| if is_cut { cut() } else { beam })
 }
 
 /// How many of passes 1 to `passes` trace light fields.

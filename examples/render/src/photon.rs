@@ -8,6 +8,7 @@ use crate::kind::Kind;
 use crate::light::{EmittedPhoton, cosine_direction};
 use crate::material::{Encounter, Lobe};
 use crate::media;
+use crate::near::Near;
 use crate::operators::Operator;
 use crate::optics::{Boundary, Interior, curvature_towards, facing_normal, reflect};
 use crate::passage::passage;
@@ -47,6 +48,7 @@ pub struct PhotonTracer<'a> {
     lights: Lights,
     /// Cumulative shares of the paths that start from each light which shadow rays look for; of the others 0.
     lamps: Vec<f32>,
+    near: Near,
     camera: Interior,
     seed: u32,
     emission: Emission,
@@ -80,6 +82,8 @@ struct Photon {
     /// How far from here its light begins, and ends: of lamps with a size, as long as it goes straight on.
     dark: f32,
     until: f32,
+    /// How far from here it is next to its lamp.
+    near: f32,
     field: Option<LightField>,
     /// Paths without a light field that this one's stands for, and itself.
     stands_for: f32,
@@ -129,6 +133,7 @@ impl<'a> PhotonTracer<'a> {
             fogs: media::all(scene),
             lamps: shares_of_lamps(scene, &lights.cumulative),
             lights,
+            near: Near::new(scene),
             camera,
             seed,
             emission,
@@ -179,6 +184,11 @@ impl<'a> PhotonTracer<'a> {
     /// Cumulative shares of the paths that start from each light which shadow rays look for; others have none.
     pub(crate) fn lamps(&self) -> &[f32] {
         &self.lamps
+    }
+
+    /// Where straight light is left to beams.
+    pub(crate) fn near(&self) -> &Near {
+        &self.near
     }
 
     fn acts(&self, operator: Operator) -> bool {
@@ -272,6 +282,7 @@ impl<'a> PhotonTracer<'a> {
             bounces: 0,
             dark: emitted.dark,
             until: emitted.until,
+            near: self.near.reach(light),
             field: self.start_field(light, emitted, record),
             stands_for: 1.0,
         })

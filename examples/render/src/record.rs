@@ -40,6 +40,8 @@ pub struct PathBeam {
     pub medium: u32,
     /// What its light has met.
     pub kind: Kind,
+    /// How much of its start lies next to the lamp \[m\], where no shadow rays look for straight light; >= 0.
+    pub near: f32,
     /// The beam.
     pub beam: Beam,
 }

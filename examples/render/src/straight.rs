@@ -3,6 +3,7 @@
 
 use crate::eye::EyeSegment;
 use crate::media;
+use crate::near::Near;
 use crate::passage::passage;
 use crate::random::{Random, spread};
 use crate::scene::{Light, MediumDensity, Scene};
@@ -56,6 +57,8 @@ pub(crate) struct Straight<'a> {
     pub(crate) lamps: &'a [f32],
     pub(crate) seed: u32,
     pub(crate) pass: u32,
+    /// Where it is left to beams; None: nowhere.
+    pub(crate) near: Option<&'a Near>,
 }
 
 /// A piece of an eye path that has straight light in it.
@@ -101,8 +104,8 @@ impl Straight<'_> {
         let mut random = Random::new([self.seed, pixel, segment.signature as u32, KEY]);
         let mut sum = Vec3::ZERO;
         if self.scene.lights.len() <= LAMPS {
-            for light in &self.scene.lights {
-                sum += self.of_lamp(&piece, light, places, &self.shifts(&mut random, fraction));
+            for lamp in 0..self.scene.lights.len() {
+                sum += self.of_lamp(&piece, lamp, places, &self.shifts(&mut random, fraction));
             }
             return sum;
         }
@@ -114,8 +117,7 @@ impl Straight<'_> {
             if !(share > 0.0) {
                 continue;
             }
-            let light = &self.scene.lights[lamp];
-            let found = self.of_lamp(&piece, light, places, &self.shifts(&mut random, fraction));
+            let found = self.of_lamp(&piece, lamp, places, &self.shifts(&mut random, fraction));
             sum += found / (share * LAMPS as f32);
         }
         sum
@@ -135,7 +137,8 @@ impl Straight<'_> {
 
     /// One place in each of equal steps of the angle seen from the lamp (C. Kulla and M. Fajardo 2012), all shifted alike. A disk's light has a
     /// bound where its middle's 1/d² has none: it is looked at from further away.
-    fn of_lamp(&self, piece: &Piece, light: &Light, places: u32, shifts: &Shifts) -> Vec3 {
+    fn of_lamp(&self, piece: &Piece, lamp: usize, places: u32, shifts: &Shifts) -> Vec3 {
+        let light = &self.scene.lights[lamp];
         let ray = &piece.segment.ray;
         let lit = light.lit_stretch(ray.origin, ray.direction, piece.from, piece.to);
         let Some((from, to)) = lit else { return Vec3::ZERO };
@@ -146,11 +149,16 @@ impl Straight<'_> {
         let least = (1e-6 * to_lamp.length()).max(f32::MIN_POSITIVE);
         let height = (to_lamp - foot * ray.direction).length().hypot(softening).max(least);
         let angle = |distance: f32| ((distance - foot) / height).atan();
-        let start = angle(from);
-        let step = (angle(to) - start) / places as f32;
+        let [start, end] = [from, to].map(angle);
+        let reach = self.near.map_or(0.0, |near| near.reach(lamp));
+        let half = (reach * reach - height * height).max(0.0).sqrt();
+        let gap = [foot - half, foot + half].map(|distance| angle(distance).clamp(start, end));
+        let skipped = gap[1] - gap[0];
+        let step = (end - start - skipped) / places as f32;
         let mut sum = Vec3::ZERO;
         for index in 0..places {
-            let tangent = (start + (index as f32 + shifts.place) * step).tan();
+            let angle = start + (index as f32 + shifts.place) * step;
+            let tangent = if angle < gap[0] { angle } else { angle + skipped }.tan();
             let distance = foot + height * tangent;
             if distance >= from && distance <= to {
                 let weight = step * height * (1.0 + tangent * tangent);

@@ -150,7 +150,7 @@ fn beams_of_unequal_power_are_as_many_as_would_be_as_noisy() {
     let beam = |y: f32, power: f32| {
         let (origin, direction) = (Vec3::new(-1.0, y, 0.6), Vec3::X);
         let beam = Beam { origin, direction, length: 1.75, power: Vec3::splat(power), ..Beam::default() };
-        PathBeam { medium: 0, kind: Kind::Straight, beam }
+        PathBeam { medium: 0, kind: Kind::Straight, near: 0.0, beam }
     };
     let mut voxels = BeamVoxels::new(layout);
     for _ in 0..2 {

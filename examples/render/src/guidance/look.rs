@@ -131,7 +131,7 @@ impl<'a> Look<'a> {
         let (min_radius, max_radius) = (radius, radius);
         let shape = scene.settings.schedule.shape;
         let kernel = Kernel { shape, min_radius, max_radius, error: 1.0, grid: None };
-        let straight = Straight { scene, fogs, lamps: tracer.lamps(), seed: 0, pass };
+        let straight = Straight { scene, fogs, lamps: tracer.lamps(), seed: 0, pass, near: None };
         let starts = EyeStarts::new(scene);
         Self { scene, fogs, maps, beams: count, kernel, surfaces, straight, starts }
     }

@@ -21,11 +21,11 @@ pub fn cosine_direction(normal: Vec3, [a, b]: [f32; 2]) -> Vec3 {
 
 /// Direction evenly over the cap of some height that a cone around `axis` cuts from the unit sphere.
 pub(super) fn cone_direction(axis: Vec3, height: f32, [a, b]: [f32; 2]) -> Vec3 {
-    let z = 1.0 - a * height;
+    let fall = a * height;
     let (sin_phi, cos_phi) = (TAU * b).sin_cos();
-    let r = (1.0 - z * z).max(0.0).sqrt();
+    let r = (fall * (2.0 - fall)).max(0.0).sqrt();
     let (e, f) = axis.any_orthonormal_pair();
-    (r * cos_phi * e + r * sin_phi * f + z * axis).normalize()
+    (r * cos_phi * e + r * sin_phi * f + (1.0 - fall) * axis).normalize()
 }
 
 /// The same for a cap of any height, however small: (0, 0) is the axis.

@@ -36,7 +36,8 @@ use covbeam::{EVEN_LAMP, LightField};
 use directions::{across, cone_direction, even_direction};
 use glam::Vec3;
 use patch::{FRAC_1_SQRT_PI, diffuse_field, equal_radius, front};
-use spot::{spot_angular_variance, spot_falloff};
+pub(crate) use spot::cap_height;
+use spot::{angle_from, spot_angular_variance, spot_falloff};
 use std::f32::consts::{FRAC_1_SQRT_2, PI, TAU};
 use stretch::{before, in_cone, outside_sphere};
 
@@ -72,7 +73,7 @@ impl Light {
     pub fn flux(&self) -> Vec3 {
         match *self {
             Light::Point { intensity, .. } => 4.0 * PI * intensity,
-            Light::Spot { intensity, outer_angle, .. } => TAU * (1.0 - outer_angle.cos()) * intensity,
+            Light::Spot { intensity, outer_angle, .. } => TAU * cap_height(outer_angle) * intensity,
             Light::Disk { radius, radiance, .. } => PI * PI * radius * radius * radiance,
             Light::Rectangle { edge_u, edge_v, radiance, .. } => {
                 PI * edge_u.cross(edge_v).length() * radiance
@@ -164,9 +165,9 @@ impl Light {
                 EmittedPhoton::new(position, direction, 4.0 * PI * intensity, Vec3::ZERO)
             }
             Light::Spot { position, direction: axis, intensity, inner_angle, outer_angle } => {
-                let height = 1.0 - outer_angle.cos();
+                let height = cap_height(outer_angle);
                 let direction = cone_direction(axis, height, [a, b]);
-                let falloff = spot_falloff(direction.dot(axis), inner_angle, outer_angle);
+                let falloff = spot_falloff(axis, direction, inner_angle, outer_angle);
                 let power = falloff * TAU * height * intensity;
                 EmittedPhoton::new(position, direction, power, Vec3::ZERO)
             }
@@ -210,7 +211,7 @@ impl Light {
         match *self {
             Light::Point { .. } => LightField::point(photon.direction, EVEN_LAMP),
             Light::Spot { direction: axis, inner_angle, outer_angle, .. } => {
-                let theta = photon.direction.angle_between(axis);
+                let theta = angle_from(axis, photon.direction);
                 let variance = spot_angular_variance(theta, inner_angle, outer_angle);
                 LightField::gaussian(photon.direction, axis, [f32::INFINITY; 2], variance)
             }
@@ -244,7 +245,7 @@ impl Light {
             Light::Spot { position, direction: axis, intensity, inner_angle, outer_angle } => {
                 let offset = point - position;
                 let d2 = offset.length_squared();
-                let falloff = spot_falloff(offset.dot(axis) / d2.sqrt(), inner_angle, outer_angle);
+                let falloff = spot_falloff(axis, offset, inner_angle, outer_angle);
                 (intensity * (falloff / d2), position)
             }
             Light::Disk { center, normal, radius, radiance } => {
@@ -338,7 +339,7 @@ impl Light {
                 let offset = position - point;
                 let d2 = offset.length_squared();
                 let d = d2.sqrt();
-                let falloff = spot_falloff(-offset.dot(axis) / d, inner_angle, outer_angle);
+                let falloff = spot_falloff(axis, -offset, inner_angle, outer_angle);
                 (intensity * falloff * (offset.dot(normal) / (d2 * d)).max(0.0), position)
             }
             _ => {
@@ -363,6 +364,18 @@ impl Light {
             Light::Glow(ref fog) => fog.softening(),
         };
         (self.position(), softening)
+    }
+
+    /// Largest angle between the axis of a light that is a point and the directions in which it shines, in (0, π] \[rad\]; None: it is no point.
+    pub(crate) fn half_angle_of_point(&self) -> Option<f32> {
+        match *self {
+            Light::Point { .. } => Some(PI),
+            Light::Spot { outer_angle, .. } => Some(outer_angle),
+            Light::Lamp(ref lamp) if !lamp.has_size() => {
+                Some(lamp.cone.map_or(PI, |cone| cone.cosine.clamp(-1.0, 1.0).acos()))
+            }
+            _ => None,
+        }
     }
 
     /// Whether it is more than a point, so that shadows have soft borders.

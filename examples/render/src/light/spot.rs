@@ -65,9 +65,20 @@ impl Cone {
     }
 }
 
-/// Smooth fall-off of a spot between its two cones.
-pub(super) fn spot_falloff(cos_theta: f32, inner: f32, outer: f32) -> f32 {
-    let theta = cos_theta.clamp(-1.0, 1.0).acos();
+/// 1 - cosine of an angle, to single precision however small it is.
+pub(crate) fn cap_height(angle: f32) -> f32 {
+    let sine = (0.5 * angle).sin();
+    2.0 * sine * sine
+}
+
+/// Angle between a direction of any length and the axis, to a few 1e-7: as an arc cosine it would be to 3e-4 in narrow cones.
+pub(super) fn angle_from(axis: Vec3, direction: Vec3) -> f32 {
+    axis.cross(direction).length().atan2(axis.dot(direction))
+}
+
+/// Smooth fall-off of a spot between its two cones, in a direction of any length.
+pub(super) fn spot_falloff(axis: Vec3, direction: Vec3, inner: f32, outer: f32) -> f32 {
+    let theta = angle_from(axis, direction);
     let q = ((outer - theta) / (outer - inner)).clamp(0.0, 1.0);
     q * q * (3.0 - 2.0 * q)
 }

@@ -108,6 +108,52 @@ fn sky() -> Light {
     Light::Sky(Sky::around(cells(5, 8), 8, turned(), media, scene).expect("light in it"))
 }
 
+/// Spots as narrow as a laser, in double precision: the flux of their photons and where these go, and the light at places on a cone's slope.
+#[test]
+fn narrow_spots_shine_as_wide_ones_do() {
+    let axis = AXIS.normalize();
+    let steps = 1000;
+    for outer_angle in [2e-4f32, 2e-3, 0.02, 0.2] {
+        let (inner, outer) = (0.5 * f64::from(outer_angle), f64::from(outer_angle));
+        let falloff = |theta: f64| {
+            let q = ((outer - theta) / (outer - inner)).clamp(0.0, 1.0);
+            q * q * (3.0 - 2.0 * q)
+        };
+        let rings = (0..steps).map(|k| outer * (f64::from(k) + 0.5) / f64::from(steps));
+        let ring =
+            |theta: f64| std::f64::consts::TAU * falloff(theta) * theta.sin() * outer / f64::from(steps);
+        let flux: f64 = rings.clone().map(ring).sum();
+        let mean_angle = rings.map(|theta| theta * ring(theta)).sum::<f64>() / flux;
+        let light = Light::Spot {
+            position: Vec3::ZERO,
+            direction: axis,
+            intensity: Vec3::ONE,
+            inner_angle: 0.5 * outer_angle,
+            outer_angle,
+        };
+        let angle = |direction: Vec3| {
+            let (a, d) = (axis.as_dvec3(), direction.as_dvec3());
+            a.cross(d).length().atan2(a.dot(d))
+        };
+        let count = 20_000;
+        let (mut sent, mut angles) = (0.0, 0.0);
+        for index in 0..count {
+            let photon = light.emit(&mut PathSampler::new(Emission::LowDiscrepancy, 7, 0, index));
+            sent += f64::from(photon.power.x) / f64::from(count);
+            angles += f64::from(photon.power.x) / f64::from(count) * angle(photon.direction);
+        }
+        // A direction is good to 1e-7 of a radian, evenly spread photons to 1e-3 of these sums.
+        assert!((sent / flux - 1.0).abs() < 2e-3, "{outer_angle}: {sent} of {flux}");
+        assert!((angles / (flux * mean_angle) - 1.0).abs() < 4e-3, "{outer_angle}: {angles}");
+        for share in [0.1f32, 0.6, 0.75, 0.9] {
+            let place = 3.0 * (axis + (share * outer_angle).tan() * axis.any_orthonormal_vector());
+            let exact = falloff(angle(place)) / place.as_dvec3().length_squared();
+            let (density, _) = light.flux_density(place, [0.0; 2]);
+            assert!((f64::from(density.x) / exact - 1.0).abs() < 1e-2, "{outer_angle}, {share}: {density}");
+        }
+    }
+}
+
 /// What photons carry through a ball is what shadow rays from inside of it find: power x chord over the ball's volume, and the mean of the
 /// flux density over its places.
 #[test]

@@ -15,7 +15,7 @@ impl Photon {
 
     /// From here on there is light all along its way.
     pub(super) fn begin(&mut self) {
-        (self.dark, self.until) = (0.0, f32::INFINITY);
+        (self.dark, self.until, self.near) = (0.0, f32::INFINITY, 0.0);
     }
 
     /// Leaves a surface along its direction, which may be as straight as if nothing were there.
@@ -23,6 +23,7 @@ impl Photon {
         if is_straight {
             self.dark = (self.dark - hit.distance).max(0.0);
             self.until -= hit.distance;
+            self.near = (self.near - hit.distance).max(0.0);
         } else {
             self.begin();
         }
@@ -55,7 +56,7 @@ impl Photon {
         };
         let beam = Beam { origin, direction, length, power, start_normal, end_normal };
         let is_beam = length >= 0.0 && length.is_finite() && fog.scattering.max_element() > 0.0;
-        is_beam.then_some(PathBeam { medium, kind: self.kind(), beam })
+        is_beam.then_some(PathBeam { medium, kind: self.kind(), near: self.near, beam })
     }
 
     /// The part of a segment of its light field on which there is light; None: no part.
