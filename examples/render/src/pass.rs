@@ -564,8 +564,7 @@ impl<'a> Renderer<'a> {
         let build = |(layer, [others, narrow]): (usize, [Vec<Vec<Beam>>; 2])| {
             let plain = kernel(layer);
             [(others, plain), (narrow, focused(plain))].map(|(beams, kernel)| {
-                let maps = beams.into_iter().zip(&self.fogs);
-                let maps = maps.map(|(beams, fog)| BeamMap::build(beams, plain.max_radius, fog)).collect();
+                let maps = self.maps(beams, plain.max_radius);
                 let behind = Kernel { max_radius: plain.min_radius, grid: None, ..plain };
                 BeamView { layer, maps, kernel, behind, kind: split.last_kind(layer) }
             })
@@ -622,14 +621,18 @@ impl<'a> Renderer<'a> {
         Some((image, times))
     }
 
+    /// Hierarchies over the beams of each medium, for kernels up to a radius.
+    fn maps(&self, beams: Vec<Vec<Beam>>, radius: f32) -> Vec<BeamMap> {
+        beams.into_iter().zip(&self.fogs).map(|(beams, fog)| BeamMap::build(beams, radius, fog)).collect()
+    }
+
     /// Straight light next to the lamps; None: no lamp is a point.
     fn next_to_lamps(&self, beams: Vec<Vec<Beam>>, index: u32) -> Option<BeamView<'_>> {
         if beams.iter().all(Vec::is_empty) {
             return None;
         }
         let kernel = self.tracer.near().kernel(self.scene.settings.schedule, index);
-        let maps = beams.into_iter().zip(&self.fogs);
-        let maps = maps.map(|(beams, fog)| BeamMap::build(beams, kernel.max_radius, fog)).collect();
+        let maps = self.maps(beams, kernel.max_radius);
         let split = self.split.unwrap_or(Split::TOGETHER);
         let (layer, kind) = (split.of(Kind::Straight), Kind::Straight);
         Some(BeamView { layer, maps, kernel, behind: kernel, kind })
@@ -739,9 +742,9 @@ fn focused(kernel: Kernel<'_>) -> Kernel<'_> {
 
 /// The part of a beam up to a distance > 0.
 fn first_part(beam: Beam, until: f32) -> Option<Beam> {
-    let is_cut = beam.length > until;
-    let cut = || Beam { length: until, end_normal: Vec3::ZERO, ..beam };
-    (until > 0.0).then(|| if is_cut { cut() } else { beam })
+    let is_whole = beam.length <= until;
+    let part = if is_whole { beam } else { Beam { length: until, end_normal: Vec3::ZERO, ..beam } };
+    (until > 0.0).then_some(part)
 }
 
 /// How many of passes 1 to `passes` trace light fields.

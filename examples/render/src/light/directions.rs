@@ -23,12 +23,12 @@ pub fn cosine_direction(normal: Vec3, [a, b]: [f32; 2]) -> Vec3 {
 pub(super) fn cone_direction(axis: Vec3, height: f32, [a, b]: [f32; 2]) -> Vec3 {
     let fall = a * height;
     let (sin_phi, cos_phi) = (TAU * b).sin_cos();
-    let r = (fall * (2.0 - fall)).max(0.0).sqrt();
+    let r = (fall * (2.0 - fall)).sqrt();
     let (e, f) = axis.any_orthonormal_pair();
     (r * cos_phi * e + r * sin_phi * f + (1.0 - fall) * axis).normalize()
 }
 
-/// The same for a cap of any height, however small: (0, 0) is the axis.
+/// The same in double precision: (0, 0) is the axis.
 pub(super) fn cap_direction(axis: DVec3, height: f64, [u, v]: [f32; 2]) -> DVec3 {
     let fall = f64::from(u) * height;
     let sine = (fall * (2.0 - fall)).sqrt();

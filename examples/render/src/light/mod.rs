@@ -368,14 +368,12 @@ impl Light {
 
     /// Largest angle between the axis of a light that is a point and the directions in which it shines, in (0, π] \[rad\]; None: it is no point.
     pub(crate) fn half_angle_of_point(&self) -> Option<f32> {
-        match *self {
-            Light::Point { .. } => Some(PI),
-            Light::Spot { outer_angle, .. } => Some(outer_angle),
-            Light::Lamp(ref lamp) if !lamp.has_size() => {
-                Some(lamp.cone.map_or(PI, |cone| cone.cosine.clamp(-1.0, 1.0).acos()))
-            }
-            _ => None,
-        }
+        let angle = match *self {
+            Light::Spot { outer_angle, .. } => outer_angle,
+            Light::Lamp(Lamp { cone: Some(cone), .. }) => cone.cosine.clamp(-1.0, 1.0).acos(),
+            _ => PI,
+        };
+        (!self.has_size()).then_some(angle)
     }
 
     /// Whether it is more than a point, so that shadows have soft borders.
