@@ -127,6 +127,24 @@ impl Instance {
         triangles.occluded(start, along / length, max_distance * length)
     }
 
+    /// Whether `test` says so of any hit with world distance in (0, max_distance); `direction` is unit. It gets the world's distances.
+    pub(crate) fn any(
+        &self,
+        triangles: &Triangles<Wide>,
+        origin: DVec3,
+        direction: DVec3,
+        max_distance: f64,
+        mut test: impl FnMut(TriangleHit) -> bool,
+    ) -> bool {
+        let start = self.inverse * (origin - self.translation);
+        let along = self.inverse * direction;
+        let length = along.length();
+        triangles.any(start, along / length, max_distance * length, |mut hit| {
+            hit.distance /= length;
+            test(hit)
+        })
+    }
+
     /// A hit as on a surface that is shaded flat; its `material` is 0.
     pub(crate) fn describe_flat(&self, triangles: &Triangles<Wide>, hit: &TriangleHit) -> Hit {
         let position = self.linear * triangles.position(hit) + self.translation;

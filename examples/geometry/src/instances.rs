@@ -7,6 +7,7 @@ use crate::triangles::{Frame, Hierarchy, PADDING, TriangleHit, Triangles};
 use crate::wide::Wide;
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
+use smallvec::SmallVec;
 
 /// Models placed by transforms.
 pub struct Instances {
@@ -125,6 +126,33 @@ impl Instances {
             let instance = &self.instances[index];
             instance.occluded(self.triangles(instance), origin, direction, max_distance)
         })
+    }
+
+    /// All hits with distance in (0, max_distance), from near to far; `direction` is unit. None: `ends` says of the material of one, by its
+    /// number, that it ends the ray. A ray through an edge hits both triangles, and one through a corner all.
+    pub fn all_unless(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        max_distance: f64,
+        ends: impl Fn(u32) -> bool,
+    ) -> Option<SmallVec<[InstanceHit; 8]>> {
+        let mut found = SmallVec::new();
+        let Some(frame) = &self.frame else { return Some(found) };
+        let Some((ray, _)) = frame.ray(origin, direction, max_distance) else { return Some(found) };
+        let is_ended = self.hierarchy.any(ray, |_, index| {
+            let instance = &self.instances[index];
+            instance.any(self.triangles(instance), origin, direction, max_distance, |triangle| {
+                let hit = InstanceHit { instance: index as u32, triangle };
+                let is_end = ends(self.material(&hit));
+                if !is_end {
+                    found.push(hit);
+                }
+                is_end
+            })
+        });
+        found.sort_by(|a, b| a.distance().total_cmp(&b.distance()));
+        (!is_ended).then_some(found)
     }
 
     /// Everything about a hit.

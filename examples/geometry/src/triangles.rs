@@ -172,6 +172,25 @@ impl<H: Hierarchy> Triangles<H> {
         })
     }
 
+    /// Whether `test` says so of any hit with distance in (0, max_distance) along `direction` (unit).
+    pub fn any(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        max_distance: f64,
+        mut test: impl FnMut(TriangleHit) -> bool,
+    ) -> bool {
+        let Some((ray, skipped)) = self.frame.ray(origin, direction, max_distance) else { return false };
+        let shear = Shear::new(direction.as_vec3());
+        self.hierarchy.any(ray, |ray, index| {
+            let hit = shear.intersect(ray, &self.corners[index]).filter(|(distance, _)| *distance < ray.tmax);
+            hit.is_some_and(|(distance, weights)| {
+                let distance = f64::from(distance) * self.frame.scale + skipped;
+                test(TriangleHit { distance, triangle: index as u32, weights })
+            })
+        })
+    }
+
     /// Which of the triangles given to [`Triangles::new`] was hit.
     pub fn index(&self, hit: &TriangleHit) -> usize {
         self.hierarchy.order()[hit.triangle as usize] as usize

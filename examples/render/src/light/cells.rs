@@ -18,6 +18,9 @@ pub(super) struct Cells {
     /// Cumulative shares of the rows, and in each row those of its cells.
     rows: Vec<f64>,
     across: Vec<f64>,
+    /// The [`starts`] of these.
+    row_starts: Vec<u32>,
+    across_starts: Vec<u32>,
 }
 
 impl std::fmt::Debug for Cells {
@@ -68,7 +71,11 @@ impl Cells {
             of_rows.push(total);
         }
         of_rows.iter_mut().for_each(|end| *end /= total);
-        (total > 0.0).then_some(Self { values, columns, reach, axes, cosines, rows: of_rows, across })
+        let (row_starts, across_starts) =
+            (starts(&of_rows), across.chunks(columns).flat_map(starts).collect());
+        let rows = of_rows;
+        let made = Self { values, columns, reach, axes, cosines, rows, across, row_starts, across_starts };
+        (total > 0.0).then_some(made)
     }
 
     /// Solid angle of the cells of a row \[sr\].
@@ -88,15 +95,15 @@ impl Cells {
 
     /// The direction of a place in the unit square: the first number runs from the axis outwards, the second around it, both as light does.
     pub(super) fn draw(&self, [a, b]: [f32; 2]) -> Drawn {
-        let (row, down, row_share) = pick(&self.rows, a);
-        let first = row * self.columns;
-        let (column, along, share) = pick(&self.across[first..first + self.columns], b);
+        let (row, down, row_share) = pick(&self.rows, &self.row_starts, a);
+        let cells = row * self.columns..(row + 1) * self.columns;
+        let (column, along, share) = pick(&self.across[cells.clone()], &self.across_starts[cells.clone()], b);
         let cosine = self.cosines[row] + down * (self.cosines[row + 1] - self.cosines[row]);
         let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
         let (sin_phi, cos_phi) = (TAU * (column as f64 + along) / self.columns as f64).sin_cos();
         let direction = (self.axes * DVec3::new(sine * cos_phi, sine * sin_phi, cosine)).normalize();
         let over_density = (self.solid_angle(row) / (row_share * share)) as f32;
-        Drawn { direction, weight: self.values[first + column] * over_density }
+        Drawn { direction, weight: self.values[cells.start + column] * over_density }
     }
 
     /// The cell of a unit direction; None beyond the picture.
@@ -118,11 +125,29 @@ impl Cells {
     }
 }
 
+/// For each of as many equal parts of [0, 1) as there are shares, the first share that ends behind where the part begins.
+fn starts(cumulative: &[f64]) -> Vec<u32> {
+    let parts = cumulative.len() as f64;
+    let mut share = 0;
+    let start = |part| {
+        while share + 1 < cumulative.len() && cumulative[share] <= part as f64 / parts {
+            share += 1;
+        }
+        share as u32
+    };
+    (0..cumulative.len()).map(start).collect()
+}
+
 /// What a uniform number picks by cumulative shares, how far inside its share the number is, and that share. Nothing that has none is picked.
-fn pick(cumulative: &[f64], number: f32) -> (usize, f64, f64) {
+fn pick(cumulative: &[f64], starts: &[u32], number: f32) -> (usize, f64, f64) {
     let number = f64::from(number);
     let last = cumulative[cumulative.len() - 1];
-    let picked = cumulative.partition_point(|&end| end <= number.min(last.next_down()));
+    let sought = number.min(last.next_down());
+    // From a part's start it is a step or two, where a bisection would look into a row of a large sky ten times.
+    let mut picked = starts[((sought * starts.len() as f64) as usize).min(starts.len() - 1)] as usize;
+    while cumulative[picked] <= sought {
+        picked += 1;
+    }
     let before = if picked == 0 { 0.0 } else { cumulative[picked - 1] };
     let share = cumulative[picked] - before;
     (picked, ((number - before) / share).clamp(0.0, 1.0), share)
