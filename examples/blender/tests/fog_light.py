@@ -101,8 +101,10 @@ def with_covbeam(seed, bounces, threads, seconds, passes=None, glowing=False):
             done = session.passes
             if passes is not None:
                 return done >= passes
-            # Instants have equal shares of the passes. Half a pass early is as good as half a pass late.
-            return done and done % (2 * len(made) if len(made) > 1 else 1) == 0 and (cpu_seconds() - start) * (1 + 0.5 / done) >= seconds
+            spent = cpu_seconds() - start
+            # Instants have equal shares of the passes. Half a pass early is as good as half a pass late; to get ready is no part of it.
+            is_whole = done and done % (2 * len(made) if len(made) > 1 else 1) == 0
+            return is_whole and spent + 0.5 * (spent - ready) / done >= seconds
 
         while not enough():
             session.render_pass()
