@@ -1,12 +1,14 @@
 //! Where the picture needs photons: a pilot finds the importance of light in the voxels, and from it how each lamp emits.
 //!
 //! The pilot is a function of the scene alone: a coarse picture; paths from the camera that carry the inverse of its brightness; rays from
-//! each lamp that ask what the light in a direction is worth; and a few guided paths that find out how much of the picture's noise is theirs.
+//! each lamp that ask what the light in a direction is worth; and a few guided paths that find out whether they are worth more than plain ones, and
+//! how much of the picture's noise is theirs.
 
 mod branches;
 mod importons;
 mod lamps;
 mod look;
+mod trial;
 
 pub(crate) use branches::Spread;
 

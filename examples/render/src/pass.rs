@@ -268,8 +268,11 @@ impl<'a> Renderer<'a> {
                 let Some(guidance) = guidance else { continue };
                 made.tracer.guide(guidance);
                 // What it says of one holds for the others: only their noise depends on it.
-                made.spread = Some(*spread.get_or_insert_with(|| Spread::of(&made.tracer, &made.fogs)));
-                made.decide_branches();
+                made.spread = *spread.get_or_insert_with(|| Spread::of(&made.tracer, &made.fogs));
+                match made.spread {
+                    Some(_) => made.decide_branches(),
+                    None => made.tracer.guide_no_more(),
+                }
             }
         }
         let split = if parts.apart { Split::STRAIGHT_APART } else { Split::TOGETHER };

@@ -167,6 +167,17 @@ impl<'a> PhotonTracer<'a> {
         }
     }
 
+    /// Sends light paths as their power goes, as before [`PhotonTracer::guide`].
+    pub(crate) fn guide_no_more(&mut self) {
+        self.lamps = shares_of_lamps(self.scene, &self.lights.cumulative);
+        self.guidance = None;
+    }
+
+    /// Where light paths are sent, if anything says so.
+    pub(crate) fn guidance(&self) -> Option<&Guidance> {
+        self.guidance.as_ref()
+    }
+
     /// Leaves guided light paths this share of their branches, about.
     ///
     /// - `share`: in (0, 1].

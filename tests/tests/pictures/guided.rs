@@ -504,3 +504,24 @@ fn paths_end_where_nothing_is_absorbed() {
     open.objects.clear();
     assert!(is_lit(&guided(&open, 50, 1, 1)), "no walls");
 }
+
+/// Light that fog scatters dozens of times on its way: paths as plain as power goes are worth more there than trees of which one in 25
+/// arrives. Pictures stray from seed to seed no more than those without guidance, to twice, for twelve seeds say a spread to a fifth; guided
+/// ones strayed four times as much.
+#[test]
+fn thick_fog_that_absorbs_nothing_is_as_quiet_as_without_guidance() {
+    let scene = scene(
+        "outside_medium = \"fog\"\n[camera]\nposition = [0, 0.5, -5]\nlook_at = [0, 0, 0]\nvertical_fov = 35\nwidth = 24\nheight = 24\n\
+         [[medium]]\nname = \"fog\"\nscattering = 1.5\nabsorption = 0.0\n\
+         [[object]]\nshape = \"box\"\nmin = [-4, -4, -6]\nmax = [4, 4, 4]\nmaterial = \"black\"\n\
+         [[light]]\nkind = \"point\"\nposition = [0.5, 2.5, 0]\nintensity = 25\n",
+    );
+    let [tested, against] = [(Estimator::Guided, 1), (Estimator::Unguided, 101)].map(|(estimator, first)| {
+        let regions = samples(&scene, estimator, 2000, 2, first);
+        *regions.last().expect("the whole picture")
+    });
+    let p = welch(tested, against);
+    println!("{tested:?}, without guidance {against:?}: p {p:.2e}");
+    assert!(p > FAMILY_WISE, "{tested:?}, {against:?}");
+    assert!(tested.error / tested.mean < 2.0 * against.error / against.mean, "{tested:?}, {against:?}");
+}

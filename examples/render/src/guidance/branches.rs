@@ -5,6 +5,7 @@
 //! of variance and cost is (rays + paths/n) (C + P n), least for n² = paths C/(rays P).
 
 use super::look::{LATTICE, LEAST_OF_PICTURE, Look, Memory};
+use super::trial;
 use crate::camera::Camera;
 use crate::compare::luminance;
 use crate::photon::PhotonTracer;
@@ -72,9 +73,11 @@ impl Seen {
 }
 
 impl Spread {
-    /// Looks at a scene's picture. Cost: 12 to 70 core-milliseconds.
-    pub(crate) fn of(tracer: &PhotonTracer, fogs: &[Medium]) -> Self {
-        spread(tracer, fogs, PATHS)
+    /// Looks at a scene's picture. None where guided paths are worth less than plain ones. Cost: 12 to 70 core-milliseconds.
+    pub(crate) fn of(tracer: &PhotonTracer, fogs: &[Medium]) -> Option<Self> {
+        let looks = looks(tracer, fogs, PATHS);
+        let worth = looks.each_ref().map(|look| look.worth.as_slice()).concat();
+        trial::pays(tracer.guidance()?, tracer.scene(), fogs, &worth).then(|| spread(&looks, PATHS))
     }
 
     /// The share of the branches that guided light paths should have, up to 1.
@@ -93,12 +96,15 @@ fn share(spread: &Spread, photons: f32, pixels: f32) -> f32 {
     if square.is_nan() { 1.0 } else { (IN_FAVOUR * square.sqrt()).clamp(LEAST, 1.0) }
 }
 
+/// At the same picture, with two sets of `paths` light paths.
+fn looks<'a>(tracer: &'a PhotonTracer<'a>, fogs: &'a [Medium<'a>], paths: u32) -> [Look<'a>; 2] {
+    [1, 2].map(|half| Look::new(tracer, fogs, [KEY + half, paths], half))
+}
+
 /// Looks at some pixels from two places in each, with two sets of light paths: what differs from place to place with both sets is not the
 /// paths' noise.
-fn spread(tracer: &PhotonTracer, fogs: &[Medium], paths: u32) -> Spread {
-    let scene = tracer.scene();
-    let camera = &scene.camera;
-    let looks = [1, 2].map(|half| Look::new(tracer, fogs, [KEY + half, paths], half));
+fn spread(looks: &[Look; 2], paths: u32) -> Spread {
+    let camera = &looks[0].scene.camera;
     let seen: Vec<Seen> = (0..LATTICE * LATTICE)
         .into_par_iter()
         .map_init(Memory::default, |memory, node| {
@@ -206,7 +212,7 @@ mod tests {
         let scene = scene(0.3, LIGHT_WALLS, POINT);
         let fogs = media::all(&scene);
         let tracer = tracer(&scene, &fogs);
-        let [few, many] = [2 * PATHS, 8 * PATHS].map(|paths| spread(&tracer, &fogs, paths));
+        let [few, many] = [2 * PATHS, 8 * PATHS].map(|paths| spread(&looks(&tracer, &fogs, paths), paths));
         // Low discrepancy makes it fall a little faster, and a fifth is chance. With fewer paths pixels reach the bound.
         let ratio = many.paths / few.paths;
         assert!((0.6..1.2).contains(&ratio), "{few:?}, {many:?}");
@@ -221,7 +227,8 @@ mod tests {
         let both = format!("{POINT}{spot}");
         let [thin, thick] = [scene(1e-3, "\"black\"", &both), scene(0.5, LIGHT_WALLS, POINT)].map(|scene| {
             let fogs = media::all(&scene);
-            Spread::of(&tracer(&scene, &fogs), &fogs).share_of_branches(scene.settings.photons, &scene.camera)
+            let spread = Spread::of(&tracer(&scene, &fogs), &fogs).expect("guided paths pay");
+            spread.share_of_branches(scene.settings.photons, &scene.camera)
         });
         assert!(thin < 0.5 && thick == 1.0, "{thin}, {thick}");
     }

@@ -1,6 +1,6 @@
 //! A coarse picture, of all instants while a shutter is open.
 
-use super::Instant;
+use super::{Instant, trial};
 use crate::compare::luminance;
 use crate::eye::{EyeSegment, EyeTracer};
 use crate::kind::{ByKind, Kind};
@@ -79,11 +79,13 @@ struct Seen {
 
 /// Some light paths, and what eye rays see of them.
 pub(super) struct Look<'a> {
-    scene: &'a Scene,
+    pub(super) scene: &'a Scene,
     fogs: &'a [Medium<'a>],
     maps: Vec<BeamMap>,
     /// In the maps.
     pub(super) beams: usize,
+    /// What each guided path brings about; of plain paths nothing is known yet.
+    pub(super) worth: Vec<f32>,
     kernel: Kernel<'static>,
     surfaces: SurfaceMap,
     straight: Straight<'a>,
@@ -112,8 +114,13 @@ impl<'a> Look<'a> {
         pass: u32,
     ) -> Self {
         let scene = tracer.scene();
-        let mut record = PhotonRecord::default();
-        (0..paths).for_each(|index| tracer.trace(sequence, index, paths, Record::Beams, &mut record));
+        let (mut record, mut worth) = (PhotonRecord::default(), Vec::new());
+        for index in 0..paths {
+            let before = [record.beams.len(), record.surface.len()];
+            tracer.trace(sequence, index, paths, Record::Beams, &mut record);
+            let of_path = |guidance| trial::worth(guidance, scene, fogs, &record, before);
+            worth.extend(tracer.guidance().map(of_path));
+        }
         let radius = WIDER * scene.settings.schedule.radius;
         let mut beams: Vec<Vec<Beam>> = vec![Vec::new(); fogs.len()];
         for found in record.beams {
@@ -133,7 +140,7 @@ impl<'a> Look<'a> {
         let kernel = Kernel { shape, min_radius, max_radius, error: 1.0, grid: None };
         let straight = Straight { scene, fogs, lamps: tracer.lamps(), seed: 0, pass, near: None };
         let starts = EyeStarts::new(scene);
-        Self { scene, fogs, maps, beams: count, kernel, surfaces, straight, starts }
+        Self { scene, fogs, maps, beams: count, worth, kernel, surfaces, straight, starts }
     }
 
     /// What an eye ray sees; of light in media, all that is not straight counts as scattered.
