@@ -33,12 +33,11 @@ pub(crate) fn passage(scene: &Scene, fogs: &[Medium], mut interior: Interior, fr
         fog.map_or(Vec3::ONE, |fog| media::transmittance(fog, from, to))
     };
     // Among bounds of fog something is nearly always met, whatever it is.
-    if let Some(placed) = scene.placed.as_ref().filter(|placed| placed.shows_through())
-        && scene.objects.is_empty()
-    {
+    let shown = scene.placed.as_ref().filter(|placed| placed.shows_through());
+    if let Some(placed) = shown.filter(|_| scene.objects.is_empty()) {
         return among_placed(scene, placed, interior, [from, to], through);
     }
-    if !scene.placed.as_ref().is_some_and(Placed::shows_through) {
+    if shown.is_none() {
         if !scene.occluded(from, to) {
             return through(&interior, from, to);
         }
@@ -87,6 +86,7 @@ fn among_placed(
 ) -> Vec3 {
     let (origin, way) = (from.as_dvec3(), to.as_dvec3() - from.as_dvec3());
     let Some(along) = way.try_normalize() else { return through(&interior, from, to) };
+    // Placed glass bends light wherever it is.
     let ends = |material: u32| placed.materials()[material as usize].transparent() == Vec3::ZERO;
     let hits = placed.instances().all_unless(origin, along, way.length(), ends);
     let Some(hits) = hits.filter(|hits| hits.len() < MOST_BOUNDS as usize) else { return Vec3::ZERO };
@@ -110,6 +110,7 @@ fn among_placed(
 mod tests {
     use super::*;
     use crate::placed;
+    use crate::random::Random;
     use std::path::Path;
 
     fn scene(index: f32, more: &str) -> Scene {
@@ -204,5 +205,36 @@ mod tests {
         assert!((found(&scene, v(-4.0), v(4.0)).x / (-0.8_f32).exp() - 1.0).abs() < 1e-5);
         scene.placed = Some(placed::tests::fogs(&layers(33)));
         assert_eq!(found(&scene, v(-4.0), v(4.0)), Vec3::ZERO);
+    }
+    /// One look from end to end, and one from each bound to the next, which is what an object far away asks for: among cubes of fog that overlap.
+    #[test]
+    fn one_look_finds_what_a_look_from_each_bound_to_the_next_does() {
+        let medium = |i: u32| format!("[[medium]]\nname = \"{i}\"\nscattering = 0.{i:02}\nabsorption = 0\n");
+        let mut text = "outside_medium = \"12\"\n\
+             [camera]\nposition = [0, 0, -9]\nlook_at = [0, 0, 0]\nvertical_fov = 40\nwidth = 8\nheight = 8\n\
+             [[light]]\nkind = \"point\"\nposition = [0, 4, 0]\nintensity = 1\n"
+            .to_owned();
+        (0..13).for_each(|i| text += &medium(i));
+        let far =
+            "[[object]]\nshape = \"sphere\"\ncenter = [900, 0, 0]\nradius = 0.5\nmaterial = \"black\"\n";
+        let mut random = Random::new([1, 2, 3, 4]);
+        let mut number = |most: f32| most * (2.0 * random.uniform() - 1.0);
+        let mut cube = |i| (Vec3::new(number(1.5), number(1.5), number(1.5)), 0.3 + 0.1 * i as f32);
+        let cubes: Vec<(Vec3, f32)> = (0..12).map(&mut cube).collect();
+        let scenes = ["", far].map(|more| {
+            let mut scene =
+                Scene::parse(&format!("{text}{more}"), "cubes", Path::new("")).expect("a valid scene");
+            scene.placed = Some(placed::tests::fogs(&cubes));
+            scene
+        });
+        for _ in 0..2000 {
+            let mut place = || Vec3::new(number(2.0), number(2.0), number(2.0));
+            let (from, to) = (place(), place());
+            let [one, each] = scenes.each_ref().map(|scene| found(scene, from, to));
+            assert!(
+                each.min_element() > 0.0 && (one - each).abs().max_element() < 1e-5,
+                "{from} {to}: {one} for {each}"
+            );
+        }
     }
 }
