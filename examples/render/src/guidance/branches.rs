@@ -77,7 +77,8 @@ impl Spread {
     pub(crate) fn of(tracer: &PhotonTracer, fogs: &[Medium]) -> Option<Self> {
         let looks = looks(tracer, fogs, PATHS);
         let worth = looks.each_ref().map(|look| look.worth.as_slice()).concat();
-        trial::pays(tracer.guidance()?, tracer.scene(), fogs, &worth).then(|| spread(&looks, PATHS))
+        let beams = looks.iter().map(|look| look.beams).sum();
+        trial::pays(tracer.guidance()?, tracer.scene(), fogs, &worth, beams).then(|| spread(&looks, PATHS))
     }
 
     /// The share of the branches that guided light paths should have, up to 1.

@@ -8,7 +8,7 @@ use super::{Guidance, mean};
 use crate::kind::Kind;
 use crate::photon::{PhotonTracer, Record};
 use crate::random::Emission;
-use crate::record::PhotonRecord;
+use crate::record::{PathBeam, PhotonRecord};
 use crate::scene::Scene;
 use crate::straight::is_left_to_beams;
 use covbeam::Medium;
@@ -19,17 +19,36 @@ const PATHS: u32 = 2048;
 /// Sequence of plain paths.
 const SEQUENCE: u32 = 0x7e57;
 
-/// Whether what guided paths bring about is more evenly theirs than that of plain ones.
+/// Guided paths that are less even than plain ones, but at least by this share as even, are worth it if they are the more even for each beam:
+/// where nothing ends plain paths, as between walls of glass, these have ten times the beams, and a pass takes ten times as long.
+const HALF: f64 = 0.5;
+
+/// Whether guided paths are worth more than plain ones.
 ///
-/// - `worth`: of guided paths, their [`worth`]. Cost: of 2048 plain paths.
-pub(super) fn pays(guidance: &Guidance, scene: &Scene, fogs: &[Medium], guided: &[f32]) -> bool {
+/// - `guided`: the [`worth`] of each, and `beams`: what all of them leave in maps. Cost: of 2048 plain paths.
+pub(super) fn pays(
+    guidance: &Guidance,
+    scene: &Scene,
+    fogs: &[Medium],
+    guided: &[f32],
+    beams: usize,
+) -> bool {
     let tracer = PhotonTracer::new(scene, 0, Emission::LowDiscrepancy);
+    let mut beams_of_plain = 0;
     let plain = (0..PATHS).map(|index| {
         let mut record = PhotonRecord::default();
         tracer.trace(SEQUENCE, index, PATHS, Record::Beams, &mut record);
+        beams_of_plain += record.beams.iter().filter(|path| is_gathered(scene, path)).count();
         worth(guidance, scene, fogs, &record, [0, 0])
     });
-    evenness(guided) >= evenness(&plain.collect::<Vec<f32>>())
+    let [of_guided, of_plain] = [evenness(guided), evenness(&plain.collect::<Vec<f32>>())];
+    let beams = [beams as f64 / guided.len() as f64, beams_of_plain as f64 / f64::from(PATHS)];
+    is_better([of_guided, of_plain], beams)
+}
+
+/// By evenness and beams a path, of guided paths and plain ones.
+fn is_better([guided, plain]: [f64; 2], [of_guided, of_plain]: [f64; 2]) -> bool {
+    guided >= plain || guided >= HALF * plain && guided * of_plain >= plain * of_guided
 }
 
 /// How much of the picture's light, relative to its brightness, the paths of a record bring about that are not straight from lamps.
@@ -44,7 +63,7 @@ pub(super) fn worth(
 ) -> f32 {
     let importance = guidance.importance();
     let of_beams = record.beams[from[0]..].iter().map(|path| {
-        if path.kind == Kind::Straight && !is_left_to_beams(scene, path.medium) {
+        if !is_gathered(scene, path) {
             return 0.0;
         }
         let beam = &path.beam;
@@ -55,6 +74,11 @@ pub(super) fn worth(
         .iter()
         .map(|photon| mean(photon.power) * importance.at(photon.position).surface);
     of_beams.chain(of_surfaces).sum()
+}
+
+/// Whether it becomes part of a map.
+fn is_gathered(scene: &Scene, path: &PathBeam) -> bool {
+    path.kind != Kind::Straight || is_left_to_beams(scene, path.medium)
 }
 
 /// The share of paths that would bring about all there is, each the same: 1 where all do, k/n where k of n bring all of it; 0 without any.
@@ -80,6 +104,21 @@ mod tests {
         assert_eq!([evenness(&[]), evenness(&[0.0; 4]), evenness(&[0.0, 4.0, 0.0, 0.0])], [0.0, 0.0, 0.25]);
         assert!((evenness(&[3.0; 9]) - 1.0).abs() < 1e-12);
         assert!((evenness(&squares) - 0.75).abs() < 1e-5);
+    }
+
+    /// A shaft, a bottle, thick fog, and two where fewer beams, and where as many, are no reason.
+    #[test]
+    fn guided_paths_are_better_where_they_are_more_even_or_nearly_so_with_fewer_beams() {
+        let cases = [
+            ([0.65, 0.18], [2.3, 1.4], true),
+            ([0.49, 0.64], [9.3, 83.0], true),
+            ([0.006, 0.041], [6.0, 24.0], false),
+            ([0.008, 0.052], [6.0, 84.0], false),
+            ([0.2, 0.3], [5.0, 5.0], false),
+        ];
+        for (evenness, beams, expected) in cases {
+            assert_eq!(is_better(evenness, beams), expected, "{evenness:?} {beams:?}");
+        }
     }
 
     /// A room of fog that absorbs nothing, and a lamp five metres from the camera.
