@@ -13,6 +13,8 @@ reference. Prints of each scene, with standard errors between seeds:
 - variance between seeds over squared brightness, times CPU seconds, of Cycles over covbeam's: without and with path guiding, of whole
   renders, and of what comes after a scene is read (which takes Cycles as long as a render of one sample).
 
+A first run of covbeam is not measured: what Blender does once in a process is in none.
+
 Writes covbeam's and Cycles' mean pictures side by side, all of them on one sheet, and all runs as arrays. CPU seconds are those of all
 threads and of what else was started. Blender 5.0 or newer, as 4.2 cannot write OpenVDB files.
 """
