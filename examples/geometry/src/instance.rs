@@ -121,10 +121,7 @@ impl Instance {
         direction: DVec3,
         max_distance: f64,
     ) -> bool {
-        let start = self.inverse * (origin - self.translation);
-        let along = self.inverse * direction;
-        let length = along.length();
-        triangles.occluded(start, along / length, max_distance * length)
+        self.any(triangles, origin, direction, max_distance, |_| true)
     }
 
     /// Whether `test` says so of any hit with world distance in (0, max_distance); `direction` is unit. It gets the world's distances.

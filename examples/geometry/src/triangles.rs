@@ -165,11 +165,7 @@ impl<H: Hierarchy> Triangles<H> {
 
     /// True if anything is hit with distance in (0, max_distance).
     pub fn occluded(&self, origin: DVec3, direction: DVec3, max_distance: f64) -> bool {
-        let Some((ray, _)) = self.frame.ray(origin, direction, max_distance) else { return false };
-        let shear = Shear::new(direction.as_vec3());
-        self.hierarchy.any(ray, |ray, index| {
-            shear.intersect(ray, &self.corners[index]).is_some_and(|(distance, _)| distance < ray.tmax)
-        })
+        self.any(origin, direction, max_distance, |_| true)
     }
 
     /// Whether `test` says so of any hit with distance in (0, max_distance) along `direction` (unit).

@@ -206,6 +206,7 @@ mod tests {
         scene.placed = Some(placed::tests::fogs(&layers(33)));
         assert_eq!(found(&scene, v(-4.0), v(4.0)), Vec3::ZERO);
     }
+
     /// One look from end to end, and one from each bound to the next, which is what an object far away asks for: among cubes of fog that overlap.
     #[test]
     fn one_look_finds_what_a_look_from_each_bound_to_the_next_does() {

@@ -8,7 +8,7 @@ use crate::photon::{PhotonRecord, PhotonTracer, Record};
 use crate::random::{Emission, Random};
 use crate::scene::Scene;
 use crate::starts::{EyeStart, EyeStarts};
-use crate::straight::{Straight, is_left_to_beams, rays_of_piece};
+use crate::straight::{Straight, rays_of_piece};
 use crate::surface::{Disks, SurfaceMap};
 use covbeam::{Beam, BeamMap, GatherScratch, Gathered, Kernel, Knot, Medium};
 use rayon::prelude::*;
@@ -124,7 +124,7 @@ impl<'a> Look<'a> {
         let radius = WIDER * scene.settings.schedule.radius;
         let mut beams: Vec<Vec<Beam>> = vec![Vec::new(); fogs.len()];
         for found in record.beams {
-            if found.kind != Kind::Straight || is_left_to_beams(scene, found.medium) {
+            if trial::is_gathered(scene, &found) {
                 beams[found.medium as usize].push(found.beam);
             }
         }

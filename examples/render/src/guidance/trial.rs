@@ -77,7 +77,7 @@ pub(super) fn worth(
 }
 
 /// Whether it becomes part of a map.
-fn is_gathered(scene: &Scene, path: &PathBeam) -> bool {
+pub(super) fn is_gathered(scene: &Scene, path: &PathBeam) -> bool {
     path.kind != Kind::Straight || is_left_to_beams(scene, path.medium)
 }
 
