@@ -289,7 +289,7 @@ impl<'a> Renderer<'a> {
 
     fn decide_branches(&mut self) {
         if let Some(spread) = &self.spread {
-            self.tracer.branch_less(spread.share_of_branches(self.photons, &self.scene.camera));
+            self.tracer.scale_branches(spread.share_of_branches(self.photons, &self.scene.camera));
         }
     }
 

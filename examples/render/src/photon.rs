@@ -178,10 +178,10 @@ impl<'a> PhotonTracer<'a> {
         self.guidance.as_ref()
     }
 
-    /// Leaves guided light paths this share of their branches, about.
+    /// Guided light paths have this many times their branches, about.
     ///
-    /// - `share`: in (0, 1].
-    pub(crate) fn branch_less(&mut self, share: f32) {
+    /// - `share`: > 0.
+    pub(crate) fn scale_branches(&mut self, share: f32) {
         if let Some(guidance) = &mut self.guidance {
             guidance.leave(share);
         }
