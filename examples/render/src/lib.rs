@@ -11,6 +11,7 @@ pub mod camera;
 #[cfg(feature = "files")]
 mod camera_file;
 mod clearance;
+mod coincident;
 pub mod compare;
 pub mod defaults;
 #[cfg(feature = "files")]
@@ -43,8 +44,10 @@ pub mod media;
 mod medium_file;
 pub mod memory;
 mod near;
+pub mod nesting;
 pub mod operators;
 pub mod optics;
+mod origin;
 #[cfg(feature = "files")]
 pub mod output;
 pub mod pass;

@@ -11,6 +11,7 @@ use crate::media;
 use crate::near::Near;
 use crate::operators::Operator;
 use crate::optics::{Boundary, Interior, curvature_towards, facing_normal, reflect};
+use crate::origin::Origin;
 use crate::passage::passage;
 use crate::random::{Emission, PathSampler};
 use crate::record::add;
@@ -49,7 +50,7 @@ pub struct PhotonTracer<'a> {
     /// Cumulative shares of the paths that start from each light which shadow rays look for; of the others 0.
     lamps: Vec<f32>,
     near: Near,
-    camera: Interior,
+    camera: Origin,
     seed: u32,
     emission: Emission,
     left_out: Option<Operator>,
@@ -62,8 +63,8 @@ struct Lights {
     cumulative: Vec<f32>,
     /// Of all of them, mean of the channels \[W\].
     flux: f32,
-    /// What each light is inside of.
-    interiors: Vec<Interior>,
+    /// Where each light is.
+    origins: Vec<Origin>,
 }
 
 /// The moving photon.
@@ -121,13 +122,13 @@ impl<'a> PhotonTracer<'a> {
             sum += flux / total;
             sum as f32
         });
-        let interiors = scene.lights.iter().map(|light| Interior::of_light(scene, light));
+        let origins = scene.lights.iter().map(|light| Origin::of_light(scene, light));
         let lights = Lights {
             cumulative: shares.collect(),
             flux: scene.lights.iter().map(|light| mean(light.flux())).sum(),
-            interiors: interiors.collect(),
+            origins: origins.collect(),
         };
-        let camera = Interior::at(scene, scene.camera.position);
+        let camera = Origin::new(scene, scene.camera.position);
         Self {
             scene,
             fogs: media::all(scene),
@@ -281,7 +282,7 @@ impl<'a> PhotonTracer<'a> {
         if record == Record::Direct && !is_straight {
             return None;
         }
-        let (origin, interior) = self.lights.interiors[light].start_of(self.scene, source, emitted)?;
+        let (origin, interior) = self.lights.origins[light].of_photon(self.scene, source, emitted)?;
         Some(Photon {
             origin,
             direction: emitted.direction,
@@ -624,8 +625,8 @@ impl<'a> PhotonTracer<'a> {
         let offset = camera.position - vertex;
         let distance2 = offset.length_squared();
         let distance = distance2.sqrt();
-        let eye = self.scene.beside(camera.position);
-        let arrives = passage(self.scene, &self.fogs, self.camera, eye, vertex);
+        let (eye, interior) = self.camera.towards(self.scene, -offset);
+        let arrives = passage(self.scene, &self.fogs, interior, eye, vertex);
         if arrives == Vec3::ZERO {
             return;
         }

@@ -4,7 +4,6 @@ use crate::camera::Camera;
 use crate::glow::Glow;
 pub use crate::light::{Area, Ball, Cone, GlowingFog, Lamp, Pattern, ShiningMesh, Sky, Sun};
 pub use crate::material::{Lobes, Material};
-use crate::placed::cleared;
 pub use crate::placed::{Placed, PlacedObject};
 use crate::volume::Volume;
 use covbeam::{ExponentialDensity, Medium};
@@ -75,13 +74,6 @@ impl Scene {
     pub(crate) fn placed_hit(&self, hit: &Hit) -> Option<(&Placed, u32)> {
         let object = hit.object.checked_sub(self.objects.len() as u32)?;
         Some((self.placed.as_ref()?, object))
-    }
-
-    /// A place, or one a hair aside where it may lie on a surface that something placed has its inside behind: as [`Interior::at`] sees it.
-    ///
-    /// [`Interior::at`]: crate::optics::Interior::at
-    pub fn beside(&self, place: Vec3) -> Vec3 {
-        if self.placed.as_ref().is_some_and(Placed::has_insides) { cleared(place) } else { place }
     }
 
     /// Whether light may be scattered and reflected so often.
@@ -189,6 +181,10 @@ pub struct Object {
     pub material: Material,
     /// The medium inside a closed dielectric; None = clear.
     pub inside: Option<MediumId>,
+    /// Of closed dielectrics that overlap the one of higher priority counts.
+    pub priority: i32,
+    /// Numbers of the closed dielectrics that lie inside of it, ascending: from [`nest`](crate::nesting::nest).
+    pub inner: Vec<u32>,
 }
 
 /// Geometry of an object.

@@ -19,6 +19,7 @@ use crate::glow_file::read_glows;
 use crate::light_file::{ShoneOn, read_light};
 use crate::material_file::read_material;
 use crate::medium_file::{check_exponential, read_media, read_medium_name};
+use crate::nesting::nest;
 use crate::scene::{GlowingFog, Light, MAX_PHOTONS, MediumDensity, Object, Scene, SceneMedium, Sees, Shape};
 
 /// Most cells of the covariance grid.
@@ -52,11 +53,12 @@ impl Scene {
         let outside =
             root.optional("outside_medium").map(|field| read_medium_name(&field, &names)).transpose()?;
         let camera = read_camera(&root.required("camera")?.table()?)?;
-        let objects: Vec<Object> = root
+        let mut objects: Vec<Object> = root
             .tables("object")?
             .iter()
             .map(|t| read_object(t, &media, &names, base_dir))
             .collect::<Result<_, _>>()?;
+        nest(&mut objects);
         read_glows(&root, &mut media, &objects, outside)?;
         let shone_on = ShoneOn { objects: &objects, media: &media, outside, base_dir };
         let mut lights: Vec<Light> =
@@ -101,7 +103,7 @@ fn read_object(
         "mesh" => &["file", "scale", "rotate", "translate", "smooth"],
         _ => return Err(shape_field.refuse(expected)),
     };
-    table.only(&[&["name", "shape", "material", "inside"], own].concat())?;
+    table.only(&[&["name", "shape", "material", "inside", "priority"], own].concat())?;
     let shape = match kind {
         "sphere" => Shape::Sphere {
             center: table.required("center")?.vector()?,
@@ -143,7 +145,16 @@ fn read_object(
         Some(field) => field.text("a name in quotes")?.to_owned(),
         None => shape_field.path.trim_end_matches(".shape").to_owned(),
     };
-    Ok(Object { name, shape, material, inside })
+    let priority = match table.optional("priority") {
+        Some(field) if material.index().is_none() => {
+            return Err(field.refuse("no priority of an object that is not a dielectric"));
+        }
+        Some(field) => {
+            field.number("a whole number in -1000..=1000", |p| p.abs() <= 1000.0 && p.fract() == 0.0)?
+        }
+        None => 0.0,
+    };
+    Ok(Object { name, shape, material, inside, priority: priority as i32, inner: Vec::new() })
 }
 
 /// `corner`, `edge_u` and `edge_v` of an object or of a light.

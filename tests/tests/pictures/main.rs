@@ -2,6 +2,7 @@
 
 mod cameras;
 mod closed_forms;
+mod coincident;
 mod edges;
 mod edges_mesh;
 mod fleet;

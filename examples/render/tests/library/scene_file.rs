@@ -249,7 +249,7 @@ fn every_shipped_scene_is_valid_and_its_camera_stands_outside_all_glass() {
     assert!(scenes.len() >= 2);
     for path in scenes {
         let scene = Scene::load(path).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!(scene.containing(scene.camera.position), [0u32; 0], "{}", path.display());
+        assert_eq!(scene.containing(scene.camera.position).count(), 0, "{}", path.display());
         assert!(scene.intersect(scene.camera.position, scene.camera.forward, f32::INFINITY).is_some());
     }
 }
