@@ -112,7 +112,7 @@ impl Origin {
     }
 
     /// The same, for a ray that starts at another place nearby, as in a lens.
-    pub(crate) fn from_beside(&self, scene: &Scene, point: Vec3, direction: Vec3) -> (Vec3, Interior) {
+    pub(crate) fn beside(&self, scene: &Scene, point: Vec3, direction: Vec3) -> (Vec3, Interior) {
         if point == self.point {
             return self.towards(scene, direction);
         }
@@ -137,7 +137,7 @@ impl Origin {
             return Some((emitted.origin, self.interior));
         }
         if emitted.origin == self.point || !self.faces.is_empty() {
-            return Some(self.from_beside(scene, emitted.origin, emitted.direction));
+            return Some(self.beside(scene, emitted.origin, emitted.direction));
         }
         // What leaves no surface starts on the side of bounds that it is taken to be on.
         let origin = if emitted.normal == Vec3::ZERO { clear(emitted.origin) } else { emitted.origin };

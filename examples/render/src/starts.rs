@@ -47,7 +47,7 @@ impl<'a> EyeStarts<'a> {
         let (origin, direction) = camera.ray(x, y, lens);
         let sees = camera.sees(x, y);
         // What is too near to be seen bounds media all the same.
-        let (origin, interior) = self.camera.from_beside(self.scene, origin, direction);
+        let (origin, interior) = self.camera.beside(self.scene, origin, direction);
         EyeStart { origin, direction, interior, sees }
     }
 
