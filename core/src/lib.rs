@@ -69,6 +69,7 @@
 #[cfg(feature = "bvh")]
 extern crate std;
 
+mod along;
 pub mod beam;
 #[cfg(feature = "bvh")]
 pub mod beam_map;
@@ -89,6 +90,7 @@ pub mod voxels;
 
 pub use glam::{Vec2, Vec3};
 
+pub use along::{ALONG_SINE, PLACES};
 pub use beam::{BLOCK, Beam, BeamBlock, Crossing, EyeRay, PARALLEL_SINE, cross};
 #[cfg(feature = "bvh")]
 pub use beam_map::{BeamMap, Contact, GatherScratch, MAX_BEAMS, Stop, Unfinished};
