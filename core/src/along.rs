@@ -4,10 +4,10 @@
 //! along its direction (a sun, a laser) is there as a whole. So below [`ALONG_SINE`] the kernel acts on both
 //! axes across the beam, and the eye ray passes through it with m(t) = m₀ + t sin θ:
 //!
-//! `∫ σ_s p(θ) T_eye(t) T_beam(s(t)) K_r(gap) c(m(t)/ω)/ω dt` over the stretch in which they lie side by side,
+//! `∫ σ_s p(θ) T_eye(t) T_beam(s(t)) K_r(gap) c(m(t)/ω)/ω dt` over the stretch where both lie side by side,
 //!
-//! with c the profile on \[-1, 1\] that makes the kernel round: the kernel in the plane whose projection is K,
-//! so that a rotation of both axes, which for θ = 0 nothing tells, changes nothing. Its half-width is
+//! with c the profile on \[-1, 1\] that makes the kernel round: the kernel in the plane whose projection is
+//! K, so that a rotation of both axes, which for θ = 0 nothing tells, changes nothing. Its half-width is
 //! ω = (1 - sin² θ/S²) √(r² - gap²), S = [`ALONG_SINE`]: round for θ = 0, and for θ = S so narrow that the
 //! integral is K(gap)/sin θ at the crossing. Nothing jumps at S, and from there on nothing has changed.
 //!
@@ -17,19 +17,12 @@
 //! Source: the blur in two dimensions is that of Jarosz et al. 2011, Eq 29, integrated along the eye ray; the
 //! profiles are the kernels' inverse Abel transforms.
 
-use crate::beam::{BLOCK, Beam, EyeRay};
+use crate::beam::{ALONG_SINE, BLOCK, Beam, EyeRay};
 use crate::kernel::{Kernel, KernelShape};
 use crate::math::sqrt;
 use core::f32::consts::{FRAC_1_PI, FRAC_2_PI};
 use glam::Vec3;
 use libm::{asinf, cosf, sinf};
-
-/// The sine S of the angle below which a pair is gathered along the eye ray.
-///
-/// The wider the angles, the more pairs cost as much as eight; with .05 they are one in several thousand of
-/// an isotropic field. From here on a crossing, twenty times as long as the kernel is wide, is short beside
-/// what is seen.
-pub const ALONG_SINE: f32 = 0.05;
 
 /// Places on the eye ray at which a pair along it is gathered.
 pub const PLACES: usize = BLOCK;
@@ -59,15 +52,9 @@ pub(crate) struct Along {
     pub(crate) sigma: f32,
 }
 
-/// Whether a pair whose directions have a cross product of this squared length is gathered along the ray.
-#[inline(always)]
-pub(crate) fn is_along(sin2: f32) -> bool {
-    sin2 < ALONG_SINE * ALONG_SINE
-}
-
 /// The part `[from, to]` of the beam with the eye ray: the pair's places, if its middle lies beside it.
 ///
-/// For a pair that [`is_along`]; only such finds None where rounding would decide.
+/// For a pair that [`is_along`](crate::beam::is_along); only such finds None where rounding would decide.
 // Called for few pairs: inlined, its registers slow all others down.
 #[inline(never)]
 pub(crate) fn along(ray: &EyeRay, beam: &Beam, from: f32, to: f32, kernel: &Kernel) -> Option<Along> {

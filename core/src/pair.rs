@@ -1,7 +1,7 @@
 //! What a pair of an eye ray and a beam contributes: the definition of the gather.
 
-use crate::along::{PLACES, along, is_along};
-use crate::beam::{Beam, Crossing, EyeRay, cross};
+use crate::along::{PLACES, along};
+use crate::beam::{Beam, Crossing, EyeRay, cross, is_along};
 use crate::kernel::Kernel;
 use crate::math::sqrt;
 use crate::medium::{Column, Medium};

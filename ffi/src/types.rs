@@ -260,8 +260,8 @@ pub struct covbeam_crossing {
     pub axis: [f32; 3],
 }
 
-/// A place where a beam comes within the kernel radius of an eye ray, for covbeam_beam_map_gather_shaded. A pair
-/// of nearly one direction (sine below .05) has eight, along the eye ray.
+/// A place where a beam comes within the kernel radius of an eye ray, for covbeam_beam_map_gather_shaded. A
+/// pair of nearly one direction (sine below .05) has eight, along the eye ray.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct covbeam_contact {

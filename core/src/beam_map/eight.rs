@@ -3,8 +3,8 @@
 
 use super::simd::{Floats, LANES, Vec3x8, Vectors, bits, exp, load, max, min};
 use super::sub_beams::{ROOM, SubBeam};
-use crate::along::{ALONG_SINE, Along, along};
-use crate::beam::{Beam, BeamBlock, EyeRay};
+use crate::along::{Along, along};
+use crate::beam::{ALONG_SINE, Beam, BeamBlock, EyeRay};
 use crate::grid::FluenceGrid;
 use crate::kernel::{Kernel, KernelShape};
 use crate::medium::{Medium, PhaseFunction, PhaseKind};
@@ -207,7 +207,7 @@ impl<S: Simd> Lines<S> {
         Self { direction, offset, normal, sin2: normal.dot(normal) }
     }
 
-    /// Lanes in which the two run along each other: [`crate::along::is_along`].
+    /// Lanes in which the two run along each other: [`crate::beam::is_along`].
     #[inline(always)]
     fn are_along(&self, simd: S) -> mask32x8<S> {
         self.sin2.simd_lt(f32x8::splat(simd, ALONG_SINE * ALONG_SINE))

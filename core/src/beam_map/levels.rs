@@ -5,8 +5,7 @@ use super::rays::RayTables;
 use super::search::{Query, Search};
 use super::shade::OurMedium;
 use super::simd::{Floats, load, max, min};
-use crate::along::is_along;
-use crate::beam::{Beam, EyeRay};
+use crate::beam::{Beam, EyeRay, is_along};
 use crate::beam_map::BeamMap;
 use crate::grid::{FluenceCell, FluenceGrid};
 use crate::kernel::{Kernel, KernelShape};
@@ -54,7 +53,7 @@ impl Random {
 fn beams(random: &mut Random) -> Vec<Beam> {
     let beam = |i: usize| {
         let direction = random.vector(1.0).normalize();
-        // Every third is cut by a surface, every seventh runs along an axis, every fifth nearly along the rays.
+        // Every third is cut by a surface; every seventh runs along an axis, every fifth nearly along rays.
         let direction = match i {
             _ if i.is_multiple_of(7) => Vec3::AXES[i % 3],
             _ if i.is_multiple_of(5) => (Vec3::Z + random.vector(0.02)).normalize(),

@@ -14,8 +14,8 @@ use fearless_simd::Simd;
 use glam::Vec3;
 use std::vec::Vec;
 
-/// An eye ray that meets a beam, for a host that knows the medium ([`crate::BeamMap::gather_contacts`]). A pair
-/// along the ray (sin θ < [`crate::ALONG_SINE`]) has [`crate::PLACES`] of them.
+/// An eye ray that meets a beam, for a host that knows the medium ([`crate::BeamMap::gather_contacts`]). A
+/// pair along the ray (sin θ < [`crate::ALONG_SINE`]) has [`crate::PLACES`] of them.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contact {

@@ -27,8 +27,8 @@ fn one(ray: &EyeRay, beam: &Beam, medium: &Medium, kernel: &Kernel) -> Gathered 
     gathered
 }
 
-/// Light of irradiance 1 along z, in one beam a cell of a square of side 3 on the surface `normal` through the
-/// origin, down to z = DEPTH.
+/// Light of irradiance 1 along z, in one beam a cell of a square of side 3 on the surface `normal` through
+/// the origin, down to z = DEPTH.
 fn pencil(side: usize, normal: Vec3, random: &mut Random) -> Vec<Beam> {
     let cell = 3.0 / side as f32;
     let beam = |i: usize| {
@@ -78,7 +78,7 @@ fn ratios(normal: Vec3, tilt: f32, is_backward: bool, shape: KernelShape) -> [f6
         .map(|(ray, gathered)| {
             let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
             let n = normal.as_dvec3();
-            // Depth below the slanted surface: grows by `slope` along the ray, where the surface is flat by cos θ.
+            // Along z, below the slanted surface.
             let below = |p: glam::DVec3| p.z + (n.x * p.x + n.y * p.y) / n.z;
             let slope = below(d);
             f64::from(gathered.radiance.x) / seen(slope, ray.length.into(), below(o))
@@ -182,7 +182,7 @@ fn a_pair_is_the_integral_of_a_kernel_on_two_axes_along_the_ray() {
         let medium = Medium::homogeneous(0.3, 2.0 * random.uniform());
         let found = f64::from(one(&ray, &beam, &medium, &Kernel { shape, ..plain(0.2) }).radiance.x);
         let truth = by_midpoints(&ray, &beam, &medium, shape, 0.2);
-        // The box's midpoints miss half a step's share of a rim without bound, 1 %; the eight places of a whole
+        // The box's midpoints miss half a step's share of a rim without bound, 1 %; eight places of a whole
         // crossing are off by 4e-4 where light fades (k = 4), else by rounding next to the rim.
         let tolerance = if shape == KernelShape::Box { 0.01 } else { 2e-3 };
         let typical = 0.3 / (4.0 * PI) / (0.2 * 0.2);
@@ -220,8 +220,8 @@ fn nothing_jumps_where_pairs_begin_to_cross() {
         let mut last = at(0.0).radiance.x;
         for i in 1..=500 {
             let next = at(ALONG_SINE * 0.002 * i as f32 * 0.9999).radiance.x;
-            // The box's round kernel has no bound at its rim, which passes the ray's end at a square root's slope:
-            // √(2/500 · 2)/π · 2 and a half more.
+            // The box's round kernel has no bound at its rim, which leaves the ray at the square root of the
+            // step: twice √(2 · 2/376)/π, and half more.
             let most = if shape == KernelShape::Box { 0.12 } else { 0.05 };
             assert!((next / last - 1.0).abs() < most, "{shape:?}, step {i}: {last} to {next}");
             last = next;
