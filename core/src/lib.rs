@@ -69,6 +69,7 @@
 #[cfg(feature = "bvh")]
 extern crate std;
 
+mod along;
 pub mod beam;
 #[cfg(feature = "bvh")]
 pub mod beam_map;
@@ -89,7 +90,8 @@ pub mod voxels;
 
 pub use glam::{Vec2, Vec3};
 
-pub use beam::{BLOCK, Beam, BeamBlock, Crossing, EyeRay, PARALLEL_SINE, cross};
+pub use along::PLACES;
+pub use beam::{ALONG_SINE, BLOCK, Beam, BeamBlock, Crossing, EyeRay, PARALLEL_SINE, cross};
 #[cfg(feature = "bvh")]
 pub use beam_map::{BeamMap, Contact, GatherScratch, MAX_BEAMS, Stop, Unfinished};
 pub use edges::{Edge, Edges, MOST_EDGES, ProbeHit, find_edges};
