@@ -1,6 +1,7 @@
 //! The long measurements behind the figures in the documents: run one, read its table.
 
 mod ablation;
+mod brute;
 mod budget;
 mod emission;
 mod fleet;
@@ -71,6 +72,23 @@ enum Measurement {
         pairs: u32,
         #[command(flatten)]
         size: Size,
+    },
+    /// Renders a scene by brute-force path tracing, which shares nothing with the renderer: what a picture must look like, with its noise.
+    Brute {
+        /// The scene.
+        scene: PathBuf,
+        /// Where the picture goes (EXR).
+        #[arg(long)]
+        out: PathBuf,
+        /// CPU-seconds, about.
+        #[arg(long, default_value_t = 20.0)]
+        time: f64,
+        /// Seed.
+        #[arg(long, default_value_t = 1)]
+        seed: u32,
+        /// Part of the picture whose mean is told with its standard error: x0 x1 y0 y1 in parts of its width and height.
+        #[arg(long, num_args = 4)]
+        region: Option<Vec<f64>>,
     },
     /// Scenes made from a seed: blocks of pixels of the default method against plain beams and light tracing, all tested; brightness by
     /// distance from the brightest part; error at equal CPU time. Writes the scenes, a table of them (fleet.csv) and pictures of the worst.
@@ -240,6 +258,9 @@ fn main() -> Outcome<()> {
             means::run(&scene, reference.as_deref(), runs, size)
         }
         Measurement::Emission { scene, passes, pairs, size } => emission::run(&scene, passes, pairs, size),
+        Measurement::Brute { scene, out, time, seed, region } => {
+            brute::run(&scene, &out, time, seed, region.as_deref().unwrap_or(&[0.0, 1.0, 0.0, 1.0]))
+        }
         Measurement::Fleet { scenes, seed, first, width, seconds, runs, reference, out } => {
             fleet::run(&fleet::Fleet { scenes, seed, first, width, seconds, runs, reference, out })
         }
