@@ -11,6 +11,8 @@ mod file;
 mod lamps;
 mod path;
 mod shapes;
+#[cfg(test)]
+mod tests;
 mod world;
 
 use crate::random::Stream;

@@ -101,7 +101,8 @@ impl Path<'_> {
                 continue;
             }
             let Some((distance, radiance)) = lamp.met(self.origin, self.direction) else { continue };
-            if distance <= way.length() {
+            // A lamp on a wall shines.
+            if distance <= way.length() + self.world.tolerance() {
                 self.add(radiance * way.transmittance(self.world, distance));
             }
         }
@@ -143,7 +144,7 @@ impl Path<'_> {
         let place = way.stretches.iter().find(|stretch| distance < stretch.0).and_then(|stretch| stretch.1);
         let Some(medium) = place.map(|medium| &world.media[medium]) else { return };
         let point = origin + distance * direction;
-        let (light, towards) = self.from_lamp(number, &spark, point);
+        let (light, towards) = self.light_of(number, &spark, point);
         let phase = henyey_greenstein(medium.asymmetry, towards.dot(direction));
         let passed = way.transmittance(world, distance);
         self.add(passed * medium.scattering * light * (phase / (density * share)));
@@ -167,7 +168,7 @@ impl Path<'_> {
     }
 
     /// Light of a spark that arrives at a point through nothing but fog, and the direction towards it.
-    fn from_lamp(&self, lamp: usize, spark: &Spark, point: DVec3) -> (DVec3, DVec3) {
+    fn light_of(&self, lamp: usize, spark: &Spark, point: DVec3) -> (DVec3, DVec3) {
         let lamp = &self.world.lamps[lamp];
         let (towards, distance) = if lamp.is_sun() {
             (spark.place, f64::INFINITY)
@@ -244,7 +245,7 @@ impl Path<'_> {
             if world.lamps[lamp].is_sun() { 1.0 } else { spark.place.distance_squared(point).recip() }
         };
         let Some((number, spark, share)) = self.choose(near) else { return };
-        let (light, towards) = self.from_lamp(number, &spark, point);
+        let (light, towards) = self.light_of(number, &spark, point);
         let cosine = towards.dot(normal);
         if cosine > 0.0 {
             self.add(light * albedo * (cosine / (PI * share)));
@@ -289,11 +290,11 @@ fn equiangular(place: DVec3, origin: DVec3, direction: DVec3, ends: [f64; 2], xi
     (nearest + gap * angle.tan(), angle.cos().powi(2) / (gap * gap * integral))
 }
 
-fn henyey_greenstein(g: f64, cosine: f64) -> f64 {
+pub(super) fn henyey_greenstein(g: f64, cosine: f64) -> f64 {
     (1.0 - g * g) / (4.0 * PI * (1.0 + g * g - 2.0 * g * cosine).powf(1.5))
 }
 
-fn sample_henyey_greenstein(g: f64, xi: f64) -> f64 {
+pub(super) fn sample_henyey_greenstein(g: f64, xi: f64) -> f64 {
     if g == 0.0 {
         return 2.0 * xi - 1.0;
     }

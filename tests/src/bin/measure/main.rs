@@ -102,6 +102,10 @@ enum Measurement {
         /// Number of the first scene.
         #[arg(long, default_value_t = 1)]
         first: u32,
+        /// Scenes made as people make them: lengths are quarters, things touch, lamps hang in planes, suns and cameras look along axes. Blocks
+        /// against brute-force path tracing, light tracing, and the same scene with everything a hair apart; nothing at equal time.
+        #[arg(long)]
+        grid: bool,
         /// Pixels across, and down.
         #[arg(long, default_value_t = 72, value_parser = clap::value_parser!(u32).range(16..=16384))]
         width: u32,
@@ -261,7 +265,10 @@ fn main() -> Outcome<()> {
         Measurement::Brute { scene, out, time, seed, region } => {
             brute::run(&scene, &out, time, seed, region.as_deref().unwrap_or(&[0.0, 1.0, 0.0, 1.0]))
         }
-        Measurement::Fleet { scenes, seed, first, width, seconds, runs, reference, out } => {
+        Measurement::Fleet { scenes, seed, first, grid: true, width, seconds, out, .. } => {
+            fleet::grid::run(seed, first..first + scenes, width, seconds[0], &out)
+        }
+        Measurement::Fleet { scenes, seed, first, grid: false, width, seconds, runs, reference, out } => {
             fleet::run(&fleet::Fleet { scenes, seed, first, width, seconds, runs, reference, out })
         }
         Measurement::Wedges { scene, reference, passes, seeds, out, size } => {
