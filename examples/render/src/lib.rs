@@ -30,6 +30,7 @@ mod glow_file;
 mod grids;
 mod guidance;
 pub mod kind;
+pub mod lamps;
 pub mod light;
 #[cfg(feature = "files")]
 mod light_file;

@@ -4,6 +4,7 @@ use crate::compare::luminance;
 use crate::eye::{EyeSegment, EyeTracer};
 use crate::first_hits::FirstHits;
 use crate::kind::{ByKind, Kind};
+use crate::lamps::LampTree;
 use crate::media;
 use crate::passage::passage;
 use crate::plan::Plan;
@@ -159,7 +160,9 @@ impl<'a> Marcher<'a> {
         let (width, height) = (self.scene.camera.width, self.scene.camera.height);
         let surfaces = SurfaceMap::empty();
         let (scene, fogs, starts) = (self.scene, self.fogs, self.starts);
-        let tracer = EyeTracer { scene, fogs, starts, surfaces: &surfaces, beyond: self.beyond };
+        let lamps = LampTree::new(scene);
+        let tracer =
+            EyeTracer { scene, fogs, starts, lamps: &lamps, surfaces: &surfaces, beyond: self.beyond };
         let start = Instant::now();
         let spread = self.spread(&tracer);
         let mut seconds = start.elapsed().as_secs_f64();

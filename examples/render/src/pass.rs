@@ -597,6 +597,7 @@ impl<'a> Renderer<'a> {
             scene: self.scene,
             fogs: &self.fogs,
             starts,
+            lamps: self.tracer.lamps(),
             surfaces: &surfaces,
             beyond: self.beyond,
         };

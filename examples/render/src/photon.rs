@@ -5,6 +5,7 @@ mod lit;
 
 use crate::guidance::{Guidance, mean};
 use crate::kind::Kind;
+use crate::lamps::LampTree;
 use crate::light::{EmittedPhoton, cosine_direction};
 use crate::material::{Encounter, Lobe};
 use crate::media;
@@ -16,7 +17,7 @@ use crate::passage::passage;
 use crate::random::{Emission, PathSampler};
 use crate::record::add;
 pub use crate::record::{Energy, FieldSegment, PathBeam, PhotonRecord, Record, Splat};
-use crate::scene::{Light, Material, Scene};
+use crate::scene::{Material, Scene};
 use crate::surface::SurfacePhoton;
 use covbeam::{Column, CovarianceGrid, Curvature, Density, Edges, Knot, LightField, Medium};
 use covbeam_geometry::hit::Hit;
@@ -47,8 +48,7 @@ pub struct PhotonTracer<'a> {
     scene: &'a Scene,
     fogs: Vec<Medium<'a>>,
     lights: Lights,
-    /// Cumulative shares of the paths that start from each light which shadow rays look for; of the others 0.
-    lamps: Vec<f32>,
+    lamps: LampTree,
     near: Near,
     camera: Origin,
     seed: u32,
@@ -132,7 +132,7 @@ impl<'a> PhotonTracer<'a> {
         Self {
             scene,
             fogs: media::all(scene),
-            lamps: shares_of_lamps(scene, &lights.cumulative),
+            lamps: LampTree::new(scene),
             lights,
             near: Near::new(scene),
             camera,
@@ -150,7 +150,6 @@ impl<'a> PhotonTracer<'a> {
 
     /// From now on sends light paths where the picture needs them; not those for connections with the camera.
     pub(crate) fn guide(&mut self, guidance: Guidance) {
-        self.lamps = shares_of_lamps(self.scene, guidance.lamps());
         self.guidance = Some(guidance);
         for _ in 0..TRIALS {
             let mut record = PhotonRecord::default();
@@ -170,7 +169,6 @@ impl<'a> PhotonTracer<'a> {
 
     /// Sends light paths as their power goes, as before [`PhotonTracer::guide`].
     pub(crate) fn guide_no_more(&mut self) {
-        self.lamps = shares_of_lamps(self.scene, &self.lights.cumulative);
         self.guidance = None;
     }
 
@@ -193,8 +191,8 @@ impl<'a> PhotonTracer<'a> {
         self.scene
     }
 
-    /// Cumulative shares of the paths that start from each light which shadow rays look for; others have none.
-    pub(crate) fn lamps(&self) -> &[f32] {
+    /// The lamps that shadow rays look for.
+    pub(crate) fn lamps(&self) -> &LampTree {
         &self.lamps
     }
 
@@ -633,23 +631,6 @@ impl<'a> PhotonTracer<'a> {
         let radiance = flux(offset / distance) * arrives * (importance / distance2);
         out.splats.push(Splat { pixel: y as u32 * camera.width + x as u32, radiance });
     }
-}
-
-/// Of the cumulative shares of a scene's lights, those of the lights that shadow rays look for.
-fn shares_of_lamps(scene: &Scene, cumulative: &[f32]) -> Vec<f32> {
-    if scene.lights.iter().all(Light::is_straight) {
-        return cumulative.to_vec();
-    }
-    let before = std::iter::once(&0.0).chain(cumulative);
-    let shares = scene.lights.iter().zip(cumulative).zip(before);
-    let shares = shares.map(|((light, end), before)| if light.is_straight() { end - before } else { 0.0 });
-    let total: f32 = shares.clone().sum();
-    let mut sum = 0.0;
-    let cumulative = shares.map(|share| {
-        sum += share / total.max(f32::MIN_POSITIVE);
-        sum
-    });
-    cumulative.collect()
 }
 
 /// The light that a path starts from, with its probability.

@@ -154,7 +154,8 @@ impl<'a> Look<'a> {
         memory: &mut Memory,
     ) -> ByKind {
         let Self { scene, fogs, starts, ref surfaces, .. } = *self;
-        let eye = EyeTracer { scene, fogs, starts, surfaces, beyond: true };
+        let lamps = self.straight.lamps;
+        let eye = EyeTracer { scene, fogs, starts, lamps, surfaces, beyond: true };
         memory.segments.clear();
         let mut radiance = eye.trace(start, number, random, &mut memory.segments);
         for segment in &memory.segments {

@@ -74,6 +74,11 @@ impl Area {
         PI * self.area() * self.radiance
     }
 
+    /// Along the normal, from far away \[W/sr\].
+    pub(super) fn intensity(&self) -> Vec3 {
+        self.factor(0.0) * self.area() * self.radiance
+    }
+
     pub(super) fn position(&self) -> Vec3 {
         self.center + 1e-4 * self.equal_radius() * self.normal()
     }

@@ -74,6 +74,11 @@ impl Lamp {
         self.cone.map_or(1.0, |cone| cone.falloff(direction)) * self.patterned(direction)
     }
 
+    /// Flux into a steradian of what leaves, the mean of where it shines in full.
+    pub(super) fn mean_intensity(&self) -> Vec3 {
+        self.intensity * self.pattern.as_ref().map_or(Vec3::ONE, |pattern| pattern.total() / (4.0 * PI))
+    }
+
     /// Flux of what leaves; a cone counts in full.
     fn leaving(&self) -> Vec3 {
         let angle = self.cone.map_or(4.0 * PI, |cone| cone.solid_angle());

@@ -5,6 +5,7 @@ use super::scenes::{
 };
 use covbeam_render::eye::{EyeSegment, EyeTracer};
 use covbeam_render::kind::{ByKind, Kind};
+use covbeam_render::lamps::LampTree;
 use covbeam_render::media;
 use covbeam_render::photon::{PhotonRecord, PhotonTracer, Record};
 use covbeam_render::random::{Emission, Random};
@@ -19,7 +20,8 @@ fn seen(scene: &Scene, direction: Vec3, asked: [bool; 2], seed: u32) -> (Vec<Eye
     let starts = EyeStarts::new(scene);
     let start =
         EyeStart { origin: scene.camera.position, direction, interior: starts.interior(), sees: true };
-    let tracer = EyeTracer { scene, fogs: &fogs, starts, surfaces: &surfaces, beyond: true };
+    let lamps = LampTree::new(scene);
+    let tracer = EyeTracer { scene, fogs: &fogs, starts, lamps: &lamps, surfaces: &surfaces, beyond: true };
     let mut segments = Vec::new();
     let mut random = Random::new([seed, 0, 0, 0]);
     let light = tracer.trace_wanted(&start, 0, asked, &mut random, &mut segments);
