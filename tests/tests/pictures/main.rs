@@ -11,6 +11,7 @@ mod guided;
 mod heterogeneous;
 mod lamps;
 mod lobes;
+mod march;
 mod mesh;
 mod placed;
 mod planned;
