@@ -88,8 +88,8 @@ fn blender_s_lamps_have_the_light_of_plain_beams() {
     let lamp = "kind = \"lamp\"\nposition = [-0.6, 0, 0]\nintensity = 1";
     for (radius, soft) in [("", false), ("radius = 0.2", false), ("radius = 0.2", true)] {
         check(&format!("all around, {radius}, {soft}"), &format!("{lamp}\n{radius}\nsoft = {soft}"));
-        // Few eye rays meet cones of points that are thinner than a pixel.
-        let narrow = [(0.5, 0.0), (4.0, 0.5)].into_iter().filter(|_| !radius.is_empty());
+        // Few eye rays meet cones that are thinner than a pixel: those of points, and where soft ones begin.
+        let narrow = [(0.5, 0.0), (4.0, 0.5)].into_iter().filter(|_| !(radius.is_empty() || soft));
         for (angle, blend) in narrow.chain([(40.0, 1.0), (90.0, 0.1)]) {
             let cone = format!("cone = {{ look_at = [1, 0.2, 0.1], angle = {angle}, blend = {blend} }}");
             check(

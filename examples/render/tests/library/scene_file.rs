@@ -765,7 +765,7 @@ fn lamps_areas_meshes_and_skies_that_are_wrong_are_refused() {
     let area = "kind = \"area\"\ncenter = [0, 2, 0]\nedge_u = [1, 0, 0]\nedge_v = [0, 0, 1]\nradiance = 1\n";
     let (mesh, sky) = ("kind = \"mesh\"\n", "kind = \"sky\"\nradiance = 1\n");
     let wrong = [
-        ("", lamp, "radius = 0", "radius", "1e-9"),
+        ("", lamp, "radius = -1", "radius", "1e-9"),
         ("", lamp, "soft = 1", "soft", "true or false"),
         ("", lamp, "color = 1", "color", "radius, soft, cone"),
         ("", lamp, "cone = 3", "cone", "table"),
