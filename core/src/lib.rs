@@ -99,8 +99,8 @@ pub use emission::{EMISSION_DIMENSIONS, EVEN_LAMP, EmissionGuide, path_number};
 pub use grid::{CovarianceGrid, FluenceCell, FluenceGrid, GridCell};
 pub use image::{
     FILM_TILE, FILM_TILE_PIXELS, FilmEvidence, FilmFilterNode, FilmFilters, FilmLattice, FilmNode, FilmPixel,
-    FilmSample, FilmSizeError, FilmSums, FilmUnit, ImageFilter, ImageSpectrum, PixelStep, Reconstruction,
-    RegionNode, film_regions, part_regions, pixel_threshold, standard_errors, verify_filters,
+    FilmSample, FilmSizeError, FilmSums, FilmUnit, ImageFilter, ImageSpectrum, PartError, PixelStep,
+    Reconstruction, RegionNode, film_regions, part_regions, pixel_threshold, standard_errors, verify_filters,
 };
 pub use importance::{
     Importance, ImportanceCell, ImportanceGrid, ImportanceSums, SegmentImportance, weight_window,

@@ -75,6 +75,8 @@ pub mod scene;
 #[cfg(feature = "files")]
 pub mod scene_file;
 #[cfg(feature = "files")]
+mod scene_files;
+#[cfg(feature = "files")]
 pub mod shard;
 pub mod sight;
 #[cfg(feature = "files")]

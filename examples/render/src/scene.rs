@@ -1,9 +1,10 @@
 //! What a scene is: objects, lights, media, camera and the defaults of a render.
 
-use crate::camera::Camera;
+use crate::camera::{Camera, Projection};
 use crate::glow::Glow;
 pub use crate::light::{Area, Ball, Cone, GlowingFog, Lamp, Pattern, ShiningMesh, Sky, Sun};
 pub use crate::material::{Lobes, Material};
+use crate::optics::Interior;
 pub use crate::placed::{Placed, PlacedObject};
 use crate::volume::Volume;
 use covbeam::{ExponentialDensity, Medium};
@@ -74,6 +75,17 @@ impl Scene {
     pub(crate) fn placed_hit(&self, hit: &Hit) -> Option<(&Placed, u32)> {
         let object = hit.object.checked_sub(self.objects.len() as u32)?;
         Some((self.placed.as_ref()?, object))
+    }
+
+    /// The first light that is a point exactly where all eye rays start, in a medium that scatters: there the picture would be infinitely bright.
+    pub fn lamp_at_camera(&self) -> Option<usize> {
+        let Camera { position, near, .. } = self.camera;
+        let medium = Interior::at(self, position).medium(self).map(|medium| &self.media[medium as usize]);
+        let scatters = medium.is_some_and(|medium| medium.medium.scattering != Vec3::ZERO);
+        let is_there = |light: &Light| !light.has_size() && light.position() == position;
+        let one_start =
+            self.camera.lens.is_none() && self.camera.projection != Projection::Orthographic && near == 0.0;
+        (scatters && one_start).then(|| self.lights.iter().position(is_there)).flatten()
     }
 
     /// Whether light may be scattered and reflected so often.

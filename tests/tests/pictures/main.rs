@@ -12,6 +12,7 @@ mod guided;
 mod heterogeneous;
 mod lamps;
 mod lobes;
+mod march;
 mod mesh;
 mod placed;
 mod planned;

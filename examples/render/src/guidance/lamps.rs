@@ -1,6 +1,6 @@
 //! How lamps emit: in proportion to what light in a direction is worth.
 
-use super::{left, mean, of_diffuse};
+use super::{Poll, left, mean, of_diffuse};
 use crate::geometry::MOST_BOUNDS;
 use crate::material::{Encounter, Lobe};
 use crate::media;
@@ -50,12 +50,20 @@ pub(super) struct Lamps {
 
 impl Lamps {
     /// None if no light is worth anything.
-    pub(super) fn new(scene: &Scene, fogs: &[Medium], importance: &Importance) -> Option<Self> {
+    pub(super) fn new(
+        scene: &Scene,
+        fogs: &[Medium],
+        importance: &Importance,
+        cancelled: Poll,
+    ) -> Option<Self> {
         let across = (CELLS / scene.lights.len() as f32).sqrt().clamp(1.0, MOST_ACROSS) as usize;
         let cells = across * across;
         let worth: Vec<f32> = (0..scene.lights.len() * cells)
             .into_par_iter()
             .map_init(Vec::new, |knots, number| {
+                if cancelled() {
+                    return 0.0;
+                }
                 let lamp = Lamp::new(scene, fogs, importance, number / cells);
                 lamp.of_cell(number % cells, across, number as u32, knots)
             })
