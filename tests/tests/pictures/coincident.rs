@@ -5,6 +5,7 @@
 
 use covbeam_render::eye::{EyeSegment, EyeTracer};
 use covbeam_render::kind::Kind;
+use covbeam_render::lamps::LampTree;
 use covbeam_render::media;
 use covbeam_render::photon::{PhotonRecord, PhotonTracer, Record};
 use covbeam_render::random::{Emission, Random};
@@ -157,7 +158,8 @@ fn is_right(shapes: &[Filled], medium: u32, origin: Vec3, direction: Vec3, lengt
 fn eye_segments(scene: &Scene) -> Vec<EyeSegment> {
     let (fogs, surfaces) = (media::all(scene), SurfaceMap::empty());
     let starts = EyeStarts::new(scene);
-    let tracer = EyeTracer { scene, fogs: &fogs, starts, surfaces: &surfaces, beyond: true };
+    let lamps = LampTree::new(scene);
+    let tracer = EyeTracer { scene, fogs: &fogs, starts, lamps: &lamps, surfaces: &surfaces, beyond: true };
     let mut segments = Vec::new();
     for (y, x) in (0..16).flat_map(|y| (0..16).map(move |x| (y, x))) {
         let mut random = Random::new([x, y, 0, 0]);
