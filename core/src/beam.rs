@@ -122,9 +122,10 @@ pub struct BeamBlock {
 
 impl BeamBlock {
     /// A block of sub-beams that nothing hits.
+    // A direction of 0 would look like one along every ray.
     pub const EMPTY: Self = Self {
         origin: [[0.0; BLOCK]; 3],
-        direction: [[0.0; BLOCK]; 3],
+        direction: [[f32::NAN; BLOCK]; 3],
         from: [f32::INFINITY; BLOCK],
         to: [f32::NEG_INFINITY; BLOCK],
     };
