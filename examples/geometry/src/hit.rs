@@ -31,6 +31,11 @@ impl Hit {
         let side = if direction.dot(self.geometric_normal) < 0.0 { -self.offset } else { self.offset };
         self.position + side * self.geometric_normal
     }
+
+    /// Whether a place lies in the surface's plane at the hit, as rounding has it: within twice [`Hit::offset`].
+    pub fn lies_in_plane(&self, place: Vec3) -> bool {
+        (place - self.position).dot(self.geometric_normal).abs() <= 2.0 * self.offset
+    }
 }
 
 impl From<&Hit> for ProbeHit {

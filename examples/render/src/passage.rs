@@ -3,6 +3,7 @@
 use crate::geometry::MOST_BOUNDS;
 use crate::media;
 use crate::optics::{Boundary, Interior};
+use crate::placed::hair;
 use crate::scene::{Material, Placed, Scene};
 use covbeam::Medium;
 use covbeam_geometry::hit::Hit;
@@ -51,7 +52,10 @@ pub(crate) fn passage(scene: &Scene, fogs: &[Medium], mut interior: Interior, fr
         let direction = (to - start) / distance;
         // What is exactly at the end does not lie between, and at its start nothing is left of a way.
         let hit = if distance > 0.0 { scene.intersect_flat(start, direction, distance) } else { None };
-        let Some(hit) = hit else { return left * through(&interior, start, to) };
+        // A lamp may hang in a ceiling, which then ends nothing.
+        let Some(hit) = hit.filter(|hit| !hit.lies_in_plane(to)) else {
+            return left * through(&interior, start, to);
+        };
         let (share, beyond) = match *scene.material(&hit) {
             Material::Dielectric { .. } => {
                 let boundary = Boundary::new(scene, &hit, direction, &interior);
@@ -88,7 +92,7 @@ fn among_placed(
     let Some(along) = way.try_normalize() else { return through(&interior, from, to) };
     // Placed glass bends light wherever it is.
     let ends = |material: u32| placed.materials()[material as usize].transparent() == Vec3::ZERO;
-    let hits = placed.instances().all_unless(origin, along, way.length(), ends);
+    let hits = placed.instances().all_unless(origin, along, way.length() - hair(to), ends);
     let Some(hits) = hits.filter(|hits| hits.len() < MOST_BOUNDS as usize) else { return Vec3::ZERO };
     let (mut left, mut start) = (Vec3::ONE, from);
     // What was met last, and how far away the same surface may be met again, at an edge.
