@@ -5,9 +5,9 @@ use crate::guidance::mean;
 use crate::light::Shine;
 use crate::random::spread;
 use crate::scene::{Light, Scene};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use smallvec::SmallVec;
-use std::f32::consts::PI;
+use std::f32::consts::{FRAC_PI_2, PI};
 
 /// Lamps that a place on a surface asks; of more, as many are drawn.
 pub const MOST_ASKED: usize = 32;
@@ -53,6 +53,8 @@ struct Node {
     radius: f32,
     /// Where they are, and where they shine: see [`Shine`].
     shine: Shine,
+    /// Cosine and sine of the cone's angle.
+    edge: Vec2,
     /// Squared length by which their size softens 1/d², a mean.
     softening2: f32,
 }
@@ -152,16 +154,20 @@ impl LampTree {
         if !self.is_drawn_on_surfaces() {
             return (0..self.lamps.len()).map(|lamp| (lamp, 1.0)).collect();
         }
+        let mut asked = SmallVec::new();
+        self.for_surface(place, normal, MOST_ASKED as u32, shift, &mut |drawn| {
+            asked.extend(drawn.draws.clone().map(|_| (drawn.lamp, 1.0 / drawn.expected())));
+        });
+        asked
+    }
+
+    fn for_surface(&self, place: Vec3, normal: Vec3, draws: u32, shift: f32, found: &mut dyn FnMut(Drawn)) {
         let worth = Worth {
             far: &|strength| strength,
             node: &|node| node.on_surface(place, normal),
             lamp: &|lamp| self.lamps[lamp].on_surface(place, normal),
         };
-        let mut asked = SmallVec::new();
-        self.draw(&worth, MOST_ASKED as u32, shift, &mut |drawn| {
-            asked.extend(drawn.draws.clone().map(|_| (drawn.lamp, 1.0 / drawn.expected())));
-        });
-        asked
+        self.draw(&worth, draws, shift, found);
     }
 
     /// Draws lamps for a stretch of an eye ray.
@@ -203,7 +209,11 @@ impl LampTree {
         };
         let all = f64::from(draws);
         // The first draw at or after a place.
-        let first = |place: f64| (place - f64::from(shift)).ceil().clamp(0.0, all) as u32;
+        let first = |place: f64| {
+            let place = (place - f64::from(shift)).clamp(0.0, all);
+            let before = place as u32;
+            before + u32::from(f64::from(before) < place)
+        };
         let (mut from, mut sum) = (0.0, 0.0);
         for (index, &(lamp, strength)) in self.far.iter().enumerate() {
             sum += f64::from((worth.far)(strength));
@@ -271,7 +281,8 @@ impl Node {
     fn of(light: &Light) -> Self {
         let (center, softening) = light.middle();
         let shine = light.shine();
-        Self { center, radius: shine.radius, shine, softening2: softening * softening }
+        let edge = Vec2::from_angle(shine.angle);
+        Self { center, radius: shine.radius, shine, edge, softening2: softening * softening }
     }
 
     fn over(lamps: &[Node], order: &[u32]) -> Self {
@@ -285,7 +296,8 @@ impl Node {
         let cones = all().map(|lamp| (lamp.shine.axis, lamp.shine.angle));
         let (axis, angle) = cones.reduce(around).unwrap_or((Vec3::Y, PI));
         let is_flat = all().all(|lamp| lamp.shine.is_flat) && order.len() == 1;
-        Self { center, radius, shine: Shine { strength, axis, angle, is_flat, radius }, softening2 }
+        let shine = Shine { strength, axis, angle, is_flat, radius };
+        Self { center, radius, shine, edge: Vec2::from_angle(angle), softening2 }
     }
 
     /// Flux into a steradian towards a place, or taken to be.
@@ -296,11 +308,14 @@ impl Node {
         if angle >= PI || distance <= self.radius {
             return strength;
         }
+        // The cone's angle and that under which the ball is seen, added up.
         let cosine = offset.dot(axis) / distance;
-        let beside = cosine.clamp(-1.0, 1.0).acos() - (self.radius / distance).asin();
-        let factor = if beside > angle { 0.0 } else { 1.0 };
-        let factor =
-            if is_flat { factor * (cosine + self.radius / distance).clamp(0.0, 1.0) } else { factor };
+        let [of_ball, of_axis] = [self.radius / distance, self.edge.y];
+        let nearest = (1.0 - of_ball * of_ball).sqrt();
+        let sine = of_axis * nearest + self.edge.x * of_ball;
+        let is_beside = sine > 0.0 && cosine < self.edge.x * nearest - of_axis * of_ball;
+        let factor = if is_beside { 0.0 } else { 1.0 };
+        let factor = if is_flat { factor * (cosine + of_ball).clamp(0.0, 1.0) } else { factor };
         strength * factor.max(BESIDE)
     }
 
@@ -311,7 +326,7 @@ impl Node {
         let aside = (offset - foot * stretch.direction).length();
         let height2 = aside.max(0.5 * (aside + self.radius)).powi(2) + self.softening2;
         let height = height2.sqrt().max(1e-6 * offset.length()).max(f32::MIN_POSITIVE);
-        let [a, b] = [stretch.from, stretch.to].map(|end| ((end - foot) / height).atan());
+        let [a, b] = [stretch.from, stretch.to].map(|end| angle((end - foot) / height));
         let middle = foot.clamp(stretch.from, stretch.to);
         // The ends are seen under no angle where rounding says so.
         let angle = (b - a).max(f32::EPSILON);
@@ -341,6 +356,17 @@ impl Node {
     }
 }
 
+/// The angle of a tangent, to 5e-3.
+fn angle(tangent: f32) -> f32 {
+    let square = tangent * tangent;
+    if square <= 1.0 {
+        return tangent / (1.0 + 0.28 * square);
+    }
+    // Of infinity, too.
+    let rest = if square < f32::INFINITY { tangent / (square + 0.28) } else { 0.0 };
+    FRAC_PI_2.copysign(tangent) - rest
+}
+
 /// A cone around two, by axis and angle.
 fn around((a, of_a): (Vec3, f32), (b, of_b): (Vec3, f32)) -> (Vec3, f32) {
     let ((a, of_a), (b, of_b)) = if of_a >= of_b { ((a, of_a), (b, of_b)) } else { ((b, of_b), (a, of_a)) };
@@ -354,3 +380,6 @@ fn around((a, of_a): (Vec3, f32), (b, of_b): (Vec3, f32)) -> (Vec3, f32) {
     let (sine, cosine) = (angle - of_a).sin_cos();
     ((cosine * a + sine * across).normalize(), angle)
 }
+
+#[cfg(test)]
+mod tests;

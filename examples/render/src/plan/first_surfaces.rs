@@ -5,7 +5,7 @@ use super::blurred::blurred;
 use super::is_chosen;
 use crate::camera::Camera;
 use crate::eye::straight_irradiance;
-use crate::lamps::LampTree;
+use crate::lamps::{LampTree, MOST_ASKED};
 use crate::media;
 use crate::optics::{Interior, facing_normal};
 use crate::scene::{MediumId, Scene};
@@ -23,6 +23,10 @@ use std::sync::Arc;
 
 /// A shadow's border crosses a pixel around which straight light varies by more than this.
 const EDGE: f32 = 0.5;
+
+/// Of many lamps only those with such a share of a place's light have borders of shadows that are looked for: without one the others hardly
+/// change it, and the noise of choosing among them would pass for borders.
+const LEAST_SHARE: f32 = 0.125;
 
 /// Share of the passes in which pixels with nothing else to see look beyond the light that fog scatters.
 const BLACK_DENSITY: f32 = 0.25;
@@ -386,7 +390,10 @@ fn lit(
     }
     let normal = facing_normal(hit, direction);
     let start = hit.leave(normal);
-    let asked = lamps.on_surface(hit.position, normal, 0.5);
+    let mut asked = lamps.on_surface(hit.position, normal, 0.5);
+    if lamps.is_drawn_on_surfaces() {
+        asked.retain(|(_, stands_for)| *stands_for <= 1.0 / (LEAST_SHARE * MOST_ASKED as f32));
+    }
     let sum = straight_irradiance(scene, fogs, interior, start, &asked, |light| {
         let (density, from) = light.flux_density(start, [0.0; 2]);
         (density * (from - start).normalize_or_zero().dot(normal).max(0.0), from)
