@@ -74,6 +74,8 @@ pub mod scene_file;
 pub mod shard;
 pub mod sight;
 #[cfg(feature = "files")]
+mod sky_picture;
+#[cfg(feature = "files")]
 pub mod spectrum;
 pub mod starts;
 #[cfg(feature = "files")]
