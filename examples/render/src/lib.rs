@@ -80,6 +80,8 @@ mod scene_files;
 pub mod shard;
 pub mod sight;
 #[cfg(feature = "files")]
+mod sky_picture;
+#[cfg(feature = "files")]
 pub mod spectrum;
 pub mod starts;
 #[cfg(feature = "files")]

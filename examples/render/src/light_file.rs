@@ -11,6 +11,7 @@ use crate::scene::{
 };
 use crate::scene_file::{read_edges, read_mesh, read_parallelogram};
 use crate::scene_files::SceneFiles;
+use crate::sky_picture::{find_bad, repaired};
 
 /// Widest angle that a sun is seen under \[degrees\]: wider ones are no light of one direction.
 const WIDEST_SUN: f32 = 90.0;
@@ -32,7 +33,12 @@ pub(crate) struct ShoneOn<'a> {
     pub(crate) files: &'a SceneFiles<'a>,
 }
 
-pub(crate) fn read_light(table: &Table<'_>, shone_on: &ShoneOn) -> Result<Light, SceneError> {
+/// - `notes`: gets what was changed of what the files say.
+pub(crate) fn read_light(
+    table: &Table<'_>,
+    shone_on: &ShoneOn,
+    notes: &mut Vec<String>,
+) -> Result<Light, SceneError> {
     let kind_field = table.required("kind")?;
     let expected = "\"point\", \"spot\", \"disk\", \"rectangle\", \"sphere\", \"sun\", \"lamp\", \"area\", \"mesh\" or \"sky\"";
     let kind = kind_field.text(expected)?;
@@ -46,7 +52,7 @@ pub(crate) fn read_light(table: &Table<'_>, shone_on: &ShoneOn) -> Result<Light,
         "lamp" => &["kind", "position", "intensity", "radius", "soft", "cone"],
         "area" => &["kind", "center", "edge_u", "edge_v", "round", "spread", "radiance"],
         "mesh" => &["kind", "file", "scale", "rotate", "translate", "radiance"],
-        "sky" => &["kind", "radiance", "picture", "turn"],
+        "sky" => &["kind", "radiance", "picture", "turn", "repair"],
         _ => return Err(kind_field.refuse(expected)),
     })?;
     let power = |key| {
@@ -73,7 +79,7 @@ pub(crate) fn read_light(table: &Table<'_>, shone_on: &ShoneOn) -> Result<Light,
         "lamp" => read_lamp(table, power("intensity")?, shone_on),
         "area" => read_area(table, power("radiance")?),
         "mesh" => read_shining_mesh(table, power("radiance")?, shone_on),
-        "sky" => read_sky(table, power("radiance")?, shone_on),
+        "sky" => read_sky(table, power("radiance")?, shone_on, notes),
         _ => Ok(Light::Disk {
             center: table.required("center")?.vector()?,
             normal: table.required("normal")?.direction()?,
@@ -196,7 +202,12 @@ fn read_shining_mesh(table: &Table<'_>, radiance: Vec3, shone_on: &ShoneOn) -> R
     })
 }
 
-fn read_sky(table: &Table<'_>, radiance: Vec3, shone_on: &ShoneOn) -> Result<Light, SceneError> {
+fn read_sky(
+    table: &Table<'_>,
+    radiance: Vec3,
+    shone_on: &ShoneOn,
+    notes: &mut Vec<String>,
+) -> Result<Light, SceneError> {
     let &ShoneOn { objects, media, outside, files } = shone_on;
     let kind = table.required("kind")?;
     if let Some(SceneMedium {
@@ -214,8 +225,13 @@ fn read_sky(table: &Table<'_>, radiance: Vec3, shone_on: &ShoneOn) -> Result<Lig
         None => 0.0,
     };
     let picture = table.optional("picture");
+    let repair = table.optional("repair");
+    if let (Some(field), None) = (&repair, &picture) {
+        return Err(field.refuse("no such field without `picture`"));
+    }
+    let repairs = repair.map_or(Ok(false), |field| field.boolean())?;
     let (cells, columns) = match &picture {
-        Some(field) => read_sky_picture(field, files)?,
+        Some(field) => read_sky_picture(field, files, repairs, notes)?,
         None => (vec![Vec3::ONE], 1),
     };
     let cells: Vec<Vec3> = cells.into_iter().map(|cell| radiance * cell).collect();
@@ -231,7 +247,14 @@ fn read_sky(table: &Table<'_>, radiance: Vec3, shone_on: &ShoneOn) -> Result<Lig
 }
 
 /// Radiance of the cells of a sky, and how many a row has.
-fn read_sky_picture(field: &Field<'_>, files: &SceneFiles<'_>) -> Result<(Vec<Vec3>, usize), SceneError> {
+///
+/// - `repairs`: whether bad pixels are replaced, which `notes` then says.
+fn read_sky_picture(
+    field: &Field<'_>,
+    files: &SceneFiles<'_>,
+    repairs: bool,
+    notes: &mut Vec<String>,
+) -> Result<(Vec<Vec3>, usize), SceneError> {
     let path = files.path(field, "an EXR file")?;
     // A device or a pipe may never end.
     if !path.is_file() {
@@ -239,10 +262,23 @@ fn read_sky_picture(field: &Field<'_>, files: &SceneFiles<'_>) -> Result<(Vec<Ve
     }
     let picture = read_picture_up_to(&path, MOST_PIXELS)
         .map_err(|error| field.refuse(format!("an EXR picture, but {error}")))?;
-    let most = MAX_COORDINATE;
-    let is_valid = |cell: &Vec3| cell.min_element() >= 0.0 && cell.max_element() <= most;
-    if !picture.radiance.iter().all(is_valid) {
-        return Err(field.refuse("a picture of numbers in 0..=1e9"));
+    let columns = picture.width as usize;
+    let Some(bad) = find_bad(&picture.radiance, columns) else { return Ok((picture.radiance, columns)) };
+    let [x, y] = bad.at;
+    let found = format!("{} is {} at pixel ({x}, {y}) of {}", bad.channel, bad.value, path.display());
+    if !repairs {
+        return Err(field.refuse(format!(
+            "a picture of numbers in 0..=1e9, but {found}; {} of its pixels have such numbers: `repair = true` replaces \
+             them from what is around them",
+            bad.pixels
+        )));
     }
-    Ok((picture.radiance, picture.width as usize))
+    let cells = repaired(&picture.radiance, columns).ok_or_else(|| {
+        field.refuse(format!("sound numbers within 8 pixels of all that are not in 0..=1e9, but {found}"))
+    })?;
+    notes.push(format!(
+        "{}: {} pixels have numbers that are not in 0..=1e9 (the first: {found}): replaced from what is around them",
+        field.path, bad.pixels
+    ));
+    Ok((cells, columns))
 }

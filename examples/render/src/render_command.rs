@@ -50,6 +50,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
     let cancelled = || stop.is_asked();
     let watch = watch(&stop, &job, start, film.passes(), listener)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads as usize).build()?;
+    job.scene.notes.iter().for_each(say);
     say(job.title(pool.current_num_threads(), film.passes()));
     let mut renderer = pool.install(|| renderer(&job.scene, &job.origin, &args.picture));
     if args.picture.method.plans_eye_rays() && !args.picture.every_pixel {

@@ -43,6 +43,8 @@ pub struct Scene {
     pub settings: Settings,
     /// What its pictures show.
     pub sees: Sees,
+    /// What of its files was not taken as it is, for a person to read: numbers of a sky that were replaced.
+    pub notes: Vec<String>,
 }
 
 /// What pictures show.

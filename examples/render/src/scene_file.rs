@@ -82,8 +82,9 @@ impl Scene {
         nest(&mut objects);
         read_glows(&root, &mut media, &objects, outside)?;
         let shone_on = ShoneOn { objects: &objects, media: &media, outside, files };
-        let mut lights: Vec<Light> =
-            root.tables("light")?.iter().map(|t| read_light(t, &shone_on)).collect::<Result<_, _>>()?;
+        let mut notes = Vec::new();
+        let mut read = |table| read_light(table, &shone_on, &mut notes);
+        let mut lights: Vec<Light> = root.tables("light")?.iter().map(&mut read).collect::<Result<_, _>>()?;
         lights.extend(GlowingFog::all(&media).map(Light::Glow));
         if lights.is_empty() {
             return Err(root.lacks("light", "at least one [[light]], or a [[medium]] with `emission`"));
@@ -92,7 +93,7 @@ impl Scene {
         check_exponential(&root, &media, outside, given.corners, &objects, &camera, &lights)?;
         let (grid, settings) = (defaults::NO_GRID, given.settings);
         let (placed, sees) = (None, Sees::Everything);
-        let mut scene = Self { objects, placed, lights, media, outside, camera, grid, settings, sees };
+        let mut scene = Self { objects, placed, lights, media, outside, camera, grid, settings, sees, notes };
         scene.complete(&given);
         Ok(scene)
     }

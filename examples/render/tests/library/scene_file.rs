@@ -808,6 +808,42 @@ fn lamps_areas_meshes_and_skies_that_are_wrong_are_refused() {
     assert!(error.to_string().contains("an object, or a medium with an end"), "{error}");
 }
 
+/// A picture of a sky with one bad number is refused by its place, and mended where the scene says so.
+#[test]
+fn bad_pixels_of_a_sky_are_named_and_replaced_if_the_scene_asks_for_it() {
+    let folder = meshes();
+    for (bad, found, mended) in [(f32::INFINITY, "inf", 9.0), (f32::NAN, "NaN", 1.8), (-2.5, "-2.5", 0.0)] {
+        // Twelve pixels of 1, but for a 9 beside the bad one.
+        let mut radiance = vec![Vec3::ONE; 12];
+        (radiance[5].y, radiance[6].y) = (9.0, bad);
+        let write = |radiance: &[Vec3]| {
+            let at = |x: usize, y: usize| <(f32, f32, f32)>::from(radiance[4 * y + x].to_array());
+            exr::prelude::write_rgb_file(folder.path().join("sky.exr"), 4, 3, at).expect("written");
+        };
+        write(&radiance);
+        let sky = "kind = \"sky\"\nradiance = 1\npicture = \"sky.exr\"\n";
+        let Err(SceneError::Field { field, expected, .. }) = lit("", sky, folder.path()) else {
+            panic!("{found} was taken")
+        };
+        assert_eq!(field, "light[0].picture");
+        for part in
+            [&format!("G is {found} at pixel (2, 1) of"), "sky.exr", "1 of its pixels", "repair = true"]
+        {
+            assert!(expected.contains(part), "{expected}");
+        }
+        let scene = lit("", &format!("{sky}repair = true\n"), folder.path()).expect("repaired");
+        assert!(scene.notes.len() == 1 && scene.notes[0].contains("(2, 1)"), "{:?}", scene.notes);
+        radiance[6].y = mended;
+        // A sky that has that number from the start.
+        write(&radiance);
+        let sound = lit("", sky, folder.path()).expect("sound");
+        assert!(sound.notes.is_empty());
+        assert_eq!(scene.lights, sound.lights, "{found}");
+    }
+    let even = lit("", "kind = \"sky\"\nradiance = 1\nrepair = true\n", folder.path());
+    assert!(matches!(even, Err(SceneError::Field { field, .. }) if field == "light[0].repair"));
+}
+
 #[test]
 fn an_error_reads_as_one_line() {
     let broken = VALID.replace("radius = 0.5\n", "radius = -0.5\n");

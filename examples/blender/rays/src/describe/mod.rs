@@ -71,6 +71,7 @@ impl Description<'_> {
             grid: NO_GRID,
             settings,
             sees: Sees::FogAlone,
+            notes: Vec::new(),
         })
     }
 
