@@ -719,7 +719,7 @@ typedef struct covbeam_gathered {
      */
     float radiance[3];
     /**
-     * Accepted pairs of ray and beam.
+     * Accepted pairs of ray and beam; one of nearly one direction (sine below .05) counts as eight.
      */
     uint32_t pairs;
     /**
@@ -737,7 +737,8 @@ typedef struct covbeam_gathered {
 } covbeam_gathered;
 
 /**
- * A place where a beam comes within the kernel radius of an eye ray, for covbeam_beam_map_gather_shaded.
+ * A place where a beam comes within the kernel radius of an eye ray, for covbeam_beam_map_gather_shaded. A
+ * pair of nearly one direction (sine below .05) has eight, along the eye ray.
  */
 typedef struct covbeam_contact {
     /**
@@ -768,7 +769,7 @@ typedef struct covbeam_contact {
     float cos_theta;
     /**
      * The blur kernel over the sine of the angle between beam and ray [1/m], with which the library
-     * multiplies.
+     * multiplies; of the eight places of a pair along the ray, each one's share of its integral.
      */
     float kernel;
     /**

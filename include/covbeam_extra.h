@@ -722,8 +722,8 @@ covbeam_status covbeam_beam_map_get_memory(const struct covbeam_beam_map *map, s
  * @param count number of beams; with 0 nothing is done.
  * @param beams, beam_stride the beam; its length does not matter.
  * @param crossings, crossing_stride the closest approach; untouched if they are nearly parallel.
- * @param crosses, cross_stride 1, or 0 if the sine of the angle between them is below 1e-5: such pairs are
- *     never gathered.
+ * @param crosses, cross_stride 1, or 0 if the sine of the angle between them is below 1e-5: the crossing
+ *     would be rounding. (covbeam_gather_pair needs none below .05.)
  */
 covbeam_status covbeam_cross_many(const struct covbeam_eye_ray *ray,
                                   size_t count,
@@ -743,7 +743,8 @@ static inline covbeam_status covbeam_cross(const struct covbeam_eye_ray *ray, co
 /**
  * Gathers one beam, and adds it to what the eye ray has gathered: scattering x phase function x transmittance
  * along both x flux of the beam x kernel(gap) / sin(angle), if the gap is less than the kernel's radius,
- * looked up on the eye ray.
+ * looked up on the eye ray. Where that sine is below .05 it is the integral along the eye ray of a kernel on
+ * both axes across the beam, finite down to parallel pairs, from eight places.
  *
  * @param ray the eye ray.
  * @param count number of beams; with 0 nothing is done.
@@ -756,6 +757,7 @@ static inline covbeam_status covbeam_cross(const struct covbeam_eye_ray *ray, co
  * @param kernel the kernel of the pass.
  * @param grid as in covbeam_kernel_radius_at.
  * @param gathered in and out, one for all beams, added in their order: finite numbers, all 0 to begin with.
+ *     Its pairs need room for eight a beam.
  * @param accepted, accepted_stride 1 if the pair counts, else 0.
  * @note Thesis 5.3.4. A beam that starts or ends on a surface is cut by its tangent plane. The order of the
  *     columns' knots is not checked.
@@ -793,7 +795,7 @@ static inline covbeam_status covbeam_gather_pair(const struct covbeam_eye_ray *r
 
 /**
  * Which of many beams an eye ray may be paired with: eight at a time, without looking at grid or surfaces.
- * Errs towards accepting (a parallel beam always passes): covbeam_gather_pair refuses every beam that it
+ * Errs towards accepting: covbeam_gather_pair refuses every beam that it
  * refuses.
  *
  * @param ray the eye ray.

@@ -3,12 +3,18 @@
 use crate::math::sqrt;
 use glam::Vec3;
 
-/// Pairs whose directions differ by less than this sine are skipped.
+/// Lines whose directions differ by less than this sine have no crossing: in single precision it is noise.
 ///
-/// The contribution of a pair grows as 1/sin θ while such pairs grow rare as sin² θ, so skipping them loses a
-/// fraction of about `2/π · PARALLEL_SINE` of the in-scattered light of an isotropic field (6e-6) and bounds
-/// every contribution by 1e5 kernel heights. In single precision the crossing of such a pair is noise anyway.
+/// No bound of the gather: [`gather_pair`](crate::gather_pair) needs no crossing below
+/// [`ALONG_SINE`].
 pub const PARALLEL_SINE: f32 = 1e-5;
+
+/// The sine S of the angle below which a pair is gathered along the eye ray.
+///
+/// The wider the angles, the more pairs cost as much as eight; with .05 they are one in several thousand of
+/// an isotropic field. From here on a crossing, twenty times as long as the kernel is wide, is short beside
+/// what is seen.
+pub const ALONG_SINE: f32 = 0.05;
 
 /// A photon beam: the straight segment of a photon's path through a medium.
 ///
@@ -92,6 +98,12 @@ pub fn cross(ray: &EyeRay, beam: &Beam) -> Option<Crossing> {
     })
 }
 
+/// Whether a pair whose directions have a cross product of this squared length is gathered along the ray.
+#[inline(always)]
+pub(crate) fn is_along(sin2: f32) -> bool {
+    sin2 < ALONG_SINE * ALONG_SINE
+}
+
 /// Number of beams that [`BeamBlock`] tests together.
 pub const BLOCK: usize = 8;
 
@@ -110,9 +122,10 @@ pub struct BeamBlock {
 
 impl BeamBlock {
     /// A block of sub-beams that nothing hits.
+    // A direction of 0 would look like one along every ray.
     pub const EMPTY: Self = Self {
         origin: [[0.0; BLOCK]; 3],
-        direction: [[0.0; BLOCK]; 3],
+        direction: [[f32::NAN; BLOCK]; 3],
         from: [f32::INFINITY; BLOCK],
         to: [f32::NEG_INFINITY; BLOCK],
     };
@@ -149,6 +162,7 @@ impl BeamBlock {
         // Rounding of a crossing near a bound must not make the filter refuse what the exact test accepts.
         let wide = radius * 1.001;
         let mut hit = [0u32; BLOCK];
+        let mut nearly_parallel = [false; BLOCK];
         // An index over eight arrays side by side: what the compiler turns into vector code.
         #[allow(clippy::needless_range_loop)]
         for k in 0..BLOCK {
@@ -164,7 +178,32 @@ impl BeamBlock {
             let on_ray = (t >= -wide * sin2) & (t <= (ray.length + wide) * sin2);
             let on_beam = (s >= (self.from[k] - wide) * sin2) & (s <= (self.to[k] + wide) * sin2);
             hit[k] = u32::from(near & on_ray & on_beam) << k;
+            nearly_parallel[k] = is_along(sin2);
+        }
+        if nearly_parallel.iter().any(|&is| is) {
+            for k in 0..BLOCK {
+                if nearly_parallel[k] {
+                    hit[k] = u32::from(self.runs_along(k, ray, wide)) << k;
+                }
+            }
         }
         hit.iter().fold(0, |mask, bit| mask | bit)
+    }
+
+    /// Whether the sub-beam in a slot, which runs nearly along the ray, may come within `wide` of it.
+    // Eight-wide twin: beam_map/eight.rs.
+    fn runs_along(&self, slot: usize, ray: &EyeRay, wide: f32) -> bool {
+        let [origin, direction] =
+            [&self.origin, &self.direction].map(|v| Vec3::new(v[0][slot], v[1][slot], v[2][slot]));
+        let (from, to) = (self.from[slot], self.to[slot]);
+        let middle = origin + 0.5 * (from + to) * direction - ray.origin;
+        let half = 0.5 * (to - from) + wide;
+        // Rounding of the two products.
+        let room = 1e-6 * (middle.x.abs() + middle.y.abs() + middle.z.abs() + half);
+        let apart = wide + half * sqrt(ray.direction.cross(direction).length_squared()) + room;
+        let along = middle.dot(ray.direction);
+        middle.cross(ray.direction).length_squared() <= apart * apart
+            && along >= -half - room
+            && along <= ray.length + half + room
     }
 }

@@ -6,6 +6,7 @@ use glam::Vec3;
 use libm::pow;
 
 use crate::grid::FluenceGrid;
+use crate::light_field::FluenceSpectrum;
 use crate::math::sqrt;
 
 /// Shape of the one-dimensional blur kernel K_r(d), normalised: its integral over [-r, r] is 1. With q = d/r:
@@ -171,10 +172,23 @@ impl Kernel<'_> {
     /// Eight-wide twin: `beam_map/eight.rs`.
     #[inline(always)] // A call here costs the gather a quarter of its time.
     pub fn radius_at(&self, position: Vec3, axis: Vec3) -> (f32, f32) {
+        self.radius_for(position, |spectrum| spectrum.variance_along(axis))
+    }
+
+    /// As [`Kernel::radius_at`], of a kernel on two axes: the biases add up, so do the variances. An axis on
+    /// which the kernel is narrower is shorter than 1.
+    pub(crate) fn radius_across(&self, position: Vec3, [first, second]: [Vec3; 2]) -> (f32, f32) {
+        let variance =
+            |spectrum: &FluenceSpectrum| spectrum.variance_along(first) + spectrum.variance_along(second);
+        self.radius_for(position, variance)
+    }
+
+    #[inline(always)]
+    fn radius_for(&self, position: Vec3, variance: impl Fn(&FluenceSpectrum) -> f32) -> (f32, f32) {
         let Some(found) = self.grid.and_then(|grid| grid.around(position)) else {
             return (self.min_radius, 0.0);
         };
-        let variance = found.spectrum.variance_along(axis) * (found.flux / found.dimmest);
+        let variance = variance(&found.spectrum) * (found.flux / found.dimmest);
         let wanted = self.shape.radius_from_error(self.error, variance);
         (wanted.min(self.max_radius).max(self.min_radius), sqrt(variance))
     }

@@ -69,6 +69,7 @@
 #[cfg(feature = "bvh")]
 extern crate std;
 
+mod along;
 pub mod beam;
 #[cfg(feature = "bvh")]
 pub mod beam_map;
@@ -89,7 +90,8 @@ pub mod voxels;
 
 pub use glam::{Vec2, Vec3};
 
-pub use beam::{BLOCK, Beam, BeamBlock, Crossing, EyeRay, PARALLEL_SINE, cross};
+pub use along::PLACES;
+pub use beam::{ALONG_SINE, BLOCK, Beam, BeamBlock, Crossing, EyeRay, PARALLEL_SINE, cross};
 #[cfg(feature = "bvh")]
 pub use beam_map::{BeamMap, Contact, GatherScratch, MAX_BEAMS, Stop, Unfinished};
 pub use edges::{Edge, Edges, MOST_EDGES, ProbeHit, find_edges};
@@ -97,8 +99,8 @@ pub use emission::{EMISSION_DIMENSIONS, EVEN_LAMP, EmissionGuide, path_number};
 pub use grid::{CovarianceGrid, FluenceCell, FluenceGrid, GridCell};
 pub use image::{
     FILM_TILE, FILM_TILE_PIXELS, FilmEvidence, FilmFilterNode, FilmFilters, FilmLattice, FilmNode, FilmPixel,
-    FilmSample, FilmSizeError, FilmSums, FilmUnit, ImageFilter, ImageSpectrum, PixelStep, Reconstruction,
-    RegionNode, film_regions, part_regions, pixel_threshold, standard_errors, verify_filters,
+    FilmSample, FilmSizeError, FilmSums, FilmUnit, ImageFilter, ImageSpectrum, PartError, PixelStep,
+    Reconstruction, RegionNode, film_regions, part_regions, pixel_threshold, standard_errors, verify_filters,
 };
 pub use importance::{
     Importance, ImportanceCell, ImportanceGrid, ImportanceSums, SegmentImportance, weight_window,

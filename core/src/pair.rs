@@ -1,6 +1,7 @@
 //! What a pair of an eye ray and a beam contributes: the definition of the gather.
 
-use crate::beam::{Beam, Crossing, EyeRay, cross};
+use crate::along::{PLACES, along};
+use crate::beam::{Beam, Crossing, EyeRay, cross, is_along};
 use crate::kernel::Kernel;
 use crate::math::sqrt;
 use crate::medium::{Column, Medium};
@@ -12,7 +13,7 @@ use glam::Vec3;
 pub struct Gathered {
     /// In-scattered radiance at the ray's origin \[W/(m² sr)\].
     pub radiance: Vec3,
-    /// Accepted pairs.
+    /// Accepted pairs; one along the ray counts as [`PLACES`].
     pub pairs: u32,
     /// Sum over accepted pairs of their contribution (mean of the channels), the weight of the next two.
     pub weight: f32,
@@ -116,6 +117,13 @@ pub(crate) fn product(medium: &Medium, position: Vec3, cos_theta: f32, column: f
 /// - `[ray_column, beam_column]`: the columns from the start of both, [`crate::Density::column`].
 /// - `kernel`: its shape, and how wide it may be.
 ///
+/// A pair with sin θ < [`ALONG_SINE`](crate::ALONG_SINE), down to parallel ones, is an integral along the eye
+/// ray, over where both lie side by side, of a kernel on both axes across: finite for every θ, on average
+/// over a pencil of beams the light that it scatters, and at that sine the formula above. It is taken from
+/// [`PLACES`] places of the ray. A cut belongs to the part beside its middle, whose radius it has. What both
+/// ways attenuate together, where beam and eye ray go the same way, is right to 1e-3 up to an optical depth
+/// of 30, and to 1 % up to 100. (Tests in `tests/tests/mathematics/along.rs`.)
+///
 /// Differs from the thesis at surfaces: a beam that starts or ends on a surface is cut there by the surface's
 /// tangent plane through the *eye's* point, not square to the beam; otherwise a kernel loses light next to
 /// every wall.
@@ -129,6 +137,9 @@ pub fn gather_pair(
     kernel: &Kernel,
     gathered: &mut Gathered,
 ) -> bool {
+    if is_along(ray.direction.cross(beam.direction).length_squared()) {
+        return gather_along(ray, beam, [from, to], medium, [ray_column, beam_column], kernel, gathered);
+    }
     let Some(meeting) = meet(ray, beam, from, to, kernel) else { return false };
     let Crossing { ray_distance: t, beam_distance: s, gap, sin_theta, .. } = meeting.crossing;
     let column = along_beam(beam_column, s) + ray_column.at(t);
@@ -136,4 +147,26 @@ pub fn gather_pair(
     let product = product(medium, meeting.point, cos_theta, column);
     let height = kernel.shape.evaluate(gap, meeting.radius) / sin_theta;
     gathered.add(product * beam.power * height, meeting.radius, meeting.sigma)
+}
+
+/// [`gather_pair`] of a pair along the eye ray.
+fn gather_along(
+    ray: &EyeRay,
+    beam: &Beam,
+    [from, to]: [f32; 2],
+    medium: &Medium,
+    [ray_column, beam_column]: [&Column; 2],
+    kernel: &Kernel,
+    gathered: &mut Gathered,
+) -> bool {
+    let Some(found) = along(ray, beam, from, to, kernel) else { return false };
+    let cos_theta = -beam.direction.dot(ray.direction);
+    let mut accepted = false;
+    for i in 0..PLACES {
+        let (t, s) = (found.ray_distance[i], found.beam_distance[i]);
+        let column = along_beam(beam_column, s) + ray_column.at(t);
+        let product = product(medium, ray.origin + t * ray.direction, cos_theta, column);
+        accepted |= gathered.add(product * beam.power * found.kernel[i], found.radius, found.sigma);
+    }
+    accepted
 }

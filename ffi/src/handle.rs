@@ -2,7 +2,7 @@
 
 use crate::heap::boxed;
 use crate::memory::aligned;
-use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
+use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, is_nested, run};
 use core::ops::Deref;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
@@ -21,6 +21,8 @@ struct Boxed<T> {
     tag: u64,
     /// How many calls look at the object, or [`CHANGING`].
     users: AtomicU32,
+    /// The process that counts them.
+    process: AtomicU32,
     poisoned: AtomicBool,
     object: T,
 }
@@ -31,7 +33,8 @@ const CHANGING: u32 = u32::MAX;
 /// Moves an object to memory of its own, and returns its handle.
 pub(crate) fn handle_to<H: Opaque>(object: H::Object) -> Result<*mut H, Failure> {
     let (users, poisoned) = (AtomicU32::new(0), AtomicBool::new(false));
-    Ok(Box::into_raw(boxed(Boxed { tag: H::TAG, users, poisoned, object })?).cast())
+    let process = AtomicU32::new(std::process::id());
+    Ok(Box::into_raw(boxed(Boxed { tag: H::TAG, users, process, poisoned, object })?).cast())
 }
 
 /// The memory of a handle, checked to be of its kind. Nobody's reference to all of it ever exists: what another call
@@ -137,12 +140,26 @@ pub(crate) unsafe fn optional<'a, H: Opaque>(
 struct Alone<'a>(&'a AtomicU32);
 
 impl<'a> Alone<'a> {
-    fn with<H: Opaque>(users: &'a AtomicU32, name: &str) -> Result<Self, Failure> {
-        match users.compare_exchange(0, CHANGING, Ordering::Acquire, Ordering::Relaxed) {
-            Ok(_) => Ok(Self(users)),
-            Err(_) => Err(busy::<H>(name)),
-        }
+    fn with<H: Opaque>(users: &'a AtomicU32, process: &AtomicU32, name: &str) -> Result<Self, Failure> {
+        let take = || users.compare_exchange(0, CHANGING, Ordering::Acquire, Ordering::Relaxed).is_ok();
+        let is_taken = take() || forget_lost(users, process) && take();
+        if is_taken { Ok(Self(users)) } else { Err(busy::<H>(name)) }
     }
+}
+
+/// Looks of threads that a process has left behind where it was forked never end: forgets those. Only the thread that forked goes on there, with
+/// its own, if it is in a callback. An object that was being changed stays so, half-changed as it is. Returns whether there were any.
+fn forget_lost(users: &AtomicU32, process: &AtomicU32) -> bool {
+    let (here, counted_by) = (std::process::id(), process.load(Ordering::Relaxed));
+    let lost = users.load(Ordering::Acquire);
+    if counted_by == here || lost == CHANGING || is_nested() {
+        return false;
+    }
+    let is_first = process.compare_exchange(counted_by, here, Ordering::AcqRel, Ordering::Relaxed).is_ok();
+    if is_first {
+        users.fetch_sub(lost, Ordering::Release);
+    }
+    is_first
 }
 
 impl Drop for Alone<'_> {
@@ -160,8 +177,9 @@ pub(crate) unsafe fn run_on<H: Opaque>(
     let status = run(|| {
         // SAFETY: the host's promise: a live handle.
         let boxed = unsafe { checked(handle.cast_const(), name) }?;
-        // SAFETY: checked above; an atomic may be looked at whoever uses the object.
-        let _alone = Alone::with::<H>(unsafe { &(*boxed).users }, name)?;
+        // SAFETY: checked above; atomics may be looked at whoever uses the object.
+        let (users, process) = unsafe { (&(*boxed).users, &(*boxed).process) };
+        let _alone = Alone::with::<H>(users, process, name)?;
         // SAFETY: no other call uses the object.
         body(unsafe { &mut (*boxed).object })
     });
@@ -181,8 +199,9 @@ pub(crate) unsafe fn free<H: Opaque>(handle: *mut H, name: &str) -> covbeam_stat
     run(|| {
         // SAFETY: the host's promise: a live handle.
         let boxed = unsafe { of_kind(handle.cast_const(), name) }?;
-        // SAFETY: checked above.
-        core::mem::forget(Alone::with::<H>(unsafe { &(*boxed).users }, name)?);
+        // SAFETY: checked above; atomics may be looked at whoever uses the object.
+        let (users, process) = unsafe { (&(*boxed).users, &(*boxed).process) };
+        core::mem::forget(Alone::with::<H>(users, process, name)?);
         // SAFETY: `handle_to` boxed it, and no other call uses it.
         unsafe {
             (*boxed).tag = 0;
@@ -265,6 +284,54 @@ mod tests {
             String::from_utf8_lossy(&output.stderr).into_owned() + &String::from_utf8_lossy(&output.stdout);
         assert!(output.status.success() && printed.contains("1 passed"), "{printed}");
         assert!(!printed.contains("panic inside") && printed.contains("panic outside"), "{printed}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_other_threads_looked_at_where_a_process_was_forked_is_free_in_the_child() {
+        unsafe extern "C" {
+            fn fork() -> i32;
+            fn waitpid(child: i32, status: *mut i32, options: i32) -> i32;
+            fn _exit(code: i32) -> !;
+        }
+        let grid = grid();
+        let address = grid as usize;
+        let (looks, looked) = std::sync::mpsc::channel();
+        let (end, ended) = std::sync::mpsc::channel::<()>();
+        let other = std::thread::spawn(move || {
+            let handle = address as *const covbeam_grid;
+            run(|| {
+                // SAFETY: a live handle until this thread has ended.
+                let _look = unsafe { shared(handle, "grid") }?;
+                looks.send(()).expect("the test listens");
+                ended.recv().expect("the test says so");
+                Ok(())
+            })
+        });
+        looked.recv().expect("a look");
+        // SAFETY: a live handle; the child does nothing but two calls, and ends.
+        let child = unsafe {
+            assert_eq!(covbeam_grid_clear(grid), COVBEAM_BUSY);
+            match fork() {
+                0 => {
+                    let changed = covbeam_grid_clear(grid) == COVBEAM_OK;
+                    _exit(if changed && covbeam_grid_free(grid) == COVBEAM_OK { 0 } else { 1 })
+                }
+                child => child,
+            }
+        };
+        let mut status = -1;
+        // SAFETY: `status` is a local.
+        assert_eq!(unsafe { waitpid(child, &mut status, 0) }, child);
+        assert_eq!(status, 0);
+        // In the parent it is as it was.
+        // SAFETY: live handles, and the other thread ends before the last call.
+        unsafe {
+            assert_eq!(covbeam_grid_clear(grid), COVBEAM_BUSY);
+            end.send(()).expect("it waits");
+            assert_eq!(other.join().expect("no panic"), COVBEAM_OK);
+            assert_eq!([covbeam_grid_clear(grid), free(grid, "grid")], [COVBEAM_OK; 2]);
+        }
     }
 
     #[test]

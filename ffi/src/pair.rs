@@ -11,7 +11,7 @@ use crate::types::{
     beam, covbeam_beam, covbeam_crossing, covbeam_eye_ray, covbeam_gathered, eye_ray, gathered,
 };
 use core::ptr;
-use covbeam_core::{BLOCK, BeamBlock, Column, Density, EyeRay, Gathered, cross, gather_pair};
+use covbeam_core::{BLOCK, BeamBlock, Column, Density, EyeRay, Gathered, PLACES, cross, gather_pair};
 use glam::Vec3;
 
 unsafe fn read_ray(pointer: *const covbeam_eye_ray) -> Result<EyeRay, Failure> {
@@ -25,8 +25,8 @@ unsafe fn read_ray(pointer: *const covbeam_eye_ray) -> Result<EyeRay, Failure> {
 /// @param count number of beams; with 0 nothing is done.
 /// @param beams, beam_stride the beam; its length does not matter.
 /// @param crossings, crossing_stride the closest approach; untouched if they are nearly parallel.
-/// @param crosses, cross_stride 1, or 0 if the sine of the angle between them is below 1e-5: such pairs are
-///     never gathered.
+/// @param crosses, cross_stride 1, or 0 if the sine of the angle between them is below 1e-5: the crossing
+///     would be rounding. (covbeam_gather_pair needs none below .05.)
 /// @kinds <ray <beam >crossing >flag
 /// @single covbeam_cross
 /// @extra
@@ -78,7 +78,8 @@ fn closed_form(
 
 /// Gathers one beam, and adds it to what the eye ray has gathered: scattering x phase function x transmittance
 /// along both x flux of the beam x kernel(gap) / sin(angle), if the gap is less than the kernel's radius,
-/// looked up on the eye ray.
+/// looked up on the eye ray. Where that sine is below .05 it is the integral along the eye ray of a kernel on
+/// both axes across the beam, finite down to parallel pairs, from eight places.
 ///
 /// @param ray the eye ray.
 /// @param count number of beams; with 0 nothing is done.
@@ -91,6 +92,7 @@ fn closed_form(
 /// @param kernel the kernel of the pass.
 /// @param grid as in covbeam_kernel_radius_at.
 /// @param gathered in and out, one for all beams, added in their order: finite numbers, all 0 to begin with.
+///     Its pairs need room for eight a beam.
 /// @param accepted, accepted_stride 1 if the pair counts, else 0.
 /// @note Thesis 5.3.4. A beam that starts or ends on a surface is cut by its tangent plane. The order of the
 ///     columns' knots is not checked.
@@ -130,8 +132,10 @@ pub unsafe extern "C" fn covbeam_gather_pairs(
         // SAFETY: by the caller's promise.
         let mut sum: Gathered =
             self::gathered(Element::single(unsafe { read(gathered, "gathered") }?, "gathered"))?;
-        if u32::try_from(count).ok().and_then(|count| sum.pairs.checked_add(count)).is_none() {
-            let message = format_args!("gathered: {} pairs, no room to count {count} more", sum.pairs);
+        let most = count.checked_mul(PLACES).and_then(|most| u32::try_from(most).ok());
+        if most.and_then(|most| sum.pairs.checked_add(most)).is_none() {
+            let message =
+                format_args!("gathered: {} pairs, no room to count {count} x {PLACES} more", sum.pairs);
             return Err(fail(COVBEAM_INVALID_VALUE, message));
         }
         let out = Slot::new(gathered, "gathered")?;
@@ -173,7 +177,7 @@ pub unsafe extern "C" fn covbeam_gather_pairs(
 }
 
 /// Which of many beams an eye ray may be paired with: eight at a time, without looking at grid or surfaces.
-/// Errs towards accepting (a parallel beam always passes): covbeam_gather_pair refuses every beam that it
+/// Errs towards accepting: covbeam_gather_pair refuses every beam that it
 /// refuses.
 ///
 /// @param ray the eye ray.

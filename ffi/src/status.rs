@@ -77,8 +77,8 @@ impl Write for Message {
 thread_local! {
     // Without destructor and allocation: a thread that ends leaves nothing behind.
     static LAST: RefCell<Message> = const { RefCell::new(Message { text: [0; MESSAGE], length: 0 }) };
-    /// Whether the thread is inside a call.
-    static INSIDE: Cell<bool> = const { Cell::new(false) };
+    /// In how many calls the thread is: more than one in callbacks.
+    static CALLS: Cell<u32> = const { Cell::new(0) };
 }
 
 /// Writes the thread's message. A longer one is cut.
@@ -95,9 +95,9 @@ pub(crate) fn fail(status: covbeam_status, message: fmt::Arguments) -> Failure {
 /// Runs the body of a call. A panic becomes COVBEAM_PANICKED.
 pub(crate) fn run(body: impl FnOnce() -> Result<(), Failure>) -> covbeam_status {
     keep_panics_quiet();
-    let outer = INSIDE.replace(true);
+    let outer = CALLS.replace(CALLS.get() + 1);
     let result = panic::catch_unwind(AssertUnwindSafe(body));
-    INSIDE.set(outer);
+    CALLS.set(outer);
     match result {
         Ok(Ok(())) => COVBEAM_OK,
         Ok(Err(Failure(status))) => status,
@@ -109,6 +109,11 @@ pub(crate) fn run(body: impl FnOnce() -> Result<(), Failure>) -> covbeam_status 
     }
 }
 
+/// Whether the thread is in a callback of another call.
+pub(crate) fn is_nested() -> bool {
+    CALLS.get() > 1
+}
+
 /// A panic inside a call is written to the thread's message instead of the standard error. Outside calls (Rust
 /// hosts that share this copy of the standard library) nothing changes.
 fn keep_panics_quiet() {
@@ -118,7 +123,7 @@ fn keep_panics_quiet() {
         let before = panic::take_hook();
         // Captures nothing, so that its box needs no memory.
         panic::set_hook(Box::new(|info| {
-            if INSIDE.get() {
+            if CALLS.get() > 0 {
                 fail(COVBEAM_PANICKED, format_args!("{info}"));
             } else {
                 BEFORE.wait()(info);

@@ -233,7 +233,7 @@ pub struct covbeam_eye_ray {
 pub struct covbeam_gathered {
     /// In-scattered radiance at the ray's origin [W/(m^2 sr)].
     pub radiance: [f32; 3],
-    /// Accepted pairs of ray and beam.
+    /// Accepted pairs of ray and beam; one of nearly one direction (sine below .05) counts as eight.
     pub pairs: u32,
     /// Sum over the pairs of their contribution (mean of the channels): the weight of the next two.
     pub weight: f32,
@@ -260,7 +260,8 @@ pub struct covbeam_crossing {
     pub axis: [f32; 3],
 }
 
-/// A place where a beam comes within the kernel radius of an eye ray, for covbeam_beam_map_gather_shaded.
+/// A place where a beam comes within the kernel radius of an eye ray, for covbeam_beam_map_gather_shaded. A
+/// pair of nearly one direction (sine below .05) has eight, along the eye ray.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct covbeam_contact {
@@ -279,7 +280,7 @@ pub struct covbeam_contact {
     /// Cosine between the light's propagation before and after scattering towards the eye: forward +1.
     pub cos_theta: f32,
     /// The blur kernel over the sine of the angle between beam and ray [1/m], with which the library
-    /// multiplies.
+    /// multiplies; of the eight places of a pair along the ray, each one's share of its integral.
     pub kernel: f32,
     /// Kernel radius [m].
     pub radius: f32,

@@ -1,5 +1,6 @@
 //! What checks covbeam from outside: the naive high-precision twin, hard cases, statistics.
 
+pub mod brute_force;
 pub mod energy;
 pub mod figures;
 pub mod fleet;

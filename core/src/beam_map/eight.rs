@@ -3,7 +3,8 @@
 
 use super::simd::{Floats, LANES, Vec3x8, Vectors, bits, exp, load, max, min};
 use super::sub_beams::{ROOM, SubBeam};
-use crate::beam::{Beam, BeamBlock, EyeRay, PARALLEL_SINE};
+use crate::along::{Along, along};
+use crate::beam::{ALONG_SINE, Beam, BeamBlock, EyeRay};
 use crate::grid::FluenceGrid;
 use crate::kernel::{Kernel, KernelShape};
 use crate::medium::{Medium, PhaseFunction, PhaseKind};
@@ -44,6 +45,27 @@ impl Block {
             set(&mut self.power, lane, beam.power);
             self.beams[lane] = sub_beam.beam;
         }
+    }
+
+    /// The places of the pair in a lane, which runs along the ray.
+    pub(super) fn along(&self, lane: usize, ray: &EyeRay, beams: &[Beam], kernel: &Kernel) -> Option<Along> {
+        let beam = &beams[self.beams[lane] as usize];
+        along(ray, beam, self.lines.from[lane], self.lines.to[lane], kernel)
+    }
+
+    /// The sub-beam of a lane in all lanes.
+    pub(super) fn repeated(&self, lane: usize) -> Self {
+        let mut block = Self::EMPTY;
+        let [origin, direction] =
+            [&self.lines.origin, &self.lines.direction].map(|vectors| vector(vectors, lane));
+        let (from, to) = (self.lines.from[lane], self.lines.to[lane]);
+        for place in 0..LANES {
+            block.lines.set_line(place, origin, direction, from, to);
+            block.length[place] = self.length[lane];
+            set(&mut block.power, place, vector(&self.power, lane));
+            block.beams[place] = self.beams[lane];
+        }
+        block
     }
 }
 
@@ -91,17 +113,18 @@ impl<S: Simd> Ray<S> {
 }
 
 impl<'a, S: Simd> Pairs<'a, S> {
-    /// The pairs of a block against `ray`; None if all pass each other farther away than kernels reach. The
-    /// arithmetic of [`crate::beam::meet`], and its bits.
+    /// The pairs of a block that cross `ray`; None if all pass each other farther away than kernels reach.
+    /// The arithmetic of [`crate::pair::meet`], and its bits.
     #[inline(always)]
     pub(super) fn new(
         simd: S,
         ray: &Ray<S>,
         block: &'a Block,
+        lines: &Lines<S>,
         beams: &[Beam],
         kernel: &Kernel,
     ) -> Option<Self> {
-        let found = Crossings::new(simd, ray, &block.lines, kernel.max_radius)?;
+        let found = Crossings::new(simd, ray, &block.lines, lines, kernel.max_radius)?;
         let Crossings { near, position, ray_distance, beam_distance, gap, .. } = found;
         let zero = f32x8::splat(simd, 0.0);
         let (radius, sigma) = match &kernel.grid {
@@ -144,6 +167,74 @@ impl<'a, S: Simd> Pairs<'a, S> {
             sigma,
         })
     }
+
+    /// The places of a pair along the ray, each in a lane.
+    ///
+    /// - `block`: [`Block::repeated`].
+    #[inline(always)]
+    pub(super) fn along(simd: S, ray: &Ray<S>, block: &'a Block, along: &Along) -> Self {
+        let ray_distance = load(simd, &along.ray_distance);
+        Self {
+            accepted: (1 << LANES) - 1,
+            block,
+            position: ray.origin + ray.direction * ray_distance,
+            ray_distance,
+            beam_distance: load(simd, &along.beam_distance),
+            cos_theta: -Vec3x8::load(simd, &block.lines.direction).dot(ray.direction),
+            kernel: load(simd, &along.kernel),
+            radius: f32x8::splat(simd, along.radius),
+            sigma: f32x8::splat(simd, along.sigma),
+        }
+    }
+}
+
+/// What eight pairs of an eye ray and a sub-beam are told apart by.
+pub(super) struct Lines<S: Simd> {
+    direction: Vec3x8<S>,
+    offset: Vec3x8<S>,
+    /// The common perpendicular, times the sine.
+    normal: Vec3x8<S>,
+    /// sin² θ.
+    sin2: f32x8<S>,
+}
+
+impl<S: Simd> Lines<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S, ray: &Ray<S>, block: &Block) -> Self {
+        let direction = Vec3x8::load(simd, &block.lines.direction);
+        let normal = ray.direction.cross(direction);
+        let offset = Vec3x8::load(simd, &block.lines.origin) - ray.origin;
+        Self { direction, offset, normal, sin2: normal.dot(normal) }
+    }
+
+    /// Lanes in which the two run along each other: [`crate::beam::is_along`].
+    #[inline(always)]
+    fn are_along(&self, simd: S) -> mask32x8<S> {
+        self.sin2.simd_lt(f32x8::splat(simd, ALONG_SINE * ALONG_SINE))
+    }
+
+    /// A bit for each of these that may come within `radius`; lanes without a sub-beam have none.
+    #[inline(always)]
+    pub(super) fn along(&self, simd: S, ray: &Ray<S>, block: &Block, radius: f32) -> u32 {
+        let are_along = self.are_along(simd);
+        if are_along.to_bitmask() == 0 {
+            return 0;
+        }
+        // As `BeamBlock::runs_along`.
+        let (from, to) = (load(simd, &block.lines.from), load(simd, &block.lines.to));
+        let middle = self.offset + self.direction * ((from + to) * 0.5);
+        let wide = radius * ROOM;
+        let half = (to - from) * 0.5 + wide;
+        let room = (middle.x.abs() + middle.y.abs() + middle.z.abs() + half) * 1e-6;
+        let apart = half * self.sin2.sqrt() + wide + room;
+        let across = middle.cross(ray.direction);
+        let along = middle.dot(ray.direction);
+        let close = are_along
+            & across.dot(across).simd_le(apart * apart)
+            & (along + half + room).simd_ge(f32x8::splat(simd, 0.0))
+            & along.simd_le(half + room + ray.length);
+        close.to_bitmask() as u32
+    }
 }
 
 /// [`crate::cross`] of one eye ray and eight sub-beams.
@@ -163,12 +254,9 @@ struct Crossings<S: Simd> {
 
 impl<S: Simd> Crossings<S> {
     #[inline(always)]
-    fn new(simd: S, ray: &Ray<S>, lines: &BeamBlock, max_radius: f32) -> Option<Self> {
-        let direction = Vec3x8::load(simd, &lines.direction);
-        let (from, to) = (load(simd, &lines.from), load(simd, &lines.to));
-        let normal = ray.direction.cross(direction);
-        let sin2 = normal.dot(normal);
-        let offset = Vec3x8::load(simd, &lines.origin) - ray.origin;
+    fn new(simd: S, ray: &Ray<S>, block: &BeamBlock, lines: &Lines<S>, max_radius: f32) -> Option<Self> {
+        let (from, to) = (load(simd, &block.from), load(simd, &block.to));
+        let Lines { direction, offset, normal, sin2 } = *lines;
         let triple = offset.dot(normal);
         let along_ray = offset.cross(direction).dot(normal);
         let along_beam = offset.cross(ray.direction).dot(normal);
@@ -179,7 +267,7 @@ impl<S: Simd> Crossings<S> {
         let near = (triple * triple).simd_le(sin2 * (wide * wide));
         let on_ray = along_ray.simd_ge(sin2 * -wide) & along_ray.simd_le(sin2 * (ray.length + wide));
         let on_beam = along_beam.simd_ge((from - wide) * sin2) & along_beam.simd_le((to + wide) * sin2);
-        let candidates = near & on_ray & on_beam;
+        let candidates = near & on_ray & on_beam & !lines.are_along(simd);
         if candidates.to_bitmask() == 0 {
             return None;
         }
@@ -190,7 +278,6 @@ impl<S: Simd> Crossings<S> {
         let ray_distance = along_ray * inverse;
         let gap = triple.abs() * inverse_sin;
         let near = candidates
-            & sin2.simd_ge(f32x8::splat(simd, PARALLEL_SINE * PARALLEL_SINE))
             & ray_distance.simd_ge(f32x8::splat(simd, 0.0))
             & ray_distance.simd_le(f32x8::splat(simd, ray.length))
             & gap.simd_lt(f32x8::splat(simd, max_radius));

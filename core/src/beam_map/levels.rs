@@ -5,7 +5,7 @@ use super::rays::RayTables;
 use super::search::{Query, Search};
 use super::shade::OurMedium;
 use super::simd::{Floats, load, max, min};
-use crate::beam::{Beam, EyeRay};
+use crate::beam::{Beam, EyeRay, is_along};
 use crate::beam_map::BeamMap;
 use crate::grid::{FluenceCell, FluenceGrid};
 use crate::kernel::{Kernel, KernelShape};
@@ -53,8 +53,12 @@ impl Random {
 fn beams(random: &mut Random) -> Vec<Beam> {
     let beam = |i: usize| {
         let direction = random.vector(1.0).normalize();
-        // Every third is cut by a surface, every seventh runs along an axis.
-        let direction = if i.is_multiple_of(7) { Vec3::AXES[i % 3] } else { direction };
+        // Every third is cut by a surface; every seventh runs along an axis, every fifth nearly along rays.
+        let direction = match i {
+            _ if i.is_multiple_of(7) => Vec3::AXES[i % 3],
+            _ if i.is_multiple_of(5) => (Vec3::Z + random.vector(0.02)).normalize(),
+            _ => direction,
+        };
         Beam {
             origin: random.vector(2.0),
             direction,
@@ -147,6 +151,10 @@ fn every_level_gathers_the_same_bits() {
         let [pairs, lit] =
             [0, 1].map(|least| lowest.iter().map(|g| g.pairs).filter(|&n| n > least).sum::<u32>());
         assert!(pairs > 1000 && lit > 1000, "{pairs} pairs");
+        let along = |beam: &&Beam| {
+            rays.iter().any(|ray| is_along(ray.direction.cross(beam.direction).length_squared()))
+        };
+        assert!(map.beams().iter().filter(along).count() > 100);
         assert!(lowest.iter().any(|g| g.sigma > 0.0) && lowest.iter().any(|g| g.pairs == 0));
         for level in &levels[1..] {
             assert_eq!(bits(&gather(*level, map, medium, rays, kernel)), bits(&lowest), "{level:?}");

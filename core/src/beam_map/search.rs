@@ -3,7 +3,7 @@
 
 use super::bvh::Bvh;
 use super::cancel::{Poll, Stop};
-use super::eight::{Block, Pairs, Ray, fill};
+use super::eight::{Block, Lines, Pairs, Ray, fill};
 use super::packet::{PACKET, Packet};
 use super::room::make_room;
 use super::simd::{LANES, bits};
@@ -255,9 +255,17 @@ fn meet<S: Simd>(
         let ray = Ray::new(simd, &query.rays[index]);
         let mut met = 0;
         for block in blocks {
-            if let Some(pairs) = Pairs::new(simd, &ray, block, query.beams, query.kernel) {
+            let lines = Lines::new(simd, &ray, block);
+            if let Some(pairs) = Pairs::new(simd, &ray, block, &lines, query.beams, query.kernel) {
                 met += 1;
                 shade.pairs(simd, index, &pairs, poll)?;
+            }
+            for lane in bits(lines.along(simd, &ray, block, query.kernel.max_radius)) {
+                met += 1;
+                if let Some(along) = block.along(lane, &query.rays[index], query.beams, query.kernel) {
+                    let block = block.repeated(lane);
+                    shade.pairs(simd, index, &Pairs::along(simd, &ray, &block, &along), poll)?;
+                }
             }
         }
         poll.spend(blocks.len() + 20 * met, 5)?;

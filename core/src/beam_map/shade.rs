@@ -14,11 +14,12 @@ use fearless_simd::Simd;
 use glam::Vec3;
 use std::vec::Vec;
 
-/// An eye ray that meets a beam, for a host that knows the medium ([`crate::BeamMap::gather_contacts`]).
+/// An eye ray that meets a beam, for a host that knows the medium ([`crate::BeamMap::gather_contacts`]). A
+/// pair along the ray (sin θ < [`crate::ALONG_SINE`]) has [`crate::PLACES`] of them.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contact {
-    /// The point on the eye ray that is closest to the beam \[m\].
+    /// The point on the eye ray that is closest to the beam \[m\], or one of those of a pair along the ray.
     pub position: Vec3,
     /// Which eye ray: index in the call's rays.
     pub ray: u32,
@@ -32,7 +33,8 @@ pub struct Contact {
     /// dot(propagation of the beam's light, propagation of light to the eye): forward is +1. What
     /// [`crate::PhaseFunction::evaluate`] takes; rounding may carry it past ±1.
     pub cos_theta: f32,
-    /// K_r(d)/sin θ \[1/m\]: what the pair's product is multiplied by, besides the beam's power.
+    /// K_r(d)/sin θ \[1/m\]: what the pair's product is multiplied by, besides the beam's power; of a pair
+    /// along the ray this place's share of its integral.
     pub kernel: f32,
     /// The kernel's radius r \[m\].
     pub radius: f32,

@@ -33,7 +33,7 @@ mod tilt;
 mod verify;
 
 pub use blocks::FilmNode;
-pub use contacts::{RegionNode, part_regions};
+pub use contacts::{PartError, RegionNode, part_regions};
 pub use error::standard_errors;
 pub use filter::ImageFilter;
 pub use lattice::{FilmFilterNode, FilmFilters, FilmLattice};

@@ -3,6 +3,7 @@
 //! `tobj` does the parsing and triangulation; a scan before it finds what `tobj` accepts or reports without a
 //! line number (NaN, index 0, indices beyond the list).
 
+use std::borrow::Cow;
 use std::io::Cursor;
 
 use glam::Vec3;
@@ -60,8 +61,8 @@ pub enum ObjError {
     Parser(tobj::LoadError),
 }
 
-/// Reads OBJ text: `v`, `vn` and `f` lines; polygons become triangle fans, so they should be convex. Texture
-/// coordinates, materials, groups, points and lines are ignored.
+/// Reads OBJ text: `v`, `vn` and `f` lines; polygons become triangle fans, so they should be convex. A `\` at a line's end goes on with the
+/// next one. Texture coordinates, colours, materials, groups, points and lines are ignored.
 ///
 /// Errors: every input gives triangles or an [`ObjError`]; test
 /// `a_valid_obj_cut_anywhere_or_with_any_byte_changed_is_read_or_refused`.
@@ -136,8 +137,9 @@ fn scan(text: &str) -> Result<String, ObjError> {
     let mut geometry = String::with_capacity(text.len());
     let (mut vertices, mut texture, mut normals) =
         (Counted::default(), Counted::default(), Counted::default());
-    for (number, content) in text.lines().enumerate() {
-        let line = number + 1;
+    // Editors of some systems begin a text with a mark of its byte order.
+    for (line, content) in whole_lines(text.trim_start_matches('\u{feff}')) {
+        let content = content.as_ref();
         let mut words = content.split_whitespace();
         match words.next() {
             Some("v") => {
@@ -152,6 +154,11 @@ fn scan(text: &str) -> Result<String, ObjError> {
                 if !values[..3].iter().all(|value| (value / w).is_finite()) {
                     let expected = "finite coordinates";
                     return Err(ObjError::Line { line, found: content.trim().to_owned(), expected });
+                }
+                if values.len() == 6 {
+                    // Without the colour, which only some of the vertices may have.
+                    push_line(&mut geometry, content.split_whitespace().take(4));
+                    continue;
                 }
             }
             Some("vn") => {
@@ -189,16 +196,54 @@ fn scan(text: &str) -> Result<String, ObjError> {
                     let expected = "a face of at least 3 corners";
                     return Err(ObjError::Line { line, found: content.trim().to_owned(), expected });
                 }
+                if corners > 4 {
+                    // `tobj` takes a time that grows with the square of a polygon's corners.
+                    push_fan(&mut geometry, content);
+                    continue;
+                }
             }
             _ => continue,
         }
-        geometry.push_str(content);
-        geometry.push('\n');
+        push_line(&mut geometry, content.split_whitespace());
     }
     vertices.check_largest("vertices")?;
     texture.check_largest("texture coordinates")?;
     normals.check_largest("normals")?;
     Ok(geometry)
+}
+
+/// Lines by the number of their first, with those that follow a `\` at an end.
+fn whole_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
+    let mut lines = text.lines().enumerate();
+    std::iter::from_fn(move || {
+        let (number, first) = lines.next()?;
+        let mut whole = Cow::Borrowed(first);
+        while whole.ends_with('\\') {
+            let begun = whole.to_mut();
+            begun.pop();
+            begun.push(' ');
+            begun.push_str(lines.next().map_or("", |(_, next)| next));
+        }
+        Some((number + 1, whole))
+    })
+}
+
+fn push_line<'a>(geometry: &mut String, words: impl Iterator<Item = &'a str>) {
+    for word in words {
+        geometry.push_str(word);
+        geometry.push(' ');
+    }
+    geometry.push('\n');
+}
+
+/// Triangles of a face's first corner with each two that follow one another.
+fn push_fan(geometry: &mut String, face: &str) {
+    let mut corners = face.split_whitespace().skip(1);
+    let (Some(first), Some(mut before)) = (corners.next(), corners.next()) else { return };
+    for corner in corners {
+        push_line(geometry, ["f", first, before, corner].into_iter());
+        before = corner;
+    }
 }
 
 fn numbers<'a>(words: impl Iterator<Item = &'a str>, line: usize) -> Result<Vec<f32>, ObjError> {

@@ -2,12 +2,14 @@
 
 use crate::film::{LayerMaps, Layers, Maps, Picture};
 use crate::kind::Kind;
+use crate::memory::available;
 use crate::output::RenderInfo;
 use covbeam::ImageFilter;
 use exr::block::lines::LineRefMut;
 use exr::image::Blocks;
 use exr::image::write::samples::{SamplesWriter, WritableSamples};
 use exr::math::RoundingMode;
+use exr::meta::MetaData;
 use exr::meta::attribute::{LevelMode, SampleType};
 use exr::meta::header::Header;
 use exr::prelude::{
@@ -169,8 +171,36 @@ fn sort_attributes(file: &mut (impl Read + Write + Seek)) -> io::Result<()> {
     file.write_all(&attributes.concat())
 }
 
-/// The picture in an EXR of any program; see [`crate::output::read_picture`].
-pub(crate) fn decode(bytes: &[u8]) -> Result<Picture, String> {
+/// Bytes of samples that a byte of a file may stand for: a black picture has some 200,000 with the compression PIZ.
+const MOST_PACKED: u64 = 1 << 18;
+
+/// Refuses a file of more pixels than `most`, or that says of itself that it is larger than it can be, or than memory is.
+fn check_size(bytes: &[u8], most: u64) -> Result<(), String> {
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false)
+        .map_err(|error| format!("{error}; expected an OpenEXR picture"))?;
+    let mut all = 0_u64;
+    for header in &meta.headers {
+        let Vec2(width, height) = header.layer_size;
+        let pixels = width as u64 * height as u64;
+        if pixels > most {
+            return Err(format!("it has {width} x {height} pixels, and {most} are read at most"));
+        }
+        all = all.saturating_add(pixels.saturating_mul(header.channels.bytes_per_pixel as u64));
+    }
+    // Samples as they are stored, and as numbers of single precision.
+    let needed = all.saturating_mul(3);
+    if all / MOST_PACKED > bytes.len() as u64 || available().is_some_and(|available| needed > available) {
+        let (size, needed) = (bytes.len(), needed as f64 / 1e9);
+        return Err(format!(
+            "{size} bytes that say they are a picture which takes {needed:.1} GB: it is damaged, or memory does not hold it"
+        ));
+    }
+    Ok(())
+}
+
+/// The picture in an EXR of any program of at most so many pixels; see [`crate::output::read_picture`].
+pub(crate) fn decode(bytes: &[u8], most: u64) -> Result<Picture, String> {
+    check_size(bytes, most)?;
     let image = read()
         .no_deep_data()
         .largest_resolution_level()
@@ -241,6 +271,9 @@ mod tests {
     use super::*;
     use exr::prelude::{Sample, f16};
 
+    /// Of pixels that are read.
+    const ALL: u64 = 1 << 20;
+
     fn info() -> RenderInfo {
         let (method, scene) = ("adaptive".to_owned(), "Glaskugel für Ida".to_owned());
         RenderInfo { method, passes: 64, photons: 5000, seed: u32::MAX, scene }
@@ -273,9 +306,9 @@ mod tests {
     #[test]
     fn what_is_encoded_is_decoded_bit_for_bit() {
         let with = picture();
-        assert_eq!(decode(&encoded(&with)).unwrap(), with);
+        assert_eq!(decode(&encoded(&with), ALL).unwrap(), with);
         let without = Picture { layers: None, error: None, ..with };
-        assert_eq!(decode(&encoded(&without)).unwrap(), without);
+        assert_eq!(decode(&encoded(&without), ALL).unwrap(), without);
     }
 
     #[test]
@@ -315,20 +348,37 @@ mod tests {
         let channels = AnyChannels::sort(vec![AnyChannel::new("Y", samples)].into());
         let mut bytes = Cursor::new(Vec::new());
         Image::from_channels((2, 1), channels).write().to_buffered(&mut bytes).unwrap();
-        let picture = decode(&bytes.into_inner()).unwrap();
+        let picture = decode(&bytes.into_inner(), ALL).unwrap();
         assert_eq!(picture.radiance, [Vec3::splat(0.5), Vec3::splat(2.0)]);
     }
 
     #[test]
     fn what_is_no_picture_is_refused_with_what_was_expected() {
-        assert!(decode(b"P6 1 1 255").unwrap_err().contains("expected an OpenEXR picture"));
+        assert!(decode(b"P6 1 1 255", ALL).unwrap_err().contains("expected an OpenEXR picture"));
         let bytes = encoded(&picture());
         for length in [0, 4, 9, 100, bytes.len() / 2, bytes.len() - 1] {
-            assert!(decode(&bytes[..length]).is_err(), "{length} of {} bytes", bytes.len());
+            assert!(decode(&bytes[..length], ALL).is_err(), "{length} of {} bytes", bytes.len());
         }
         let depth = AnyChannels::sort(vec![AnyChannel::new("Z", FlatSamples::F32(vec![1.0]))].into());
         let mut bytes = Cursor::new(Vec::new());
         Image::from_channels((1, 1), depth).write().to_buffered(&mut bytes).unwrap();
-        assert!(decode(&bytes.into_inner()).unwrap_err().contains("R, G, B nor Y"));
+        assert!(decode(&bytes.into_inner(), ALL).unwrap_err().contains("R, G, B nor Y"));
+    }
+
+    #[test]
+    fn a_file_that_says_it_is_larger_than_it_can_be_is_refused_before_there_is_memory_for_it() {
+        let mut bytes = encoded(&picture());
+        let whole = i32::to_le_bytes;
+        for name in ["dataWindow", "displayWindow"] {
+            let attribute = [name, "\0box2i\0"].concat();
+            let at = bytes.windows(attribute.len()).position(|part| part == attribute.as_bytes()).unwrap();
+            // After the attribute's size: left, top, right, bottom.
+            let place = at + attribute.len() + 12;
+            bytes[place..place + 8].copy_from_slice(&[whole(99_999), whole(99_999)].concat());
+        }
+        let error = decode(&bytes, ALL).unwrap_err();
+        assert!(error.contains("100000 x 100000 pixels"), "{error}");
+        let error = decode(&bytes, u64::MAX).unwrap_err();
+        assert!(error.contains("damaged") && error.contains("GB"), "{error}");
     }
 }

@@ -3,6 +3,7 @@
 use crate::clearance::Clearance;
 use crate::geometry::MOST_BOUNDS;
 use crate::kind::{ByKind, Kind};
+use crate::lamps::LampTree;
 use crate::material::{Encounter, Lobe, Way};
 use crate::media;
 use crate::optics::{Boundary, Interior, facing_normal, reflect};
@@ -64,6 +65,8 @@ pub struct EyeTracer<'a> {
     pub fogs: &'a [Medium<'a>],
     /// Where eye paths start.
     pub starts: EyeStarts<'a>,
+    /// Its lamps.
+    pub lamps: &'a LampTree,
     /// Light on diffuse surfaces.
     pub surfaces: &'a SurfaceMap,
     /// Whether anything is wanted from the first surface on that is more than a bound of media.
@@ -289,11 +292,13 @@ impl EyeTracer<'_> {
         }
         if met.is_rough() {
             let start = hit.leave(met.normal);
-            let arriving = straight_irradiance(self.scene, self.fogs, branch.interior, start, |light| {
-                let (density, from) = light.flux_density(start, [random.uniform(), random.uniform()]);
-                let towards = (from - start).normalize_or_zero();
-                (density * met.glossy_towards(towards) * towards.dot(met.normal).max(0.0), from)
-            });
+            let asked = self.lamps.on_surface(start, met.normal, self.shift(random));
+            let arriving =
+                straight_irradiance(self.scene, self.fogs, branch.interior, start, &asked, |light| {
+                    let (density, from) = light.flux_density(start, [random.uniform(), random.uniform()]);
+                    let towards = (from - start).normalize_or_zero();
+                    (density * met.glossy_towards(towards) * towards.dot(met.normal).max(0.0), from)
+                });
             sum[Kind::Straight as usize] += arriving;
         }
         sum
@@ -309,29 +314,36 @@ impl EyeTracer<'_> {
             Clearance::new(self.scene, start, normal, reach, random)
         });
         let mut irradiance = self.surfaces.irradiance(hit.position, normal, &hit.curvature, clear);
+        let asked = self.lamps.on_surface(hit.position, normal, self.shift(random));
         irradiance[Kind::Straight as usize] =
-            straight_irradiance(self.scene, self.fogs, interior, start, |light| {
+            straight_irradiance(self.scene, self.fogs, interior, start, &asked, |light| {
                 light.irradiance(hit.position, normal, random)
             });
         irradiance
+    }
+
+    /// A number for drawing lamps; none is drawn where all are asked.
+    fn shift(&self, random: &mut Random) -> f32 {
+        if self.lamps.is_drawn_on_surfaces() { random.uniform() } else { 0.0 }
     }
 }
 
 /// Irradiance that arrives straight from the lamps at a point next to a surface.
 ///
-/// - `interior`: of `start`; `unshadowed`: of a lamp, and where its light comes from.
+/// - `interior`: of `start`; `asked`: lamps, and how many each stands for; `unshadowed`: of a lamp, and where its light comes from.
 pub(crate) fn straight_irradiance(
     scene: &Scene,
     fogs: &[Medium],
     interior: Interior,
     start: Vec3,
+    asked: &[(usize, f32)],
     mut unshadowed: impl FnMut(&Light) -> (Vec3, Vec3),
 ) -> Vec3 {
     let mut sum = Vec3::ZERO;
-    for light in &scene.lights {
-        let (direct, from) = unshadowed(light);
+    for &(lamp, count) in asked {
+        let (direct, from) = unshadowed(&scene.lights[lamp]);
         if direct.max_element() > 0.0 {
-            sum += direct * passage(scene, fogs, interior, start, from);
+            sum += count * direct * passage(scene, fogs, interior, start, from);
         }
     }
     sum
@@ -404,7 +416,14 @@ mod tests {
         let scene = Scene::parse(text, "glass", Path::new("")).unwrap();
         let surfaces = SurfaceMap::empty();
         let starts = EyeStarts::new(&scene);
-        let tracer = EyeTracer { scene: &scene, fogs: &[], starts, surfaces: &surfaces, beyond: true };
+        let tracer = EyeTracer {
+            scene: &scene,
+            fogs: &[],
+            starts,
+            lamps: &LampTree::new(&scene),
+            surfaces: &surfaces,
+            beyond: true,
+        };
         let seen = tracer.trace(&starts.middle(0, 0), 0, &mut Random::new([0; 4]), &mut Vec::new());
         assert_eq!(seen, ByKind::default());
     }

@@ -4,12 +4,11 @@ use covbeam_render::compare::CompareError;
 use covbeam_render::output::OutputError;
 use covbeam_render::report::ReferenceError;
 use covbeam_render::scene_file::SceneError;
-use covbeam_render::shard::FingerprintError;
 use covbeam_render::stored::StoredError;
 use std::error::Error;
 
 /// Something went wrong that may go right another time.
-const FAILED: u8 = 1;
+pub(crate) const FAILED: u8 = 1;
 /// The command line is wrong.
 const USAGE: u8 = 2;
 /// What was given to read is wrong: trying again does not help.
@@ -30,7 +29,6 @@ pub(crate) fn exit_code(error: &(dyn Error + 'static)) -> u8 {
     let refused = error.is::<Refused>()
         || error.is::<SceneError>()
         || error.is::<StoredError>()
-        || error.is::<FingerprintError>()
         || error.is::<CompareError>()
         || matches!(
             error.downcast_ref(),

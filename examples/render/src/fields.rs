@@ -91,11 +91,16 @@ impl Source<'_> {
 
     /// Parses the document.
     pub(crate) fn parse(&self) -> Result<Spanned<DeTable<'_>>, SceneError> {
-        DeTable::parse(self.text).map_err(|error| SceneError::Syntax {
+        DeTable::parse(self.text).map_err(|error| self.syntax(error.span(), error.message()))
+    }
+
+    /// The error for a text that is no TOML.
+    pub(crate) fn syntax(&self, span: Option<Range<usize>>, message: &str) -> SceneError {
+        SceneError::Syntax {
             file: self.name.to_owned(),
-            line: self.line(error.span().map_or(0, |span| span.start)),
-            message: error.message().to_owned(),
-        })
+            line: self.line(span.map_or(0, |span| span.start)),
+            message: message.to_owned(),
+        }
     }
 }
 
@@ -265,6 +270,13 @@ impl<'a> Field<'a> {
     pub(crate) fn size(&self) -> Result<f32, SceneError> {
         let (least, most) = (1.0 / MAX_COORDINATE, MAX_COORDINATE);
         self.number("a length in 1e-9..=1e9", |value| (least..=most).contains(&value))
+    }
+
+    /// A length > 0, or 0.
+    pub(crate) fn size_or_zero(&self) -> Result<f32, SceneError> {
+        let (least, most) = (1.0 / MAX_COORDINATE, MAX_COORDINATE);
+        self.number("a length in 1e-9..=1e9, or 0", |value| value == 0.0 || (least..=most).contains(&value))
+            .map(|value| value + 0.0)
     }
 
     pub(crate) fn integer(&self, range: Range<u64>) -> Result<u32, SceneError> {

@@ -20,7 +20,10 @@ use covbeam::{FilmSums, FilmUnit};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FilmError {
     /// A value that no estimate of light can have.
-    #[error("pixel ({x}, {y}) of a pass has {what} = {value}; expected a finite number that is not negative")]
+    #[error(
+        "pixel ({x}, {y}) of a pass has {what} = {value}; expected a finite number that is not negative: are light or albedo of the scene too bright \
+         to be told, or is a lamp without size on what it lights?"
+    )]
     BadValue {
         /// Column of the pixel, 0 = left.
         x: u32,

@@ -9,6 +9,7 @@ use covbeam_geometry::instances::{InstanceHit, Instances};
 use covbeam_geometry::triangles::TriangleHit;
 use glam::{DVec3, Vec3};
 
+use crate::placed::hair;
 use crate::scene::{Material, Object, Placed, Scene, Shape};
 
 /// Bounds of fog that a straight way crosses at most.
@@ -26,12 +27,24 @@ impl Scene {
         self.nearest(origin, direction, max_distance, Instances::describe_flat)
     }
 
+    /// The nearest hit; of several at its place the one that decides what happens there.
     fn nearest(
         &self,
         origin: Vec3,
         direction: Vec3,
         max_distance: f32,
         describe_placed: impl Fn(&Instances, &InstanceHit) -> Hit,
+    ) -> Option<Hit> {
+        let hit = self.first(origin, direction, max_distance, &describe_placed)?;
+        Some(self.deciding(hit, direction, &describe_placed))
+    }
+
+    fn first(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        max_distance: f32,
+        describe_placed: &impl Fn(&Instances, &InstanceHit) -> Hit,
     ) -> Option<Hit> {
         let (from, along) = (origin.as_dvec3(), direction.as_dvec3());
         let mut nearest = f64::from(max_distance);
@@ -63,15 +76,17 @@ impl Scene {
         })
     }
 
-    /// True if anything lies strictly between the two points (shadow ray). Ends on surfaces should be moved off
-    /// them with [`Hit::leave`].
+    /// True if anything lies strictly between the two points (shadow ray). A start on a surface should be moved off it with
+    /// [`Hit::leave`]; at the end surfaces within the rounding of its coordinates do not count: a lamp may hang in a ceiling.
     pub fn occluded(&self, from: Vec3, to: Vec3) -> bool {
         let (start, end) = (from.as_dvec3(), to.as_dvec3());
         let distance = (end - start).length();
-        if distance == 0.0 {
-            return false;
-        }
-        let along = (end - start) / distance;
+        let before = distance - hair(to);
+        before > 0.0 && self.meets(start, (end - start) / distance, before)
+    }
+
+    /// True if anything is met at a distance in (0, `distance`).
+    pub(crate) fn meets(&self, start: DVec3, along: DVec3, distance: f64) -> bool {
         let direction = along.as_vec3();
         let is_met = |object: &Object| match &object.shape {
             Shape::Mesh(mesh) => mesh.occluded(start, direction, distance),
@@ -123,19 +138,10 @@ impl Scene {
         find_edges(direction, end, nearest)
     }
 
-    /// The closed dielectric objects that contain `point`, outermost (largest) first.
-    pub fn containing(&self, point: Vec3) -> Vec<u32> {
-        let holds = |object: &Object| object.material.index().is_some() && object.shape.contains(point);
-        let mut found: Vec<u32> = self
-            .objects
-            .iter()
-            .zip(0u32..)
-            .filter(|(object, _)| holds(object))
-            .map(|(_, index)| index)
-            .collect();
-        let volume = |index: &u32| self.objects[*index as usize].shape.volume();
-        found.sort_by(|a, b| volume(b).total_cmp(&volume(a)));
-        found
+    /// The closed dielectric objects that contain `point`.
+    pub fn containing(&self, point: Vec3) -> impl Iterator<Item = u32> {
+        let holds = move |object: &Object| object.material.index().is_some() && object.shape.contains(point);
+        self.objects.iter().zip(0u32..).filter(move |(object, _)| holds(object)).map(|(_, index)| index)
     }
 }
 
@@ -175,32 +181,27 @@ impl Shape {
             Self::Mesh(mesh) => mesh.is_closed() && mesh.contains(point),
         }
     }
+}
 
-    /// Enclosed volume \[scene unit³\]; 0 for a rectangle.
-    fn volume(&self) -> f64 {
-        match self {
-            Self::Sphere { radius, .. } => 4.0 / 3.0 * std::f64::consts::PI * f64::from(*radius).powi(3),
-            Self::Rectangle { .. } => 0.0,
-            Self::Box { min, max } => (max.as_dvec3() - min.as_dvec3()).element_product(),
-            Self::Mesh(mesh) => mesh.volume(),
+/// Distances, of any sign, at which a line enters and leaves a shape that is not a mesh.
+pub(crate) fn line_through(shape: &Shape, origin: DVec3, direction: DVec3) -> Option<(f64, f64)> {
+    match shape {
+        Shape::Sphere { center, radius } => {
+            intersect_sphere(center.as_dvec3(), f64::from(*radius), origin, direction)
         }
+        Shape::Rectangle { corner, edge_u, edge_v } => {
+            let edges = (edge_u.as_dvec3(), edge_v.as_dvec3());
+            let distance = intersect_rectangle(corner.as_dvec3(), edges, origin, direction)?;
+            Some((distance, distance))
+        }
+        Shape::Box { min, max } => intersect_box(min.as_dvec3(), max.as_dvec3(), origin, direction),
+        Shape::Mesh(_) => None,
     }
 }
 
 /// Distance in (0, max_distance) to a shape that is not a mesh.
 fn intersect_simple(shape: &Shape, origin: DVec3, direction: DVec3, max_distance: f64) -> Option<f64> {
-    let (near, far) = match shape {
-        Shape::Sphere { center, radius } => {
-            intersect_sphere(center.as_dvec3(), f64::from(*radius), origin, direction)?
-        }
-        Shape::Rectangle { corner, edge_u, edge_v } => {
-            let edges = (edge_u.as_dvec3(), edge_v.as_dvec3());
-            let distance = intersect_rectangle(corner.as_dvec3(), edges, origin, direction)?;
-            (distance, distance)
-        }
-        Shape::Box { min, max } => intersect_box(min.as_dvec3(), max.as_dvec3(), origin, direction)?,
-        Shape::Mesh(_) => return None,
-    };
+    let (near, far) = line_through(shape, origin, direction)?;
     let distance = if near > 0.0 { near } else { far };
     (distance > 0.0 && distance < max_distance).then_some(distance)
 }
@@ -299,7 +300,13 @@ fn box_face(min: DVec3, max: DVec3, point: DVec3, margin: f64) -> (DVec3, Vec3) 
 }
 
 /// Everything about a hit at `point` = origin + distance * direction.
-fn describe(object: &Object, index: u32, point: DVec3, distance: f64, mesh_hit: Option<TriangleHit>) -> Hit {
+pub(crate) fn describe(
+    object: &Object,
+    index: u32,
+    point: DVec3,
+    distance: f64,
+    mesh_hit: Option<TriangleHit>,
+) -> Hit {
     let flat = |normal: Vec3| Curvature { tangent: normal.any_orthonormal_vector(), ..Curvature::default() };
     let (min, max) = object.shape.bounds();
     let mesh_error = if let Shape::Mesh(mesh) = &object.shape { mesh.position_error() } else { 0.0 };

@@ -26,6 +26,9 @@ use std::sync::Arc;
 /// Segments of a ray between boundaries that do not bend it: those of fog in a vacuum.
 const MOST_SEGMENTS: u32 = 4;
 
+/// Whether what is found will not be used any more.
+pub(crate) type Poll<'a> = &'a (dyn Fn() -> bool + Sync);
+
 const FITS: &str = "as many cells as the layout has";
 
 /// A scene as it is at an instant while a shutter is open, and its media.
@@ -49,10 +52,11 @@ impl Guidance {
     /// and where all that does comes straight from lamps.
     ///
     /// - `instants`: at least one. Cost: 50 to 90 core-milliseconds in the scenes of the repository, and a tenth of that for each instant more.
-    pub(crate) fn of(instants: &[Instant]) -> Vec<Option<Self>> {
+    ///   Where `cancelled` says yes, which it must go on to say, it returns soon, and what it says is of no use.
+    pub(crate) fn of(instants: &[Instant], cancelled: Poll) -> Vec<Option<Self>> {
         let dark = || instants.iter().map(|_| None).collect();
-        let Some(pixels) = look::pixels(instants) else { return dark() };
-        let found = importons::walk(instants, &pixels);
+        let Some(pixels) = look::pixels(instants, cancelled) else { return dark() };
+        let found = importons::walk(instants, &pixels, cancelled);
         let around = &instants[0].scene.grid;
         let layout = found.layout(around.min, around.max);
         let mut sums = vec![ImportanceSums::default(); layout.cell_count()];
@@ -63,7 +67,7 @@ impl Guidance {
         let cells = Arc::<[ImportanceCell]>::from(cells);
         let importance = Importance::new(layout, &cells).expect(FITS);
         let of_instant = |&Instant { scene, fogs }: &Instant| {
-            let lamps = lamps::Lamps::new(scene, fogs, &importance)?;
+            let lamps = lamps::Lamps::new(scene, fogs, &importance, cancelled)?;
             Some(Self { layout, cells: Arc::clone(&cells), lamps, factor: 1.0 })
         };
         instants.iter().map(of_instant).collect()
@@ -72,7 +76,7 @@ impl Guidance {
     /// Of a scene that stands still.
     #[cfg(test)]
     pub(crate) fn new(scene: &Scene, fogs: &[Medium]) -> Option<Self> {
-        Self::of(&[Instant { scene, fogs }]).pop().flatten()
+        Self::of(&[Instant { scene, fogs }], &|| false).pop().flatten()
     }
 
     /// Power x importance of all light, its straight part left out.
@@ -252,7 +256,7 @@ mod tests {
         let fogs = scenes.each_ref().map(media::all);
         let instants: Vec<Instant> =
             scenes.iter().zip(&fogs).map(|(scene, fogs)| Instant { scene, fogs }).collect();
-        let together = Guidance::of(&instants);
+        let together = Guidance::of(&instants, &|| false);
         let worth = |of: &Option<Guidance>, x: f32| {
             let of = of.as_ref().expect("light");
             (0..8)
@@ -260,7 +264,7 @@ mod tests {
                 .sum::<f32>()
         };
         for (instant, x) in instants.iter().zip([-4.0, 4.0]) {
-            let alone = Guidance::of(&[*instant]).remove(0);
+            let alone = Guidance::of(&[*instant], &|| false).remove(0);
             let share = together.iter().map(|of| worth(of, x) / worth(&alone, x)).collect::<Vec<_>>();
             println!("at {x}: {share:?}, and over there {}", worth(&alone, -x) / worth(&alone, x));
             // 8,000 of 16,000 paths, over some cells.

@@ -11,6 +11,7 @@ pub mod camera;
 #[cfg(feature = "files")]
 mod camera_file;
 mod clearance;
+mod coincident;
 pub mod compare;
 pub mod defaults;
 #[cfg(feature = "files")]
@@ -29,6 +30,7 @@ mod glow_file;
 mod grids;
 mod guidance;
 pub mod kind;
+pub mod lamps;
 pub mod light;
 #[cfg(feature = "files")]
 mod light_file;
@@ -43,8 +45,10 @@ pub mod media;
 mod medium_file;
 pub mod memory;
 mod near;
+pub mod nesting;
 pub mod operators;
 pub mod optics;
+mod origin;
 #[cfg(feature = "files")]
 pub mod output;
 pub mod pass;
@@ -70,6 +74,8 @@ pub mod samples;
 pub mod scene;
 #[cfg(feature = "files")]
 pub mod scene_file;
+#[cfg(feature = "files")]
+mod scene_files;
 #[cfg(feature = "files")]
 pub mod shard;
 pub mod sight;

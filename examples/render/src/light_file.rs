@@ -1,17 +1,16 @@
 //! Reads a `[[light]]` of a scene file.
 
-use std::path::Path;
-
 use covbeam_geometry::MAX_COORDINATE;
 use glam::{Mat3, Vec3};
 
 use crate::fields::{Field, SceneError, Table};
 use crate::geometry::unite;
-use crate::output::read_picture;
+use crate::output::read_picture_up_to;
 use crate::scene::{
     Area, Cone, Lamp, Light, MediumDensity, MediumId, Object, SceneMedium, ShiningMesh, Sky, Sun,
 };
 use crate::scene_file::{read_edges, read_mesh, read_parallelogram};
+use crate::scene_files::SceneFiles;
 
 /// Widest angle that a sun is seen under \[degrees\]: wider ones are no light of one direction.
 const WIDEST_SUN: f32 = 90.0;
@@ -23,14 +22,14 @@ const LEAST_SPREAD: f32 = 0.03;
 const LEAST_BLEND: f32 = 1e-6;
 
 /// Most pixels of a picture of the sky.
-const MOST_PIXELS: usize = 1 << 23;
+const MOST_PIXELS: u64 = 1 << 23;
 
 /// What lights shine on, and where their files are.
 pub(crate) struct ShoneOn<'a> {
     pub(crate) objects: &'a [Object],
     pub(crate) media: &'a [SceneMedium],
     pub(crate) outside: Option<MediumId>,
-    pub(crate) base_dir: &'a Path,
+    pub(crate) files: &'a SceneFiles<'a>,
 }
 
 pub(crate) fn read_light(table: &Table<'_>, shone_on: &ShoneOn) -> Result<Light, SceneError> {
@@ -139,7 +138,7 @@ fn read_spot(table: &Table<'_>, intensity: Vec3) -> Result<Light, SceneError> {
 fn read_lamp(table: &Table<'_>, intensity: Vec3, shone_on: &ShoneOn) -> Result<Light, SceneError> {
     let position = table.required("position")?.vector()?;
     let radius = match table.optional("radius") {
-        Some(field) => field.size()?,
+        Some(field) => field.size_or_zero()?,
         None => 0.0,
     };
     let soft = table.optional("soft").map_or(Ok(false), |field| field.boolean())?;
@@ -189,7 +188,7 @@ fn read_area(table: &Table<'_>, radiance: Vec3) -> Result<Light, SceneError> {
 }
 
 fn read_shining_mesh(table: &Table<'_>, radiance: Vec3, shone_on: &ShoneOn) -> Result<Light, SceneError> {
-    let mesh = read_mesh(table, shone_on.base_dir)?;
+    let mesh = read_mesh(table, shone_on.files)?;
     let shining = ShiningMesh::new(&mesh.placed_corners(), radiance);
     shining.map(Light::Mesh).ok_or_else(|| {
         let expected = "a mesh of which triangles have an area in single precision";
@@ -198,7 +197,7 @@ fn read_shining_mesh(table: &Table<'_>, radiance: Vec3, shone_on: &ShoneOn) -> R
 }
 
 fn read_sky(table: &Table<'_>, radiance: Vec3, shone_on: &ShoneOn) -> Result<Light, SceneError> {
-    let &ShoneOn { objects, media, outside, base_dir } = shone_on;
+    let &ShoneOn { objects, media, outside, files } = shone_on;
     let kind = table.required("kind")?;
     if let Some(SceneMedium {
         medium, density: MediumDensity::Uniform | MediumDensity::Exponential(_), ..
@@ -216,7 +215,7 @@ fn read_sky(table: &Table<'_>, radiance: Vec3, shone_on: &ShoneOn) -> Result<Lig
     };
     let picture = table.optional("picture");
     let (cells, columns) = match &picture {
-        Some(field) => read_sky_picture(field, base_dir)?,
+        Some(field) => read_sky_picture(field, files)?,
         None => (vec![Vec3::ONE], 1),
     };
     let cells: Vec<Vec3> = cells.into_iter().map(|cell| radiance * cell).collect();
@@ -232,18 +231,15 @@ fn read_sky(table: &Table<'_>, radiance: Vec3, shone_on: &ShoneOn) -> Result<Lig
 }
 
 /// Radiance of the cells of a sky, and how many a row has.
-fn read_sky_picture(field: &Field<'_>, base_dir: &Path) -> Result<(Vec<Vec3>, usize), SceneError> {
-    let path = base_dir.join(field.text("the path of an EXR file in quotes, relative to the scene file")?);
+fn read_sky_picture(field: &Field<'_>, files: &SceneFiles<'_>) -> Result<(Vec<Vec3>, usize), SceneError> {
+    let path = files.path(field, "an EXR file")?;
     // A device or a pipe may never end.
     if !path.is_file() {
         return Err(field.refuse("a regular file"));
     }
-    let picture =
-        read_picture(&path).map_err(|error| field.refuse(format!("an EXR picture, but {error}")))?;
+    let picture = read_picture_up_to(&path, MOST_PIXELS)
+        .map_err(|error| field.refuse(format!("an EXR picture, but {error}")))?;
     let most = MAX_COORDINATE;
-    if picture.radiance.len() > MOST_PIXELS {
-        return Err(field.refuse(format!("a picture of at most {MOST_PIXELS} pixels")));
-    }
     let is_valid = |cell: &Vec3| cell.min_element() >= 0.0 && cell.max_element() <= most;
     if !picture.radiance.iter().all(is_valid) {
         return Err(field.refuse("a picture of numbers in 0..=1e9"));

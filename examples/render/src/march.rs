@@ -4,6 +4,7 @@ use crate::compare::luminance;
 use crate::eye::{EyeSegment, EyeTracer};
 use crate::first_hits::FirstHits;
 use crate::kind::{ByKind, Kind};
+use crate::lamps::LampTree;
 use crate::media;
 use crate::passage::passage;
 use crate::plan::Plan;
@@ -73,14 +74,21 @@ pub(crate) struct Guide<'a> {
 }
 
 impl<'a> Guide<'a> {
-    /// With an eighth of the shadow rays that `samples` a pixel are.
-    pub(crate) fn new(scene: &Scene, grid: FluenceGrid<'a>, samples: u32, key: [u32; 2]) -> Self {
+    /// With an eighth of the shadow rays that `samples` a pixel are. None: it was `cancelled`.
+    pub(crate) fn new(
+        scene: &Scene,
+        grid: FluenceGrid<'a>,
+        samples: u32,
+        key: [u32; 2],
+        cancelled: &dyn Fn() -> bool,
+    ) -> Option<Self> {
         let pixels = scene.camera.width as usize * scene.camera.height as usize;
         let rays = (pixels * samples as usize / 8).clamp(FEWEST_FIRST_HITS, MOST_FIRST_HITS);
         let lights = scene.lights.iter().zip(0..);
-        let first_hits =
-            lights.map(|(light, index)| FirstHits::new(scene, light, rays, [key[0] ^ index << 16, key[1]]));
-        Self { grid, first_hits: first_hits.collect() }
+        let first_hits = lights.map(|(light, index)| {
+            (!cancelled()).then(|| FirstHits::new(scene, light, rays, [key[0] ^ index << 16, key[1]]))
+        });
+        Some(Self { grid, first_hits: first_hits.collect::<Option<_>>()? })
     }
 }
 
@@ -159,7 +167,9 @@ impl<'a> Marcher<'a> {
         let (width, height) = (self.scene.camera.width, self.scene.camera.height);
         let surfaces = SurfaceMap::empty();
         let (scene, fogs, starts) = (self.scene, self.fogs, self.starts);
-        let tracer = EyeTracer { scene, fogs, starts, surfaces: &surfaces, beyond: self.beyond };
+        let lamps = LampTree::new(scene);
+        let tracer =
+            EyeTracer { scene, fogs, starts, lamps: &lamps, surfaces: &surfaces, beyond: self.beyond };
         let start = Instant::now();
         let spread = self.spread(&tracer);
         let mut seconds = start.elapsed().as_secs_f64();
@@ -274,10 +284,10 @@ impl<'a> Marcher<'a> {
         let mut stretch = Stretch { segment, light, from, to, knots: Vec::new(), share, error: 0.0 };
         if adaptive {
             for knot in &mut knots {
-                let (radiance, _) = self.scattered(&stretch, &column, knot.distance, [0.0; 2]);
-                knot.radiance = luminance(radiance);
+                let place = ray.origin + knot.distance * ray.direction;
+                let expected = light.expected(place);
+                knot.radiance = luminance(self.scattered(&stretch, &column, knot.distance, expected));
                 if let (true, Some(guide)) = (knot.radiance > 0.0, self.guide) {
-                    let place = ray.origin + knot.distance * ray.direction;
                     knot.visibility = guide.first_hits[number].visibility(place);
                     if let Some(spectrum) = guide.grid.look_up(place) {
                         knot.deviation = spectrum.variance_along(ray.direction).sqrt();
@@ -289,15 +299,21 @@ impl<'a> Marcher<'a> {
         Some(stretch)
     }
 
-    /// Radiance that a metre of the stretch scatters to the ray's start if nothing is in the light's way, and where
-    /// the light comes from.
-    fn scattered(&self, stretch: &Stretch, column: &Column, distance: f32, xi: [f32; 2]) -> (Vec3, Vec3) {
+    /// Radiance that a metre of the stretch scatters to the ray's start if nothing is in the light's way.
+    ///
+    /// - `density`, `from`: the light's flux density there, and where it comes from.
+    fn scattered(
+        &self,
+        stretch: &Stretch,
+        column: &Column,
+        distance: f32,
+        (density, from): (Vec3, Vec3),
+    ) -> Vec3 {
         let fog = &self.fogs[stretch.segment.medium as usize];
         let ray = &stretch.segment.ray;
         let place = ray.origin + distance * ray.direction;
-        let (density, from) = stretch.light.flux_density(place, xi);
         if density == Vec3::ZERO {
-            return (Vec3::ZERO, from);
+            return Vec3::ZERO;
         }
         let incoming = (place - from).normalize_or_zero();
         let phase = fog.phase.evaluate(-incoming.dot(ray.direction));
@@ -307,7 +323,14 @@ impl<'a> Marcher<'a> {
             true => Vec3::ONE,
             false => media::transmittance(fog, place, from),
         };
-        (density * amount * fog.transmittance(column.at(distance)) * left, from)
+        density * amount * fog.transmittance(column.at(distance)) * left
+    }
+
+    /// The same of a point of the light by two uniform numbers, and where that is.
+    fn sent(&self, stretch: &Stretch, column: &Column, distance: f32, xi: [f32; 2]) -> (Vec3, Vec3) {
+        let ray = &stretch.segment.ray;
+        let sent = stretch.light.flux_density(ray.origin + distance * ray.direction, xi);
+        (self.scattered(stretch, column, distance, sent), sent.1)
     }
 
     /// Mean over some pixels of what decides about the number of shadow rays, and the expected luminance under which errors do not
@@ -403,8 +426,7 @@ impl<'a> Marcher<'a> {
                 let shift = [random.uniform(), random.uniform()];
                 for (index, sample) in first.iter_mut().enumerate().filter(|(_, sample)| sample.weight > 0.0)
                 {
-                    let (found, from) =
-                        self.scattered(stretch, &column, sample.distance, spread(shift, index));
+                    let (found, from) = self.sent(stretch, &column, sample.distance, spread(shift, index));
                     let arrives = self.arrives(stretch, sample.distance, found, from, &mut rays);
                     sample.visibility = arrives.max_element().min(1.0);
                 }
@@ -453,7 +475,7 @@ impl<'a> Marcher<'a> {
         }
         let shift = [random.uniform(), random.uniform()];
         for (index, sample) in scratch.samples.iter().enumerate().filter(|(_, sample)| sample.weight > 0.0) {
-            let (found, from) = self.scattered(stretch, &column, sample.distance, spread(shift, index));
+            let (found, from) = self.sent(stretch, &column, sample.distance, spread(shift, index));
             radiance +=
                 sample.weight * self.arrives(stretch, sample.distance, found, from, &mut rays) * found;
         }
@@ -461,7 +483,7 @@ impl<'a> Marcher<'a> {
         (radiance, rays)
     }
 
-    /// Share of the light of [`Marcher::scattered`] that arrives at a place of a stretch; without a shadow ray where there is none.
+    /// Share of the light of [`Marcher::sent`] that arrives at a place of a stretch; without a shadow ray where there is none.
     fn arrives(&self, stretch: &Stretch, distance: f32, light: Vec3, from: Vec3, rays: &mut u32) -> Vec3 {
         if light == Vec3::ZERO {
             return Vec3::ZERO;

@@ -1,7 +1,5 @@
 //! Reads the `[[medium]]` tables of a scene file: coefficients, phase functions, densities.
 
-use std::path::Path;
-
 use covbeam::{Density, ExponentialDensity, Medium, PhaseFunction, PhaseKind};
 use covbeam_geometry::MAX_COORDINATE;
 use glam::Vec3;
@@ -10,6 +8,7 @@ use crate::camera::Camera;
 use crate::fields::{Field, SceneError, Table};
 use crate::scene::{Light, MediumDensity, MediumId, Object, SceneMedium};
 use crate::scene_file::read_corners;
+use crate::scene_files::SceneFiles;
 use crate::volume::{MAX_DENSITY, Volume};
 
 /// Most voxels of all volumes of a scene: 256 MiB of densities.
@@ -18,7 +17,7 @@ const MAX_SCENE_VOXELS: usize = 1 << 26;
 /// The media and their names, in the order of the file; what they send out is read once the objects are known.
 pub(crate) fn read_media<'a>(
     root: &Table<'a>,
-    base_dir: &Path,
+    files: &SceneFiles<'_>,
 ) -> Result<(Vec<SceneMedium>, Vec<&'a str>), SceneError> {
     let (mut media, mut names) = (Vec::new(), Vec::new());
     let mut voxels = 0;
@@ -41,9 +40,9 @@ pub(crate) fn read_media<'a>(
                 .map_or(Ok(PhaseFunction::ISOTROPIC), |field| read_phase(&field))?,
             density: Density::Uniform,
         };
-        let density = table.optional("density").map_or(Ok(MediumDensity::Uniform), |field| {
-            read_density(&field, &medium, &mut voxels, base_dir)
-        })?;
+        let density = table
+            .optional("density")
+            .map_or(Ok(MediumDensity::Uniform), |field| read_density(&field, &medium, &mut voxels, files))?;
         media.push(SceneMedium { medium, density, glow: None });
         names.push(text);
     }
@@ -55,7 +54,7 @@ fn read_density(
     field: &Field<'_>,
     medium: &Medium,
     voxels: &mut usize,
-    base_dir: &Path,
+    files: &SceneFiles<'_>,
 ) -> Result<MediumDensity, SceneError> {
     let expected = "{ exponential = { origin, up, scale_height } } or { volume = { file, min, max } }; without \
                     this field the density is 1 everywhere";
@@ -73,8 +72,7 @@ fn read_density(
             let table = fields.table()?;
             table.only(&["file", "min", "max"])?;
             let file = table.required("file")?;
-            let path =
-                base_dir.join(file.text("the path of a .vol file in quotes, relative to the scene file")?);
+            let path = files.path(&file, "a .vol file")?;
             let given = table.optional("min").is_some() || table.optional("max").is_some();
             let corners = given.then(|| read_corners(&table)).transpose()?;
             let volume = Volume::load(&path, corners)

@@ -1,16 +1,16 @@
 //! What a smooth surface does to a ray: reflection, refraction, Fresnel, and which media a ray is in.
 
-use crate::geometry::MOST_BOUNDS;
-use crate::light::EmittedPhoton;
-use crate::scene::{Light, MediumId, Object, Placed, Scene};
+use crate::nesting::winner;
+use crate::scene::{MediumId, Object, Scene};
 use covbeam::Curvature;
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 
-/// What a ray is inside of: of a scene's shapes the closed dielectric ones, innermost last; of placed objects the volumes of fog, and whether
-/// it is in glass, in which fog goes on.
+/// What a ray is inside of: of a scene's shapes the set of closed dielectric ones; of placed objects the volumes of fog, and whether it is in
+/// glass, in which fog goes on. A set, so that surfaces at one place may be crossed in any order, and more than once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Interior {
+    /// Ascending by priority, then by number; 0 behind the last of them.
     objects: [u32; Interior::DEEPEST],
     depth: usize,
     /// A set of volumes.
@@ -20,86 +20,73 @@ pub struct Interior {
 }
 
 impl Interior {
-    /// Objects nested deeper than this are treated as if entering them changed nothing.
-    pub const DEEPEST: usize = 8;
+    /// Shapes that may overlap at one place: of more, those of the lowest priority and number are left out.
+    pub const DEEPEST: usize = 12;
 
-    /// What a ray that starts at `point` is inside of.
+    /// What a ray that starts at `point` is inside of; on a surface of a shape it is outside of that.
     pub fn at(scene: &Scene, point: Vec3) -> Self {
-        let mut interior = Self::default();
-        for object in scene.containing(point) {
-            interior.enter(object);
-        }
+        let mut interior = Self::of_shapes(scene, point);
         if let Some(placed) = &scene.placed {
             (interior.fogs, interior.glass) = placed.insides_at(point);
         }
         interior
     }
 
-    /// What a light's place is inside of. Light from infinitely far away starts ahead of all that is placed.
-    pub(crate) fn of_light(scene: &Scene, light: &Light) -> Self {
-        let interior = Self::at(scene, light.position());
-        if light.is_far() { Self { fogs: 0, glass: false, ..interior } } else { interior }
-    }
-
-    /// Where a photon of a light starts whose place is inside of this, and what it is inside of there; None: the light is not there.
-    pub(crate) fn start_of(
-        self,
-        scene: &Scene,
-        light: &Light,
-        emitted: &EmittedPhoton,
-    ) -> Option<(Vec3, Self)> {
-        if let Light::Glow(fog) = light {
-            let interior = Self::at(scene, emitted.origin);
-            return fog.is_in(scene, &interior).then(|| (scene.beside(emitted.origin), interior));
-        }
-        if light.is_far() {
-            return Some((emitted.origin, self));
-        }
-        // What leaves no surface starts on the side of bounds that it is taken to be on.
-        let origin = if emitted.normal == Vec3::ZERO { scene.beside(emitted.origin) } else { emitted.origin };
-        let may_reach_through_bounds = scene.placed.as_ref().is_some_and(Placed::has_insides)
-            || matches!(light, Light::Lamp(_) | Light::Area(_) | Light::Mesh(_));
-        Some((
-            origin,
-            if may_reach_through_bounds { self.moved(scene, light.position(), origin) } else { self },
-        ))
+    /// The same, of shapes alone.
+    pub(crate) fn of_shapes(scene: &Scene, point: Vec3) -> Self {
+        let mut interior = Self::default();
+        scene.containing(point).for_each(|object| interior.enter(scene, object));
+        interior
     }
 
     /// What a ray that starts at `to` is inside of, from what places at `from` are inside of: across all that is between the two, as
     /// where some of a lamp sticks out of fog. Costs nothing where nothing has an inside.
-    pub fn moved(mut self, scene: &Scene, from: Vec3, to: Vec3) -> Self {
+    pub fn moved(self, scene: &Scene, from: Vec3, to: Vec3) -> Self {
+        let mut moved = Self::of_shapes(scene, to);
         if let Some(placed) = &scene.placed {
-            (self.fogs, self.glass) = placed.insides_moved((self.fogs, self.glass), from, to);
+            (moved.fogs, moved.glass) = placed.insides_moved((self.fogs, self.glass), from, to);
         }
-        let is_filled = |object: &Object| object.material.index().is_some();
-        if !scene.objects.iter().any(is_filled) {
-            return self;
-        }
-        let mut start = from;
-        for _ in 0..MOST_BOUNDS {
-            let Some(direction) = (to - start).try_normalize() else { break };
-            let Some(hit) = scene.intersect(start, direction, (to - start).length()) else { break };
-            if scene.objects.get(hit.object as usize).is_some_and(is_filled) {
-                self = self.beyond(scene, &hit, direction);
-            }
-            start = hit.leave(direction);
-        }
-        self
+        moved
     }
 
-    /// Steps into an object.
-    pub fn enter(&mut self, object: u32) {
+    /// The shapes that hold the ray.
+    fn shapes(&self) -> &[u32] {
+        &self.objects[..self.depth]
+    }
+
+    /// The one of them that fills its place.
+    fn shape<'a>(&self, scene: &'a Scene) -> Option<&'a Object> {
+        let object = match self.shapes() {
+            [] => return None,
+            [object] => *object,
+            shapes => winner(&scene.objects, shapes)?,
+        };
+        Some(&scene.objects[object as usize])
+    }
+
+    /// Steps into a shape; does nothing if the ray is inside of it.
+    pub fn enter(&mut self, scene: &Scene, object: u32) {
+        if self.shapes().contains(&object) {
+            return;
+        }
+        let key = |object: u32| (scene.objects[object as usize].priority, object);
+        let place = self.shapes().iter().filter(|other| key(**other) < key(object)).count();
         if self.depth < Self::DEEPEST {
-            self.objects[self.depth] = object;
+            self.objects.copy_within(place..self.depth, place + 1);
+            self.objects[place] = object;
             self.depth += 1;
+        } else if place > 0 {
+            self.objects.copy_within(1..place, 0);
+            self.objects[place - 1] = object;
         }
     }
 
-    /// Steps out of an object; does nothing if the ray was not inside.
+    /// Steps out of a shape; does nothing if the ray is not inside.
     pub fn leave(&mut self, object: u32) {
-        if let Some(place) = self.objects[..self.depth].iter().rposition(|&o| o == object) {
+        if let Some(place) = self.shapes().iter().position(|&o| o == object) {
             self.objects.copy_within(place + 1..self.depth, place);
             self.depth -= 1;
+            self.objects[self.depth] = 0;
         }
     }
 
@@ -110,8 +97,8 @@ impl Interior {
 
     /// The medium here.
     pub(crate) fn fog(&self, scene: &Scene) -> Option<MediumId> {
-        match (self.objects[..self.depth].last(), &scene.placed) {
-            (Some(&object), _) => scene.objects[object as usize].inside,
+        match (self.shape(scene), &scene.placed) {
+            (Some(object), _) => object.inside,
             (None, Some(placed)) => placed.fogs().medium(self.fogs).or(scene.outside),
             (None, None) => scene.outside,
         }
@@ -119,46 +106,67 @@ impl Interior {
 
     /// The index of refraction here.
     pub fn index(&self, scene: &Scene) -> f32 {
-        let innermost = self.objects[..self.depth].last();
-        innermost.and_then(|&object| scene.objects[object as usize].material.index()).unwrap_or(1.0)
+        self.shape(scene).and_then(|object| object.material.index()).unwrap_or(1.0)
     }
 
-    /// What a ray along `direction` is inside of once it has gone through what it hits: straight on, or diffusely.
+    /// What a ray along `direction` is inside of once it has gone through what it hits, straight on or diffusely, and through all other
+    /// surfaces at that place.
     pub(crate) fn through(&self, scene: &Scene, hit: &Hit, direction: Vec3) -> Self {
-        let is_front = hit.geometric_normal.dot(direction) < 0.0;
-        let mut beyond = *self;
-        if let Some((placed, object)) = scene.placed_hit(hit) {
-            let volumes = placed.volumes_of(object);
-            beyond.fogs = if is_front { self.fogs | volumes } else { self.fogs & !volumes };
-        } else if scene.material(hit).index().is_none() {
-            // No more than a surface.
-        } else if is_front {
-            beyond.enter(hit.object);
-        } else {
-            beyond.leave(hit.object);
-        }
-        beyond
+        self.across(scene, hit, direction, false)
     }
 
     /// The same, once it has gone through a boundary of glass.
     pub(crate) fn beyond(&self, scene: &Scene, hit: &Hit, direction: Vec3) -> Self {
-        let mut beyond = self.through(scene, hit, direction);
-        if let Some((placed, object)) = scene.placed_hit(hit)
-            && placed.objects()[object as usize].is_closed
-        {
-            beyond.glass = hit.geometric_normal.dot(direction) < 0.0;
+        self.across(scene, hit, direction, true)
+    }
+
+    fn across(&self, scene: &Scene, hit: &Hit, direction: Vec3, glass: bool) -> Self {
+        let mut beyond = *self;
+        let others = scene.coincident(hit, direction);
+        let is_front = |face: &Hit| face.geometric_normal.dot(direction) < 0.0;
+        // What is entered counts: two things that touch may be of one volume, or both of glass.
+        for front in [false, true] {
+            if is_front(hit) == front {
+                beyond.cross(scene, hit, front, glass);
+            }
+            let faces = others.iter().filter(|face| is_front(face) == front);
+            faces.for_each(|face| beyond.cross(scene, face, front, true));
         }
         beyond
     }
 
+    /// Crosses one surface.
+    ///
+    /// - `glass`: whether a ray that goes through placed glass is inside of it then.
+    fn cross(&mut self, scene: &Scene, hit: &Hit, is_front: bool, glass: bool) {
+        if let Some((placed, object)) = scene.placed_hit(hit) {
+            let volumes = placed.volumes_of(object);
+            self.fogs = if is_front { self.fogs | volumes } else { self.fogs & !volumes };
+            if glass && placed.objects()[object as usize].is_closed && scene.material(hit).has_inside() {
+                self.glass = is_front;
+            }
+        } else if scene.material(hit).index().is_none() {
+            // No more than a surface.
+        } else if is_front {
+            self.enter(scene, hit.object);
+        } else {
+            self.leave(hit.object);
+        }
+    }
+
     /// Index on the side that a ray along `direction` comes from over that on the other, at what it hits; `beyond` is what it is inside of
-    /// there. Placed glass has an index over that of what its front faces, wherever it is.
+    /// there. Placed glass has an index over that of what its front faces, wherever it is; of several surfaces at one place, the product.
     pub(crate) fn eta(&self, scene: &Scene, hit: &Hit, direction: Vec3, beyond: &Self) -> f32 {
         if scene.placed_hit(hit).is_none() {
             return self.index(scene) / beyond.index(scene);
         }
-        let index = scene.material(hit).index().unwrap_or(1.0);
-        if hit.geometric_normal.dot(direction) < 0.0 { 1.0 / index } else { index }
+        let of_face = |face: &Hit| {
+            let index = scene.material(face).index().unwrap_or(1.0);
+            if face.geometric_normal.dot(direction) < 0.0 { 1.0 / index } else { index }
+        };
+        let others = scene.coincident(hit, direction);
+        let placed = others.iter().filter(|other| scene.placed_hit(other).is_some());
+        placed.map(of_face).fold(of_face(hit), |product, eta| product * eta)
     }
 }
 
@@ -250,6 +258,7 @@ impl Boundary {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::Path;
 
     #[test]
     fn fresnel_matches_the_textbook_values_of_glass() {
@@ -264,13 +273,31 @@ mod tests {
     }
 
     #[test]
-    fn leaving_an_object_that_was_never_entered_changes_nothing() {
+    fn shapes_are_a_set_of_which_those_of_the_highest_priority_stay() {
+        let object = "[[object]]\nshape = \"sphere\"\ncenter = [0, 0, 0]\nradius = 1\nmaterial = \"black\"\n";
+        let text = format!(
+            "[camera]\nposition = [0, 0, 9]\nlook_at = [0, 0, 0]\nvertical_fov = 40\nwidth = 8\nheight = 8\n\
+             [[light]]\nkind = \"point\"\nposition = [0, 0, 4]\nintensity = 1\n{}",
+            object.repeat(30)
+        );
+        let mut scene = Scene::parse(&text, "balls", Path::new("")).expect("a valid scene");
+        scene.objects.iter_mut().zip(0..).for_each(|(object, number)| object.priority = number / 2);
         let mut interior = Interior::default();
-        interior.enter(3);
+        for object in [7, 3, 6, 7] {
+            interior.enter(&scene, object);
+        }
         interior.leave(5);
-        assert_eq!(interior.objects[..interior.depth], [3]);
-        interior.enter(7);
-        interior.leave(3);
-        assert_eq!(interior.objects[..interior.depth], [7]);
+        assert_eq!(interior.shapes(), [3, 6, 7]);
+        interior.leave(7);
+        assert_eq!(interior, {
+            let mut other = Interior::default();
+            [6, 3].into_iter().for_each(|object| other.enter(&scene, object));
+            other
+        });
+        // Of more than there is room for, those that win stay.
+        (0..30).rev().for_each(|object| interior.enter(&scene, object));
+        assert_eq!(interior.shapes(), (18..30).collect::<Vec<u32>>());
+        interior.enter(&scene, 2);
+        assert_eq!(interior.shapes(), (18..30).collect::<Vec<u32>>());
     }
 }

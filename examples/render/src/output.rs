@@ -4,6 +4,7 @@ use crate::compare::luminance;
 use crate::exr_format;
 use crate::film::Picture;
 use crate::maps::Bitmap;
+use crate::scene::MAX_IMAGE_SIDE;
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -76,7 +77,7 @@ pub enum OutputError {
 /// Call it before hours of rendering. A file that is already there stays as it is.
 ///
 /// # Errors
-/// The folder is missing or read-only, or `path` is a folder or a device.
+/// The folder is missing or read-only, or `path` is a folder or a device, or longer than names may be.
 pub fn check_writable(path: &Path) -> Result<(), OutputError> {
     create_beside(path).map(drop)
 }
@@ -110,9 +111,12 @@ fn create_beside(path: &Path) -> Result<NamedTempFile, OutputError> {
     if !folder.is_dir() {
         return Err(OutputError::NoFolder { path: path.to_owned(), folder: folder.to_owned() });
     }
-    // A device such as /dev/null must not be renamed over.
-    if path.exists() && !path.is_file() {
-        return Err(OutputError::NotAFile(path.to_owned()));
+    match std::fs::metadata(path) {
+        // A device such as /dev/null must not be renamed over.
+        Ok(there) if !there.is_file() => return Err(OutputError::NotAFile(path.to_owned())),
+        // A name that is too long is found out by asking for it: the temporary file's is not.
+        Err(error) if error.kind() == io::ErrorKind::InvalidFilename => return Err(write_error(path, error)),
+        _ => {}
     }
     let mut builder = tempfile::Builder::new();
     builder.prefix(".covbeam-");
@@ -133,6 +137,7 @@ fn write_error(path: &Path, source: io::Error) -> OutputError {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge => {
             "free some space or choose another disk with --out"
         }
+        io::ErrorKind::InvalidFilename => "choose a shorter name with --out",
         _ => "check the folder or choose another with --out",
     };
     OutputError::Write { path: path.to_owned(), source, remedy }
@@ -162,9 +167,14 @@ pub fn write_exr(path: &Path, picture: &Picture, info: &RenderInfo) -> Result<()
 /// No such file, no EXR, no such channels, or a picture that is cropped (its data window is not its display window):
 /// the message says which, and what was expected.
 pub fn read_picture(path: &Path) -> Result<Picture, OutputError> {
+    read_picture_up_to(path, u64::from(MAX_IMAGE_SIDE).pow(2))
+}
+
+/// The same of a picture of so many pixels at most.
+pub(crate) fn read_picture_up_to(path: &Path, most: u64) -> Result<Picture, OutputError> {
     std::fs::read(path)
         .map_err(|error| error.to_string())
-        .and_then(|bytes| exr_format::decode(&bytes))
+        .and_then(|bytes| exr_format::decode(&bytes, most))
         .map_err(|message| OutputError::Read { path: path.to_owned(), message })
 }
 

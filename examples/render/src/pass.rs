@@ -252,28 +252,37 @@ impl<'a> Renderer<'a> {
 
     /// The same with some parts only, to see what each buys.
     pub fn light_by_parts(&mut self, parts: Parts) {
-        Self::light_instants_by_parts(std::slice::from_mut(self), parts);
+        Self::light_instants_by_parts(std::slice::from_mut(self), parts, &|| false).expect("never cancelled");
     }
 
     /// The same of renderers of one scene at several instants while a shutter is open, all with the same grid: with one pilot for all of them.
     /// The first has their light fields; see [`Renderer::go_on_from`].
-    pub fn light_instants_by_parts(instants: &mut [Self], parts: Parts) {
+    ///
+    /// `cancelled` is polled all the time, and says yes for good once it did; None = it has, and the renderers are of no use.
+    pub fn light_instants_by_parts(
+        instants: &mut [Self],
+        parts: Parts,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Option<()> {
         let start = Instant::now();
         if parts.guided {
             let scenes: Vec<_> =
                 instants.iter().map(|at| guidance::Instant { scene: at.scene, fogs: &at.fogs }).collect();
-            let found = Guidance::of(&scenes);
+            let found = Guidance::of(&scenes, cancelled);
             let mut spread = None;
             for (made, guidance) in instants.iter_mut().zip(found) {
                 let Some(guidance) = guidance else { continue };
                 made.tracer.guide(guidance);
                 // What it says of one holds for the others: only their noise depends on it.
-                made.spread = *spread.get_or_insert_with(|| Spread::of(&made.tracer, &made.fogs));
+                made.spread = *spread.get_or_insert_with(|| Spread::of(&made.tracer, &made.fogs, cancelled));
                 match made.spread {
                     Some(_) => made.decide_branches(),
                     None => made.tracer.guide_no_more(),
                 }
             }
+        }
+        if cancelled() {
+            return None;
         }
         let split = if parts.apart { Split::STRAIGHT_APART } else { Split::TOGETHER };
         for made in &mut *instants {
@@ -285,6 +294,7 @@ impl<'a> Renderer<'a> {
             first.split_into(split);
             first.pilot = start.elapsed().as_secs_f64();
         }
+        Some(())
     }
 
     fn decide_branches(&mut self) {
@@ -389,12 +399,13 @@ impl<'a> Renderer<'a> {
         let chunks: Option<Vec<(PhotonRecord, f64)>> = (0..count.div_ceil(CHUNK))
             .into_par_iter()
             .map(|chunk| {
-                if cancelled() {
-                    return None;
-                }
                 let start = Instant::now();
                 let mut out = PhotonRecord::default();
                 for i in chunk * CHUNK..((chunk + 1) * CHUNK).min(count) {
+                    // A path between mirrors may take as long as a thousand others.
+                    if cancelled() {
+                        return None;
+                    }
                     self.tracer.trace(sequence, first.wrapping_add(i), self.photons, record, &mut out);
                 }
                 Some((out, start.elapsed().as_secs_f64()))
@@ -544,7 +555,10 @@ impl<'a> Renderer<'a> {
         self.energy = record.energy;
         let kernel = settings.schedule.kernel(index, None);
         let start = Instant::now();
-        let plans = if has_spectra { self.plans(index, kernel.error, self.photons) } else { Vec::new() };
+        let plans = match has_spectra {
+            true => self.plans(index, kernel.error, self.photons, cancelled)?,
+            false => Vec::new(),
+        };
         times.plan = start.elapsed().as_secs_f64() + std::mem::take(&mut self.pilot);
 
         let kernel = |layer| if adaptive { self.kernel(kernel, layer) } else { kernel };
@@ -597,6 +611,7 @@ impl<'a> Renderer<'a> {
             scene: self.scene,
             fogs: &self.fogs,
             starts,
+            lamps: self.tracer.lamps(),
             surfaces: &surfaces,
             beyond: self.beyond,
         };
@@ -665,16 +680,22 @@ impl<'a> Renderer<'a> {
     }
 
     /// Where the pass needs eye rays for each layer; none: everywhere.
-    fn plans(&mut self, index: u32, error: f32, beams: u32) -> Vec<Plan> {
+    fn plans(
+        &mut self,
+        index: u32,
+        error: f32,
+        beams: u32,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Vec<Plan>> {
         let Some(surfaces) = self.surfaces.as_ref().filter(|_| self.sees_fog_first()) else {
-            return Vec::new();
+            return Some(Vec::new());
         };
         let (grids, split) = (&mut self.grids, self.split);
         let plan = |layer| {
             let spectra = grids.image(layer, surfaces, &self.fogs);
             let kind = split.filter(|split| split.count() > 1).map(|split| split.last_kind(layer));
-            let made = Plan::new(Arc::clone(surfaces), kind, index, error, beams, spectra);
-            if self.is_everywhere { made.everywhere() } else { made }
+            let made = Plan::new(Arc::clone(surfaces), kind, index, error, beams, spectra, cancelled)?;
+            Some(if self.is_everywhere { made.everywhere() } else { made })
         };
         (0..split.unwrap_or(Split::TOGETHER).count()).map(plan).collect()
     }
@@ -697,8 +718,9 @@ impl<'a> Renderer<'a> {
         let key = [self.seed, index];
         let start = Instant::now();
         let error = error_bound(scene.settings.schedule.error, index);
-        let plan = if adaptive { self.plans(index, error, 0).pop() } else { None };
-        let guide = adaptive.then(|| Guide::new(scene, self.grids.look_up(0), self.marching.samples, key));
+        let plan = if adaptive { self.plans(index, error, 0, cancelled)?.pop() } else { None };
+        let guide = || Guide::new(scene, self.grids.look_up(0), self.marching.samples, key, cancelled);
+        let guide = if adaptive { Some(guide()?) } else { None };
         times.plan = start.elapsed().as_secs_f64();
         let marcher = Marcher {
             scene,

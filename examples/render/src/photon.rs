@@ -6,17 +6,19 @@ mod weight;
 
 use crate::guidance::Guidance;
 use crate::kind::Kind;
+use crate::lamps::LampTree;
 use crate::light::{EmittedPhoton, cosine_direction};
 use crate::material::{Encounter, Lobe};
 use crate::media;
 use crate::near::Near;
 use crate::operators::Operator;
 use crate::optics::{Boundary, Interior, curvature_towards, facing_normal, reflect};
+use crate::origin::Origin;
 use crate::passage::passage;
 use crate::random::{Emission, PathSampler};
 use crate::record::add;
 pub use crate::record::{Energy, FieldSegment, PathBeam, PhotonRecord, Record, Splat};
-use crate::scene::{Light, Material, Scene};
+use crate::scene::{Material, Scene};
 use crate::surface::SurfacePhoton;
 use covbeam::{Column, CovarianceGrid, Curvature, Density, Edges, Knot, LightField, Medium};
 use covbeam_geometry::hit::Hit;
@@ -44,10 +46,9 @@ pub struct PhotonTracer<'a> {
     scene: &'a Scene,
     fogs: Vec<Medium<'a>>,
     lights: Lights,
-    /// Cumulative shares of the paths that start from each light which shadow rays look for; of the others 0.
-    lamps: Vec<f32>,
+    lamps: LampTree,
     near: Near,
-    camera: Interior,
+    camera: Origin,
     limits: Limits,
     seed: u32,
     emission: Emission,
@@ -61,8 +62,8 @@ struct Lights {
     cumulative: Vec<f32>,
     /// Of all of them \[W\].
     flux: Vec3,
-    /// What each light is inside of.
-    interiors: Vec<Interior>,
+    /// Where each light is.
+    origins: Vec<Origin>,
 }
 
 /// The moving photon.
@@ -129,17 +130,17 @@ impl<'a> PhotonTracer<'a> {
             sum += flux / total;
             sum as f32
         });
-        let interiors = scene.lights.iter().map(|light| Interior::of_light(scene, light));
+        let origins = scene.lights.iter().map(|light| Origin::of_light(scene, light));
         let lights = Lights {
             cumulative: shares.collect(),
             flux: scene.lights.iter().map(Light::flux).sum(),
-            interiors: interiors.collect(),
+            origins: origins.collect(),
         };
-        let camera = Interior::at(scene, scene.camera.position);
+        let camera = Origin::new(scene, scene.camera.position);
         Self {
             scene,
             fogs: media::all(scene),
-            lamps: shares_of_lamps(scene, &lights.cumulative),
+            lamps: LampTree::new(scene),
             lights,
             near: Near::new(scene),
             camera,
@@ -158,7 +159,6 @@ impl<'a> PhotonTracer<'a> {
 
     /// From now on sends light paths where the picture needs them; not those for connections with the camera.
     pub(crate) fn guide(&mut self, guidance: Guidance) {
-        self.lamps = shares_of_lamps(self.scene, guidance.lamps());
         self.guidance = Some(guidance);
         for _ in 0..TRIALS {
             let mut record = PhotonRecord::default();
@@ -178,7 +178,6 @@ impl<'a> PhotonTracer<'a> {
 
     /// Sends light paths as their power goes, as before [`PhotonTracer::guide`].
     pub(crate) fn guide_no_more(&mut self) {
-        self.lamps = shares_of_lamps(self.scene, &self.lights.cumulative);
         self.guidance = None;
     }
 
@@ -201,8 +200,8 @@ impl<'a> PhotonTracer<'a> {
         self.scene
     }
 
-    /// Cumulative shares of the paths that start from each light which shadow rays look for; others have none.
-    pub(crate) fn lamps(&self) -> &[f32] {
+    /// The lamps that shadow rays look for.
+    pub(crate) fn lamps(&self) -> &LampTree {
         &self.lamps
     }
 
@@ -327,7 +326,7 @@ impl<'a> PhotonTracer<'a> {
         if record == Record::Direct && !is_straight {
             return None;
         }
-        let (origin, interior) = self.lights.interiors[light].start_of(self.scene, source, emitted)?;
+        let (origin, interior) = self.lights.origins[light].of_photon(self.scene, source, emitted)?;
         Some(Photon {
             origin,
             direction: emitted.direction,
@@ -687,31 +686,14 @@ impl<'a> PhotonTracer<'a> {
         let offset = camera.position - vertex;
         let distance2 = offset.length_squared();
         let distance = distance2.sqrt();
-        let eye = self.scene.beside(camera.position);
-        let arrives = passage(self.scene, &self.fogs, self.camera, eye, vertex);
+        let (eye, interior) = self.camera.towards(self.scene, -offset);
+        let arrives = passage(self.scene, &self.fogs, interior, eye, vertex);
         if arrives == Vec3::ZERO {
             return;
         }
         let radiance = flux(offset / distance) * arrives * (importance / distance2);
         out.splats.push(Splat { pixel: y as u32 * camera.width + x as u32, radiance });
     }
-}
-
-/// Of the cumulative shares of a scene's lights, those of the lights that shadow rays look for.
-fn shares_of_lamps(scene: &Scene, cumulative: &[f32]) -> Vec<f32> {
-    if scene.lights.iter().all(Light::is_straight) {
-        return cumulative.to_vec();
-    }
-    let before = std::iter::once(&0.0).chain(cumulative);
-    let shares = scene.lights.iter().zip(cumulative).zip(before);
-    let shares = shares.map(|((light, end), before)| if light.is_straight() { end - before } else { 0.0 });
-    let total: f32 = shares.clone().sum();
-    let mut sum = 0.0;
-    let cumulative = shares.map(|share| {
-        sum += share / total.max(f32::MIN_POSITIVE);
-        sum
-    });
-    cumulative.collect()
 }
 
 /// The light that a path starts from, with its probability.

@@ -19,11 +19,14 @@ const PROBE: Vec3 = Vec3::new(0.408_103_88, 0.867_197_8, 0.285_340_5);
 const CLEAR: f64 = 1.0 / (1 << 21) as f64;
 const LEAST_CLEAR: f64 = 1e-9;
 
+/// How far off a surface places are that may lie on it, as they are rounded \[scene unit\].
+pub(crate) fn hair(point: Vec3) -> f64 {
+    (CLEAR * point.as_dvec3().abs().max_element()).max(LEAST_CLEAR)
+}
+
 /// A place moved by a hair, all places the same way, off surfaces that pass through it.
 pub(crate) fn cleared(point: Vec3) -> Vec3 {
-    let point = point.as_dvec3();
-    let hair = (CLEAR * point.abs().max_element()).max(LEAST_CLEAR);
-    (point + hair * PROBE.as_dvec3()).as_vec3()
+    (point.as_dvec3() + hair(point) * PROBE.as_dvec3()).as_vec3()
 }
 
 /// Geometry of many meshes and instances. A scene of it has no other rules than a ray's side of the triangle that it meets: nothing need be
@@ -158,14 +161,19 @@ impl Placed {
     }
 
     /// What a place is inside of, or is just beside if it lies on a surface: a set of volumes, and whether it is in glass.
+    pub(crate) fn insides_at(&self, point: Vec3) -> (u64, bool) {
+        self.insides_off(cleared(point))
+    }
+
+    /// The same, of a place that lies on no surface.
     ///
     /// The first surface of each volume on a way out, and the first of glass, tells by its side.
-    pub(crate) fn insides_at(&self, point: Vec3) -> (u64, bool) {
+    pub(crate) fn insides_off(&self, point: Vec3) -> (u64, bool) {
         let (mut inside, mut seen, mut glass) = (0, 0, None);
         if !self.has_insides() {
             return (inside, false);
         }
-        let mut origin = cleared(point);
+        let mut origin = point;
         for _ in 0..MOST_SURFACES {
             let Some(hit) = self.nearest(origin, PROBE, f32::INFINITY) else { break };
             let is_behind = hit.geometric_normal.dot(PROBE) > 0.0;

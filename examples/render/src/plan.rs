@@ -61,17 +61,21 @@ impl Plan {
         error: f32,
         paths: u32,
         spectra: &[ImageSpectrum],
-    ) -> Self {
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Self> {
         let (lattice, regions) = (*surfaces.lattice(), Arc::clone(surfaces.regions()));
         let mut nodes = vec![FilmFilterNode::default(); lattice.node_count()];
         let filters = FilmFilters::new(lattice, &regions, spectra, error, &mut nodes).expect(FITS);
         let least = lattice.least_density(paths);
-        let density = (0..lattice.width * lattice.height)
-            .into_par_iter()
-            .map(|pixel| filters.filter(pixel % lattice.width, pixel / lattice.width).density().max(least))
-            .collect();
+        let of_pixel = |pixel: u32| {
+            let (x, y) = (pixel % lattice.width, pixel / lattice.width);
+            (x > 0 || !cancelled()).then(|| filters.filter(x, y).density().max(least))
+        };
+        let density: Option<Vec<f32>> =
+            (0..lattice.width * lattice.height).into_par_iter().map(of_pixel).collect();
+        let density = density?;
         let (nodes, density) = (Arc::new(nodes), Arc::new(density));
-        Self { filters: LayerFilters { kind, pass, lattice, regions, nodes, density }, surfaces }
+        Some(Self { filters: LayerFilters { kind, pass, lattice, regions, nodes, density }, surfaces })
     }
 
     /// The same with an eye ray through each pixel.

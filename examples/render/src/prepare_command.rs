@@ -4,11 +4,11 @@ use crate::cli::PrepareArgs;
 use crate::failure::Usage;
 use crate::render_command::job::{check_ending, subject};
 use crate::render_command::{check_method, renderer};
-use crate::stop::Stop;
+use crate::stop::{Stop, Watch};
 use covbeam_render::output::check_writable;
 use covbeam_render::pass::field_passes;
 use covbeam_render::prepared::write_prepared;
-use covbeam_render::progress::{Display, Standing, seconds};
+use covbeam_render::progress::{Display, Listener, Standing, seconds};
 use serde_json::json;
 use std::error::Error;
 use std::path::PathBuf;
@@ -33,8 +33,13 @@ pub(crate) fn run(args: &PrepareArgs) -> Result<ExitCode, Box<dyn Error>> {
     let passes = args.passes.unwrap_or(scene.settings.passes);
 
     let stop = Stop::on_signals()?;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads as usize).build()?;
     let listener = args.progress.listener();
+    let asked = stop.clone();
+    let watch = Watch::new(stop.clone(), None, move |_| {
+        stopped(listener);
+        asked.code()
+    })?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads as usize).build()?;
     let display = Display::for_listener(listener);
     let all = field_passes(passes);
     let mut done = 0;
@@ -51,11 +56,12 @@ pub(crate) fn run(args: &PrepareArgs) -> Result<ExitCode, Box<dyn Error>> {
     };
     let written = pool.install(|| {
         let mut renderer = renderer(&scene, &origin, &args.picture);
+        watch.end();
         write_prepared(&out, &origin, &mut renderer, passes, &|| stop.is_asked(), report)
     });
     display.finish();
     if !written? {
-        listener.stopped("stopped: nothing is written\n", json!({ "files": [] }));
+        stopped(listener);
         return Ok(stop.exit_code());
     }
     let took = seconds(start.elapsed());
@@ -65,4 +71,8 @@ pub(crate) fn run(args: &PrepareArgs) -> Result<ExitCode, Box<dyn Error>> {
     );
     listener.done(&text, json!({ "files": [out], "passes": [0, passes] }));
     Ok(ExitCode::SUCCESS)
+}
+
+fn stopped(listener: Listener) {
+    listener.stopped("stopped: nothing is written\n", json!({ "files": [] }));
 }

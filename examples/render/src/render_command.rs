@@ -5,15 +5,15 @@ pub(crate) mod job;
 mod saving;
 
 use crate::cli::{MethodName, PassesArgument, PictureArgs, RenderArgs};
-use crate::failure::{Refused, Usage};
-use crate::stop::Stop;
+use crate::failure::{self, Refused, Usage};
+use crate::stop::{Ended, Stop, Watch};
 use covbeam_render::kind::Split;
 use covbeam_render::march::Marching;
 use covbeam_render::memory;
 use covbeam_render::output::check_writable;
 use covbeam_render::pass::Renderer;
 use covbeam_render::prepared::read_prepared;
-use covbeam_render::progress::{Display, Standing, say, seconds};
+use covbeam_render::progress::{Display, Listener, Standing, say, seconds};
 use covbeam_render::render::{End, Goal, Progress, RenderError, render};
 use covbeam_render::scene::Scene;
 use covbeam_render::shard::Origin;
@@ -43,10 +43,12 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
     };
     job.target.files().iter().try_for_each(|path| check_writable(path))?;
     check_camera(&job.scene, args.picture.method)?;
+    check_lamps(&job.scene)?;
     check_memory(&job.scene, job.origin.photons, args.picture.light_passes)?;
 
     let stop = Stop::on_signals()?;
     let cancelled = || stop.is_asked();
+    let watch = watch(&stop, &job, start, film.passes(), listener)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads as usize).build()?;
     say(job.title(pool.current_num_threads(), film.passes()));
     let mut renderer = pool.install(|| renderer(&job.scene, &job.origin, &args.picture));
@@ -71,16 +73,17 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
         &cancelled,
         |index, cancelled| pool.install(|| renderer.pass(job.first + index, cancelled)),
         |progress, film| {
+            watch.end();
             show(&display, progress, &job.goal);
             pool.install(|| saving.after_pass(progress, film))
         },
     );
+    watch.end();
     display.finish();
 
     if film.passes() == 0 {
         rendered?;
-        let text = "stopped before the first pass was finished: nothing is written\n";
-        listener.stopped(text, json!({ "files": [], "passes": [job.first, job.first] }));
+        stopped_early(listener, [job.first; 2]);
         return Ok(stop.exit_code());
     }
     // An output error came from saving this very film: trying again would fail again.
@@ -99,6 +102,41 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
     }
     listener.done(&text, facts);
     Ok(ExitCode::SUCCESS)
+}
+
+/// Ends the program while there is no new pass: by signals, and where the first one takes so much longer than `--time` that it is worth less
+/// than to know that.
+fn watch(stop: &Stop, job: &Job, start: Instant, before: u32, listener: Listener) -> std::io::Result<Watch> {
+    const MOST_TIMES: u32 = 2;
+    let time = job.goal.time.and_then(|time| Some((time, start.checked_add(time.checked_mul(MOST_TIMES)?)?)));
+    let (asked, range) = (stop.clone(), [job.first, job.first + before]);
+    Watch::new(stop.clone(), time.map(|(_, until)| until), move |ended| match (ended, time) {
+        (Ended::Time, Some((time, _))) => {
+            let code = failure::FAILED;
+            listener.failed(
+                code,
+                &format!(
+                    "no pass is finished after {MOST_TIMES} times --time {}, nothing is written; give it more time, fewer light paths (--photons) or \
+                     fewer pixels (camera.width, camera.height)",
+                    time.as_secs_f64()
+                ),
+            );
+            code
+        }
+        _ => {
+            stopped_early(listener, range);
+            asked.code()
+        }
+    })
+}
+
+/// Says that a signal came before there was a new pass; `passes`: those that were there.
+fn stopped_early(listener: Listener, passes: [u32; 2]) {
+    let text = match passes[1] - passes[0] {
+        0 => "stopped before the first pass was finished: nothing is written\n",
+        _ => "stopped before another pass was finished: all is as it was\n",
+    };
+    listener.stopped(text, json!({ "files": [], "passes": passes }));
 }
 
 /// What makes the passes of a picture; eye rays are not planned yet.
@@ -192,6 +230,15 @@ fn check_camera(scene: &Scene, method: MethodName) -> Result<(), Refused> {
          choose another --method, or leave camera.lens, camera.near and camera.projection out"
             .to_owned(),
     ))
+}
+
+/// Refuses a torch at the camera, in fog.
+fn check_lamps(scene: &Scene) -> Result<(), Refused> {
+    let Some(lamp) = scene.lamp_at_camera() else { return Ok(()) };
+    Err(Refused(format!(
+        "light[{lamp}] is a point at camera.position, in fog, which would be infinitely bright before the camera; move it aside, or give it a \
+         size: kind = \"lamp\" with a radius, \"disk\", \"area\" or \"sphere\""
+    )))
 }
 
 /// Refuses a picture that memory cannot hold, before the work begins.

@@ -1,10 +1,10 @@
 //! What a scene is: objects, lights, media, camera and the defaults of a render.
 
-use crate::camera::Camera;
+use crate::camera::{Camera, Projection};
 use crate::glow::Glow;
 pub use crate::light::{Area, Ball, Cone, GlowingFog, Lamp, Pattern, ShiningMesh, Sky, Sun};
 pub use crate::material::{Lobes, Material};
-use crate::placed::cleared;
+use crate::optics::Interior;
 pub use crate::placed::{Placed, PlacedObject};
 use crate::volume::Volume;
 use covbeam::{ExponentialDensity, Medium};
@@ -77,11 +77,15 @@ impl Scene {
         Some((self.placed.as_ref()?, object))
     }
 
-    /// A place, or one a hair aside where it may lie on a surface that something placed has its inside behind: as [`Interior::at`] sees it.
-    ///
-    /// [`Interior::at`]: crate::optics::Interior::at
-    pub fn beside(&self, place: Vec3) -> Vec3 {
-        if self.placed.as_ref().is_some_and(Placed::has_insides) { cleared(place) } else { place }
+    /// The first light that is a point exactly where all eye rays start, in a medium that scatters: there the picture would be infinitely bright.
+    pub fn lamp_at_camera(&self) -> Option<usize> {
+        let Camera { position, near, .. } = self.camera;
+        let medium = Interior::at(self, position).medium(self).map(|medium| &self.media[medium as usize]);
+        let scatters = medium.is_some_and(|medium| medium.medium.scattering != Vec3::ZERO);
+        let is_there = |light: &Light| !light.has_size() && light.position() == position;
+        let one_start =
+            self.camera.lens.is_none() && self.camera.projection != Projection::Orthographic && near == 0.0;
+        (scatters && one_start).then(|| self.lights.iter().position(is_there)).flatten()
     }
 
     /// Whether light may be scattered and reflected so often.
@@ -189,6 +193,10 @@ pub struct Object {
     pub material: Material,
     /// The medium inside a closed dielectric; None = clear.
     pub inside: Option<MediumId>,
+    /// Of closed dielectrics that overlap the one of higher priority counts.
+    pub priority: i32,
+    /// Numbers of the closed dielectrics that lie inside of it, ascending: from [`nest`](crate::nesting::nest).
+    pub inner: Vec<u32>,
 }
 
 /// Geometry of an object.

@@ -19,7 +19,10 @@ use crate::glow_file::read_glows;
 use crate::light_file::{ShoneOn, read_light};
 use crate::material_file::read_material;
 use crate::medium_file::{check_exponential, read_media, read_medium_name};
+use crate::nesting::nest;
 use crate::scene::{GlowingFog, Light, MAX_PHOTONS, MediumDensity, Object, Scene, SceneMedium, Sees, Shape};
+use crate::scene_files::SceneFiles;
+use crate::shard::fingerprint;
 
 /// Most cells of the covariance grid.
 pub const MAX_GRID_CELLS: u64 = 1 << 24;
@@ -29,14 +32,14 @@ const MAX_FILE_BYTES: u64 = 1 << 24;
 impl Scene {
     /// Reads a scene file; mesh and volume files are looked up relative to it.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
-        Ok(Self::load_with_text(path)?.0)
+        Ok(Self::load_with_fingerprint(path)?.0)
     }
 
-    /// The same, and the text of the file.
-    pub fn load_with_text(path: &Path) -> Result<(Self, String), SceneError> {
+    /// The same, and the scene's fingerprint.
+    pub fn load_with_fingerprint(path: &Path) -> Result<(Self, String), SceneError> {
         let file = path.display().to_string();
         let text = read_text(path).map_err(|source| SceneError::Unreadable { file: file.clone(), source })?;
-        Ok((Self::parse(&text, &file, path.parent().unwrap_or(Path::new("")))?, text))
+        Self::parse_with_fingerprint(&text, &file, path.parent().unwrap_or(Path::new("")))
     }
 
     /// Reads a scene from `text`. `source_name` appears in errors; mesh and volume files are relative to `base_dir`.
@@ -44,21 +47,41 @@ impl Scene {
     /// The result is valid: finite, in range, every name resolved. Anything else is refused with file, line,
     /// field, what was found and what was expected.
     pub fn parse(text: &str, source_name: &str, base_dir: &Path) -> Result<Self, SceneError> {
+        Self::parse_beside(text, source_name, &SceneFiles::beside(base_dir))
+    }
+
+    /// The same, and 64 hexadecimal digits that are others for every other scene: of its values, whatever their layout and comments, and of what
+    /// is in all of the files that were read for it. Passes, photons and seed do not count, which may change between two renders of a scene.
+    pub fn parse_with_fingerprint(
+        text: &str,
+        source_name: &str,
+        base_dir: &Path,
+    ) -> Result<(Self, String), SceneError> {
+        let files = SceneFiles::beside(base_dir);
+        let scene = Self::parse_beside(text, source_name, &files)?;
+        let hashes = files
+            .hashes()
+            .map_err(|(path, source)| SceneError::Unreadable { file: path.display().to_string(), source })?;
+        Ok((scene, fingerprint(Source { name: source_name, text }, &hashes)?))
+    }
+
+    fn parse_beside(text: &str, source_name: &str, files: &SceneFiles<'_>) -> Result<Self, SceneError> {
         let source = Source { name: source_name, text };
         let document = source.parse()?;
         let root = Table::root(source, &document);
         root.only(&["outside_medium", "camera", "medium", "object", "light", "grid", "render"])?;
-        let (mut media, names) = read_media(&root, base_dir)?;
+        let (mut media, names) = read_media(&root, files)?;
         let outside =
             root.optional("outside_medium").map(|field| read_medium_name(&field, &names)).transpose()?;
         let camera = read_camera(&root.required("camera")?.table()?)?;
-        let objects: Vec<Object> = root
+        let mut objects: Vec<Object> = root
             .tables("object")?
             .iter()
-            .map(|t| read_object(t, &media, &names, base_dir))
+            .map(|t| read_object(t, &media, &names, files))
             .collect::<Result<_, _>>()?;
+        nest(&mut objects);
         read_glows(&root, &mut media, &objects, outside)?;
-        let shone_on = ShoneOn { objects: &objects, media: &media, outside, base_dir };
+        let shone_on = ShoneOn { objects: &objects, media: &media, outside, files };
         let mut lights: Vec<Light> =
             root.tables("light")?.iter().map(|t| read_light(t, &shone_on)).collect::<Result<_, _>>()?;
         lights.extend(GlowingFog::all(&media).map(Light::Glow));
@@ -89,7 +112,7 @@ fn read_object(
     table: &Table<'_>,
     media: &[SceneMedium],
     names: &[&str],
-    base_dir: &Path,
+    files: &SceneFiles<'_>,
 ) -> Result<Object, SceneError> {
     let shape_field = table.required("shape")?;
     let expected = "\"sphere\", \"rectangle\", \"box\" or \"mesh\"";
@@ -101,7 +124,7 @@ fn read_object(
         "mesh" => &["file", "scale", "rotate", "translate", "smooth"],
         _ => return Err(shape_field.refuse(expected)),
     };
-    table.only(&[&["name", "shape", "material", "inside"], own].concat())?;
+    table.only(&[&["name", "shape", "material", "inside", "priority"], own].concat())?;
     let shape = match kind {
         "sphere" => Shape::Sphere {
             center: table.required("center")?.vector()?,
@@ -115,7 +138,7 @@ fn read_object(
             let (min, max) = read_corners(table)?;
             Shape::Box { min, max }
         }
-        _ => Shape::Mesh(read_mesh(table, base_dir)?),
+        _ => Shape::Mesh(read_mesh(table, files)?),
     };
     let material_field = table.required("material")?;
     let material = read_material(&material_field)?;
@@ -143,7 +166,16 @@ fn read_object(
         Some(field) => field.text("a name in quotes")?.to_owned(),
         None => shape_field.path.trim_end_matches(".shape").to_owned(),
     };
-    Ok(Object { name, shape, material, inside })
+    let priority = match table.optional("priority") {
+        Some(field) if material.index().is_none() => {
+            return Err(field.refuse("no priority of an object that is not a dielectric"));
+        }
+        Some(field) => {
+            field.number("a whole number in -1000..=1000", |p| p.abs() <= 1000.0 && p.fract() == 0.0)?
+        }
+        None => 0.0,
+    };
+    Ok(Object { name, shape, material, inside, priority: priority as i32, inner: Vec::new() })
 }
 
 /// `corner`, `edge_u` and `edge_v` of an object or of a light.
@@ -181,9 +213,9 @@ pub(crate) fn read_corners(table: &Table<'_>) -> Result<(Vec3, Vec3), SceneError
     Ok((min, max))
 }
 
-pub(crate) fn read_mesh(table: &Table<'_>, base_dir: &Path) -> Result<Mesh, SceneError> {
+pub(crate) fn read_mesh(table: &Table<'_>, files: &SceneFiles<'_>) -> Result<Mesh, SceneError> {
     let file = table.required("file")?;
-    let path = base_dir.join(file.text("the path of an OBJ file in quotes, relative to the scene file")?);
+    let path = files.path(&file, "an OBJ file")?;
     let rotation = match table.optional("rotate") {
         None => Quat::IDENTITY,
         Some(field) => {

@@ -4,7 +4,7 @@ mod fingerprint;
 mod passes;
 pub(crate) mod planes;
 
-pub use fingerprint::{FingerprintError, fingerprint};
+pub(crate) use fingerprint::fingerprint;
 pub use passes::{PassRange, Passes};
 
 use crate::film::{Film, FilmLayout};
@@ -23,7 +23,7 @@ pub struct Origin {
     pub version: String,
     /// Name of the scene.
     pub scene: String,
-    /// [`fingerprint`] of the scene file and of the meshes and volumes that it names.
+    /// Of the scene file and of all files that it names: see [`crate::scene::Scene::parse_with_fingerprint`].
     pub fingerprint: String,
     /// Pixels across.
     pub width: u32,

@@ -1,6 +1,7 @@
 //! Where eye rays start: at the camera, in its lens or in its plane, and inside of what.
 
 use crate::optics::Interior;
+use crate::origin::Origin;
 use crate::random::{Random, mix};
 use crate::scene::Scene;
 use covbeam::path_number;
@@ -26,19 +27,18 @@ pub struct EyeStart {
 #[derive(Clone, Copy)]
 pub struct EyeStarts<'a> {
     scene: &'a Scene,
-    /// Of the camera's position.
-    interior: Interior,
+    camera: Origin,
 }
 
 impl<'a> EyeStarts<'a> {
     /// Those of a scene.
     pub fn new(scene: &'a Scene) -> Self {
-        Self { scene, interior: Interior::at(scene, scene.camera.position) }
+        Self { scene, camera: Origin::new(scene, scene.camera.position) }
     }
 
     /// What the camera's position is inside of.
     pub fn interior(&self) -> Interior {
-        self.interior
+        self.camera.interior()
     }
 
     /// The eye ray through a picture point and a place in the lens, as [`Camera::ray`](crate::camera::Camera::ray) has them.
@@ -46,11 +46,8 @@ impl<'a> EyeStarts<'a> {
         let camera = &self.scene.camera;
         let (origin, direction) = camera.ray(x, y, lens);
         let sees = camera.sees(x, y);
-        if origin == camera.position {
-            return EyeStart { origin: self.scene.beside(origin), direction, interior: self.interior, sees };
-        }
         // What is too near to be seen bounds media all the same.
-        let interior = self.interior.moved(self.scene, camera.position, origin);
+        let (origin, interior) = self.camera.beside(self.scene, origin, direction);
         EyeStart { origin, direction, interior, sees }
     }
 

@@ -51,6 +51,8 @@ impl StoredError {
 pub(crate) enum Reason {
     #[error("cannot be read: {0}")]
     Io(#[from] io::Error),
+    #[error("is no regular file; expected one that {0} wrote")]
+    NotAFile(&'static str),
     #[error("is no {0}; expected a file that {1} wrote")]
     NoneSuch(&'static str, &'static str),
     #[error(
@@ -112,6 +114,10 @@ pub(crate) struct Records {
 
 /// Opens a file and reads its header.
 pub(crate) fn open<H: DeserializeOwned>(path: &Path, kind: &Kind) -> Result<(H, Records), Reason> {
+    // A device or a pipe may never end, or begin.
+    if !std::fs::metadata(path)?.is_file() {
+        return Err(Reason::NotAFile(kind.writers));
+    }
     let mut file = BufReader::new(File::open(path)?);
     let mut magic = [0; 8];
     let none_such = || Reason::NoneSuch(kind.name, kind.writers);

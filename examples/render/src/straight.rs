@@ -2,12 +2,13 @@
 //! the eye rays.
 
 use crate::eye::EyeSegment;
+use crate::lamps::{Drawn, LampTree, Stretch};
 use crate::media;
 use crate::near::Near;
 use crate::passage::passage;
 use crate::random::{Random, spread};
 use crate::scene::{Light, MediumDensity, Scene};
-use covbeam::{Column, Knot, Medium};
+use covbeam::{Column, EyeRay, Knot, Medium};
 use glam::Vec3;
 
 /// Places on a piece of an eye path, for each lamp, in a pass. With 8 a rose window has twice the error at equal time, and smooth light twice
@@ -21,7 +22,7 @@ const PLACES_BEHIND: f32 = 4.0;
 /// Most places, where few eye rays stand for many pixels.
 const MOST_PLACES: f32 = 64.0;
 
-/// Lamps that a piece of an eye path asks; of more, some are drawn.
+/// Lamps that a piece of an eye path asks; of more, as many times the places are drawn by what each lamp is worth to it.
 const LAMPS: usize = 4;
 
 /// Turns from pass to pass: the fractions of √2, √3 and √7, which no whole numbers of them, of the golden ratio and of the plastic number
@@ -53,8 +54,8 @@ fn places_on(segment: &EyeSegment) -> f32 {
 pub(crate) struct Straight<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) fogs: &'a [Medium<'a>],
-    /// Cumulative shares of the lamps, for drawing some of many; those whose light is not straight have none.
-    pub(crate) lamps: &'a [f32],
+    /// For drawing some of many.
+    pub(crate) lamps: &'a LampTree,
     pub(crate) seed: u32,
     pub(crate) pass: u32,
     /// Where it is left to beams; None: nowhere.
@@ -75,6 +76,38 @@ struct Piece<'a> {
 struct Shifts {
     place: f32,
     point: [f32; 2],
+}
+
+/// What a lamp shines on of a piece, by the angle seen from it.
+struct Angles {
+    /// Distances along the ray.
+    from: f32,
+    to: f32,
+    /// Of what is nearest to the lamp, and how far from it that is.
+    foot: f32,
+    height: f32,
+    /// Of both ends, and of those of a gap that is left to beams.
+    start: f32,
+    end: f32,
+    gap: [f32; 2],
+}
+
+impl Angles {
+    fn skipped(&self) -> f32 {
+        self.gap[1] - self.gap[0]
+    }
+
+    /// Of all but the gap.
+    fn width(&self) -> f32 {
+        self.end - self.start - self.skipped()
+    }
+
+    /// Distance of an angle that is counted from the start, the gap left out, and the angle's tangent.
+    fn place(&self, angle: f32) -> (f32, f32) {
+        let angle = self.start + angle;
+        let tangent = if angle < self.gap[0] { angle } else { angle + self.skipped() }.tan();
+        (self.foot + self.height * tangent, tangent)
+    }
 }
 
 impl Straight<'_> {
@@ -109,17 +142,30 @@ impl Straight<'_> {
             }
             return sum;
         }
-        let shift = self.turn(random.uniform(), PLACE_STEP);
-        for draw in 0..LAMPS {
-            let u = (draw as f32 + shift) / LAMPS as f32;
-            let lamp = self.lamps.partition_point(|&end| end <= u).min(self.lamps.len() - 1);
-            let share = self.lamps[lamp] - if lamp == 0 { 0.0 } else { self.lamps[lamp - 1] };
-            if !(share > 0.0) {
-                continue;
+        self.of_many(&piece, LAMPS as u32 * places, &mut random, fraction)
+    }
+
+    /// Of lamps that are drawn, each with its places.
+    fn of_many(&self, piece: &Piece, draws: u32, random: &mut Random, fraction: f32) -> Vec3 {
+        let Shifts { place, point } = self.shifts(random, fraction);
+        let Piece { segment, fog, column, from, to } = piece;
+        let left = |distance: f32| (-fog.mean_extinction() * column.at(distance)).exp();
+        let EyeRay { origin, direction, .. } = segment.ray;
+        let stretch = Stretch { origin, direction, from: *from, to: *to, left: &left };
+        let seen = |lamp: usize| {
+            let angles = self.angles(piece, lamp)?;
+            Some((angles.width() / angles.height, angles.place(0.5 * angles.width()).0))
+        };
+        let mut sum = Vec3::ZERO;
+        self.lamps.along(&stretch, draws, place, &seen, &mut |drawn: Drawn| {
+            let Some(angles) = self.angles(piece, drawn.lamp) else { return };
+            let light = &self.scene.lights[drawn.lamp];
+            let step = angles.width() / drawn.expected();
+            for draw in drawn.draws.clone() {
+                let angle = drawn.rest(draw) * angles.width();
+                sum += self.at_angle(piece, light, &angles, (angle, step), spread(point, draw as usize));
             }
-            let found = self.of_lamp(&piece, lamp, places, &self.shifts(&mut random, fraction));
-            sum += found / (share * LAMPS as f32);
-        }
+        });
         sum
     }
 
@@ -138,10 +184,22 @@ impl Straight<'_> {
     /// One place in each of equal steps of the angle seen from the lamp (C. Kulla and M. Fajardo 2012), all shifted alike. A disk's light has a
     /// bound where its middle's 1/d² has none: it is looked at from further away.
     fn of_lamp(&self, piece: &Piece, lamp: usize, places: u32, shifts: &Shifts) -> Vec3 {
+        let Some(angles) = self.angles(piece, lamp) else { return Vec3::ZERO };
+        let light = &self.scene.lights[lamp];
+        let step = angles.width() / places as f32;
+        let mut sum = Vec3::ZERO;
+        for index in 0..places {
+            let angle = (index as f32 + shifts.place) * step;
+            sum += self.at_angle(piece, light, &angles, (angle, step), spread(shifts.point, index as usize));
+        }
+        sum
+    }
+
+    /// What a lamp shines on of a piece; None: nothing.
+    fn angles(&self, piece: &Piece, lamp: usize) -> Option<Angles> {
         let light = &self.scene.lights[lamp];
         let ray = &piece.segment.ray;
-        let lit = light.lit_stretch(ray.origin, ray.direction, piece.from, piece.to);
-        let Some((from, to)) = lit else { return Vec3::ZERO };
+        let (from, to) = light.lit_stretch(ray.origin, ray.direction, piece.from, piece.to)?;
         let (middle, softening) = light.middle();
         let to_lamp = middle - ray.origin;
         let foot = to_lamp.dot(ray.direction);
@@ -153,19 +211,24 @@ impl Straight<'_> {
         let reach = self.near.map_or(0.0, |near| near.reach(lamp));
         let half = (reach * reach - height * height).max(0.0).sqrt();
         let gap = [foot - half, foot + half].map(|distance| angle(distance).clamp(start, end));
-        let skipped = gap[1] - gap[0];
-        let step = (end - start - skipped) / places as f32;
-        let mut sum = Vec3::ZERO;
-        for index in 0..places {
-            let angle = start + (index as f32 + shifts.place) * step;
-            let tangent = if angle < gap[0] { angle } else { angle + skipped }.tan();
-            let distance = foot + height * tangent;
-            if distance >= from && distance <= to {
-                let weight = step * height * (1.0 + tangent * tangent);
-                sum += weight * self.scattered(piece, light, distance, spread(shifts.point, index as usize));
-            }
+        Some(Angles { from, to, foot, height, start, end, gap })
+    }
+
+    /// What a step of an angle at one that is counted from the first, with the gap left out, adds.
+    fn at_angle(
+        &self,
+        piece: &Piece,
+        light: &Light,
+        angles: &Angles,
+        (angle, step): (f32, f32),
+        point: [f32; 2],
+    ) -> Vec3 {
+        let (distance, tangent) = angles.place(angle);
+        if !(distance >= angles.from && distance <= angles.to) {
+            return Vec3::ZERO;
         }
-        sum
+        let weight = step * angles.height * (1.0 + tangent * tangent);
+        weight * self.scattered(piece, light, distance, point)
     }
 
     /// Radiance that a metre scatters to the start of the piece, from a point of the light.

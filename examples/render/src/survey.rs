@@ -3,6 +3,7 @@
 use crate::defaults::divide;
 use crate::eye::{EyeSegment, EyeTracer};
 use crate::geometry::unite;
+use crate::lamps::LampTree;
 use crate::media;
 use crate::photon::{PhotonRecord, PhotonTracer, Record};
 use crate::radius::BeamVoxels;
@@ -108,7 +109,8 @@ fn light_paths(scene: &Scene) -> PhotonRecord {
 fn eye_pieces(scene: &Scene, fogs: &[Medium]) -> Vec<EyeSegment> {
     let starts = EyeStarts::new(scene);
     let surfaces = SurfaceMap::empty();
-    let tracer = EyeTracer { scene, fogs, starts, surfaces: &surfaces, beyond: true };
+    let lamps = LampTree::new(scene);
+    let tracer = EyeTracer { scene, fogs, starts, lamps: &lamps, surfaces: &surfaces, beyond: true };
     let mut pieces: Vec<EyeSegment> = Vec::new();
     for node in 0..LATTICE * LATTICE {
         let at = |index: u32, count: u32| (index as f32 + 0.5) / LATTICE as f32 * count as f32;

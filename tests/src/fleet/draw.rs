@@ -91,7 +91,7 @@ pub(super) fn chance(stream: &mut Stream, probability: f64) -> bool {
 }
 
 /// One of some, with these weights.
-fn pick<T: Copy>(stream: &mut Stream, choices: &[(f64, T)]) -> T {
+pub(super) fn pick<T: Copy>(stream: &mut Stream, choices: &[(f64, T)]) -> T {
     let mut left = stream.uniform() * choices.iter().map(|choice| choice.0).sum::<f64>();
     for &(weight, choice) in choices {
         left -= weight;

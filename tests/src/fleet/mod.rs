@@ -6,11 +6,13 @@ pub mod agreement;
 pub mod blocks;
 mod draw;
 pub mod errors;
+mod grid;
 mod meshes;
 mod objects;
 mod pilot;
 pub mod rings;
 pub mod runs;
+pub mod snapped;
 mod text;
 
 use covbeam_render::scene::MAX_IMAGE_SIDE;

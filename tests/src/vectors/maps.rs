@@ -106,8 +106,9 @@ fn pairs(script: &mut Script, hard: &mut Hard, grid: &Grid, fog: &Fog) {
         let beam = beam(hard);
         let mut ray = ray_near(hard, &beam, 0.3);
         if i % 5 == 0 {
-            // Nearly parallel.
+            // Nearly parallel, and side by side.
             ray.direction = (beam.direction + hard.decades(-7.0, -3.0) * hard.unit()).normalize();
+            ray.origin = beam.origin + 0.01 * beam.direction.any_orthonormal_vector();
         }
         let none =
             Crossing { ray_distance: 0.0, beam_distance: 0.0, gap: 0.0, sin_theta: 0.0, axis: Vec3::ZERO };

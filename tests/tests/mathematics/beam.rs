@@ -1,8 +1,8 @@
 //! Beams against the naive twin: every pair tested, in double precision.
 
 use covbeam::{
-    BLOCK, Beam, BeamBlock, BeamMap, Column, EyeRay, GatherScratch, Gathered, Medium, Vec3, cross,
-    gather_pair,
+    ALONG_SINE, BLOCK, Beam, BeamBlock, BeamMap, Column, EyeRay, GatherScratch, Gathered, Medium, Vec3,
+    cross, gather_pair,
 };
 use covbeam_render::random::Random;
 use covbeam_tests::kernel::plain;
@@ -84,6 +84,9 @@ fn one_pair_agrees_with_the_textbook_estimator_in_double_precision() {
         );
         let truth = naive(&ray, &beam, &FOG, 0.3);
         let sine = ray.direction.cross(beam.direction).length();
+        if sine < ALONG_SINE {
+            continue; // An integral of its own: along.rs.
+        }
         if let (true, Some(truth)) = (accepted, truth) {
             compared += 1;
             for (c, truth) in truth.iter().enumerate() {

@@ -349,7 +349,7 @@ fn the_frame_stays_orthonormal_where_only_rounding_is_left_of_the_angles() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 4000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(16 * ProptestConfig::default().cases))]
 
     #[test]
     fn a_field_stays_finite_and_positive_over_twelve_decades(

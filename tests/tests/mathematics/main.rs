@@ -1,5 +1,6 @@
 //! The core's mathematics, against closed forms, finite differences and the naive twin.
 
+mod along;
 mod beam;
 mod beam_map;
 mod beam_map_bits;

@@ -2,6 +2,7 @@
 //! and distance from the origin.
 
 use super::shapes::{Random, deformed, globe, scene_of};
+use covbeam_render::nesting::nest;
 use covbeam_render::scene::{Material, Scene, Shape};
 use glam::{DVec3, Vec3};
 
@@ -216,22 +217,33 @@ fn two_points_on_a_surface_see_each_other_past_it() {
 }
 
 #[test]
-fn the_objects_around_a_point_are_listed_from_the_outside_in() {
+fn shapes_around_a_point_are_known_and_what_lies_inside_of_which() {
     let mesh = |size: f32| {
         let source = deformed(globe(24), |p| size * p);
         Shape::Mesh(covbeam_geometry::mesh::Mesh::new(source, &Default::default(), true).expect("valid"))
     };
-    let scene = scene_of(vec![
+    let cube = |half: f32| Shape::Box { min: Vec3::splat(-half), max: Vec3::splat(half) };
+    let mut scene = scene_of(vec![
         (sphere(1.0, Vec3::ZERO), GLASS),
-        (Shape::Box { min: Vec3::splat(-4.0), max: Vec3::splat(4.0) }, GLASS),
-        (Shape::Box { min: Vec3::splat(-9.0), max: Vec3::splat(9.0) }, Material::Black),
+        (cube(4.0), GLASS),
+        (cube(9.0), Material::Black),
         (mesh(2.0), GLASS),
         (sphere(0.5, Vec3::X * 3.0), GLASS),
+        // As large as the second, sticking out of the third, and of the ball.
+        (cube(4.0), GLASS),
+        (sphere(0.5, Vec3::X * 1.75), GLASS),
+        (cube(0.6), GLASS),
     ]);
-    assert_eq!(scene.containing(Vec3::new(0.1, 0.2, 0.3)), [1, 3, 0]);
-    assert_eq!(scene.containing(Vec3::new(0.0, 1.5, 0.0)), [1, 3]);
-    assert_eq!(scene.containing(Vec3::new(3.0, 0.1, 0.0)), [1, 4]);
-    assert_eq!(scene.containing(Vec3::splat(5.0)), [0u32; 0], "black walls hold no medium");
+    nest(&mut scene.objects);
+    let containing = |place: Vec3| scene.containing(place).collect::<Vec<u32>>();
+    assert_eq!(containing(Vec3::new(0.1, 0.2, 0.3)), [0, 1, 3, 5, 7]);
+    assert_eq!(containing(Vec3::new(0.0, 1.5, 0.0)), [1, 3, 5]);
+    assert_eq!(containing(Vec3::new(3.0, 0.1, 0.0)), [1, 4, 5]);
+    assert_eq!(containing(Vec3::splat(5.0)), [0u32; 0], "black walls hold no medium");
+    // The corners of the smallest cube are 1.04 from the middle.
+    let inner: Vec<&[u32]> = scene.objects.iter().map(|object| &object.inner[..]).collect();
+    let all: &[u32] = &[0, 3, 4, 6, 7];
+    assert_eq!(inner, [&[], all, &[], &[0, 7], &[], all, &[], &[]] as [&[u32]; 8]);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 mod cameras;
 mod closed_forms;
+mod coincident;
 mod edges;
 mod edges_mesh;
 mod fleet;
@@ -11,6 +12,7 @@ mod guided;
 mod heterogeneous;
 mod lamps;
 mod lobes;
+mod march;
 mod mesh;
 mod placed;
 mod planned;

@@ -349,6 +349,40 @@ fn seams_of_texture_coordinates_and_normals_do_not_open_a_mesh() {
 }
 
 #[test]
+fn marks_of_byte_order_colours_of_some_vertices_and_lines_that_go_on_are_read() {
+    let plain = obj::parse(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3").expect("valid");
+    for text in [
+        "\u{feff}v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3",
+        "v 0 0 0 .1 .2 .3\nv 1 0 0\nv 0 1 0 1 1 1\nf 1 2 3",
+        "v 0 0 \\\n0\nv 1 0 0\nv 0 1 0\nf 1 \\\n 2 \\\r\n 3\\",
+    ] {
+        assert_eq!(obj::parse(text.as_bytes()), Ok(plain.clone()), "{text:?}");
+    }
+    // It is the first line's number.
+    let error = obj::parse(b"v 0 0 0\nv 1 \\\n\\\nx 0\n").expect_err("no number");
+    assert!(error.to_string().contains("line 2: found `x`"), "{error}");
+}
+
+#[test]
+fn a_face_of_many_corners_is_a_fan_and_takes_no_longer_than_as_many_triangles() {
+    let count = 200_000;
+    let vertices = (0..count).map(|k| {
+        let (s, c) = (f64::from(k) / f64::from(count) * std::f64::consts::TAU).sin_cos();
+        format!("v {c} {s} 0\n")
+    });
+    let face = (1..=count).map(|k| format!(" {k}"));
+    let text = vertices.chain(["f".to_owned()]).chain(face).collect::<String>();
+    let start = std::time::Instant::now();
+    let read = obj::parse(text.as_bytes()).expect("valid");
+    let mesh = Mesh::new(read.clone(), &Placement::default(), true).expect("valid");
+    println!("{:?}", start.elapsed());
+    assert_eq!((read.indices.len(), read.indices[7]), (count as usize - 2, [0, 8, 9]));
+    assert!(mesh.triangle_count() > 100_000);
+    // A second in all; by squares it would be minutes.
+    assert!(start.elapsed().as_secs() < 20);
+}
+
+#[test]
 fn every_kind_of_wrong_file_is_refused_with_its_line() {
     let table: &[(&str, &str)] = &[
         ("", "no triangles"),
@@ -433,7 +467,7 @@ fn a_valid_obj_cut_anywhere_or_with_any_byte_changed_is_read_or_refused() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(2000) })]
+    #![proptest_config(ProptestConfig::with_cases(8 * ProptestConfig::default().cases))]
 
     #[test]
     fn an_obj_of_random_words_is_read_or_refused(words in prop::collection::vec(

@@ -432,8 +432,8 @@ impl<'a> State<'a> {
     }
 
     /// What renders passes of an instant; None: they are black.
-    fn renderer(&mut self, instant: usize) -> Option<&mut Renderer<'a>> {
-        let surfaces = self.surfaces.as_ref()?;
+    fn renderer(&mut self, instant: usize, job: &Job<()>) -> Result<Option<&mut Renderer<'a>>> {
+        let Some(surfaces) = self.surfaces.as_ref() else { return Ok(None) };
         let Self { scenes, beyond, photons, plain, .. } = *self;
         let renderers = &mut self.renderers[usize::from(plain)];
         let latest = &mut self.latest[usize::from(plain)];
@@ -452,22 +452,24 @@ impl<'a> State<'a> {
                 made.give_up_fields();
                 made
             };
-            *renderers = scenes.iter().map(make).collect();
-            Renderer::light_instants_by_parts(renderers, Parts { guided: !plain, ..Parts::DEFAULT });
-            *latest = 0;
+            let mut made: Vec<_> = scenes.iter().map(make).collect();
+            let parts = Parts { guided: !plain, ..Parts::DEFAULT };
+            Renderer::light_instants_by_parts(&mut made, parts, &|| job.is_cancelled())
+                .ok_or(Failure::Cancelled)?;
+            (*renderers, *latest) = (made, 0);
         }
         // All instants' light fields are in one grid: kernels and filters may blur what the mean of them bears.
         let before = std::mem::replace(latest, instant);
         if let Ok([made, before]) = renderers.get_disjoint_mut([instant, before]) {
             made.go_on_from(before);
         }
-        renderers.get_mut(instant)
+        Ok(renderers.get_mut(instant))
     }
 
     fn pass(&mut self, job: &Job<()>, shared: &Shared) -> Result<()> {
         let (start, index) = (Instant::now(), self.film.passes() + 1);
         let instant = instant_of(index, self.scenes.len());
-        let (image, times) = match self.renderer(instant) {
+        let (image, times) = match self.renderer(instant, job)? {
             Some(renderer) => renderer.pass(index, &|| job.is_cancelled()).ok_or(Failure::Cancelled)?,
             None => (black(&self.scenes[0], index), PassTimes::default()),
         };

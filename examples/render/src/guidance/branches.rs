@@ -6,7 +6,7 @@
 //! that promises a tenth.
 
 use super::look::{LATTICE, LEAST_OF_PICTURE, Look, Memory};
-use super::trial;
+use super::{Poll, trial};
 use crate::camera::Camera;
 use crate::compare::luminance;
 use crate::photon::PhotonTracer;
@@ -81,11 +81,13 @@ impl Seen {
 
 impl Spread {
     /// Looks at a scene's picture. None where guided paths are worth less than plain ones. Cost: 12 to 70 core-milliseconds.
-    pub(crate) fn of(tracer: &PhotonTracer, fogs: &[Medium]) -> Option<Self> {
-        let looks = looks(tracer, fogs, PATHS);
+    /// `cancelled` as in [`super::Guidance::of`].
+    pub(crate) fn of(tracer: &PhotonTracer, fogs: &[Medium], cancelled: Poll) -> Option<Self> {
+        let looks = looks(tracer, fogs, PATHS, cancelled);
         let worth = looks.each_ref().map(|look| look.worth.as_slice()).concat();
         let beams = looks.iter().map(|look| look.beams).sum();
-        trial::pays(tracer.guidance()?, tracer.scene(), fogs, &worth, beams).then(|| spread(&looks, PATHS))
+        trial::pays(tracer.guidance()?, tracer.scene(), fogs, &worth, beams, cancelled)
+            .then(|| spread(&looks, PATHS, cancelled))
     }
 
     /// The share of the branches that guided light paths should have, up to [`MOST`].
@@ -115,18 +117,26 @@ fn share(spread: &Spread, photons: f32, pixels: f32) -> f32 {
 }
 
 /// At the same picture, with two sets of `paths` light paths.
-fn looks<'a>(tracer: &'a PhotonTracer<'a>, fogs: &'a [Medium<'a>], paths: u32) -> [Look<'a>; 2] {
-    [1, 2].map(|half| Look::new(tracer, fogs, [KEY + half, paths], half))
+fn looks<'a>(
+    tracer: &'a PhotonTracer<'a>,
+    fogs: &'a [Medium<'a>],
+    paths: u32,
+    cancelled: Poll,
+) -> [Look<'a>; 2] {
+    [1, 2].map(|half| Look::new(tracer, fogs, [KEY + half, paths], half, cancelled))
 }
 
 /// Looks at some pixels from two places in each, with two sets of light paths: what differs from place to place with both sets is not the
 /// paths' noise.
-fn spread(looks: &[Look; 2], paths: u32) -> Spread {
+fn spread(looks: &[Look; 2], paths: u32, cancelled: Poll) -> Spread {
     let camera = &looks[0].scene.camera;
     let seen: Vec<Seen> = (0..LATTICE * LATTICE)
         .into_par_iter()
         .map_init(Memory::default, |memory, node| {
             (memory.pairs, memory.shadow_rays) = (0, 0);
+            if cancelled() {
+                return Seen { light: Default::default(), pairs: 0, shadow_rays: 0 };
+            }
             let at = |index: u32, count: u32| ((index as f32 + 0.5) / LATTICE as f32 * count as f32).floor();
             let pixel = [at(node % LATTICE, camera.width), at(node / LATTICE, camera.height)];
             let light = looks.each_ref().map(|look| {
@@ -248,7 +258,8 @@ mod tests {
         let scene = scene(0.3, LIGHT_WALLS, POINT);
         let fogs = media::all(&scene);
         let tracer = tracer(&scene, &fogs);
-        let [few, many] = [2 * PATHS, 8 * PATHS].map(|paths| spread(&looks(&tracer, &fogs, paths), paths));
+        let [few, many] = [2 * PATHS, 8 * PATHS]
+            .map(|paths| spread(&looks(&tracer, &fogs, paths, &|| false), paths, &|| false));
         // Low discrepancy makes it fall a little faster, and a fifth is chance. With fewer paths pixels reach the bound.
         let ratio = many.paths / few.paths;
         assert!((0.6..1.2).contains(&ratio), "{few:?}, {many:?}");
@@ -263,7 +274,7 @@ mod tests {
         let both = format!("{POINT}{spot}");
         let [thin, thick] = [scene(1e-3, "\"black\"", &both), scene(0.5, LIGHT_WALLS, POINT)].map(|scene| {
             let fogs = media::all(&scene);
-            let spread = Spread::of(&tracer(&scene, &fogs), &fogs).expect("guided paths pay");
+            let spread = Spread::of(&tracer(&scene, &fogs), &fogs, &|| false).expect("guided paths pay");
             spread.share_of_branches(scene.settings.photons, &scene.camera)
         });
         assert!(thin < 0.5 && thick == 1.0, "{thin}, {thick}");

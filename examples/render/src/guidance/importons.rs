@@ -1,7 +1,7 @@
 //! Paths from the camera: what they cross matters to the picture.
 
 use super::look::Pixel;
-use super::{Instant, left, mean};
+use super::{Instant, Poll, left, mean};
 use crate::defaults::divide;
 use crate::light::cosine_direction;
 use crate::material::{Encounter, Lobe};
@@ -68,7 +68,7 @@ const LEFT_OUT: f64 = 0.005;
 pub(super) struct Found(Vec<Vec<Deposit>>);
 
 /// Follows paths from all pixels.
-pub(super) fn walk(instants: &[Instant], pixels: &[Pixel]) -> Found {
+pub(super) fn walk(instants: &[Instant], pixels: &[Pixel], cancelled: Poll) -> Found {
     let total: f64 = pixels.iter().map(|pixel| f64::from(pixel.weight)).sum();
     let mut starts = Vec::new();
     let mut sum = 0.0;
@@ -87,6 +87,9 @@ pub(super) fn walk(instants: &[Instant], pixels: &[Pixel]) -> Found {
         .map(|(chunk, starts)| {
             let mut out = Vec::new();
             for (index, &(&Pixel { instant, start, .. }, weight)) in starts.iter().enumerate() {
+                if cancelled() {
+                    break;
+                }
                 let mut random = Random::new([0, (chunk * CHUNK + index) as u32, 0, KEY]);
                 let Instant { scene, fogs } = instants[instant];
                 Walker { instant, scene, fogs }.follow(start, weight, &mut random, &mut out);

@@ -1,10 +1,11 @@
 //! How lamps emit: in proportion to what light in a direction is worth.
 
-use super::{left, mean, of_diffuse};
+use super::{Poll, left, mean, of_diffuse};
 use crate::geometry::MOST_BOUNDS;
 use crate::material::{Encounter, Lobe};
 use crate::media;
 use crate::optics::{Boundary, Interior, facing_normal, reflect};
+use crate::origin::Origin;
 use crate::random::{Emission, PathSampler, Random};
 use crate::scene::{Light, Material, Scene};
 use crate::straight::is_left_to_beams;
@@ -49,12 +50,20 @@ pub(super) struct Lamps {
 
 impl Lamps {
     /// None if no light is worth anything.
-    pub(super) fn new(scene: &Scene, fogs: &[Medium], importance: &Importance) -> Option<Self> {
+    pub(super) fn new(
+        scene: &Scene,
+        fogs: &[Medium],
+        importance: &Importance,
+        cancelled: Poll,
+    ) -> Option<Self> {
         let across = (CELLS / scene.lights.len() as f32).sqrt().clamp(1.0, MOST_ACROSS) as usize;
         let cells = across * across;
         let worth: Vec<f32> = (0..scene.lights.len() * cells)
             .into_par_iter()
             .map_init(Vec::new, |knots, number| {
+                if cancelled() {
+                    return 0.0;
+                }
                 let lamp = Lamp::new(scene, fogs, importance, number / cells);
                 lamp.of_cell(number % cells, across, number as u32, knots)
             })
@@ -104,13 +113,13 @@ struct Lamp<'a> {
     fogs: &'a [Medium<'a>],
     importance: &'a Importance<'a>,
     light: &'a Light,
-    interior: Interior,
+    origin: Origin,
 }
 
 impl<'a> Lamp<'a> {
     fn new(scene: &'a Scene, fogs: &'a [Medium<'a>], importance: &'a Importance<'a>, lamp: usize) -> Self {
         let light = &scene.lights[lamp];
-        Self { scene, fogs, importance, light, interior: Interior::of_light(scene, light) }
+        Self { scene, fogs, importance, light, origin: Origin::of_light(scene, light) }
     }
 
     /// Mean over a cell of what the lamp's light would be worth if all of it left like that.
@@ -134,7 +143,7 @@ impl<'a> Lamp<'a> {
         let mut sampler = PathSampler::new(Emission::Independent, 0, KEY, index);
         let emitted = self.light.emit_at(place, &mut sampler);
         let all = mean(emitted.power);
-        let start = self.interior.start_of(self.scene, self.light, &emitted);
+        let start = self.origin.of_photon(self.scene, self.light, &emitted);
         let Some((origin, interior)) = start else { return 0.0 };
         let start = Ray {
             origin,

@@ -1,6 +1,6 @@
 //! A coarse picture, of all instants while a shutter is open.
 
-use super::{Instant, trial};
+use super::{Instant, Poll, trial};
 use crate::compare::luminance;
 use crate::eye::{EyeSegment, EyeTracer};
 use crate::kind::{ByKind, Kind};
@@ -43,12 +43,13 @@ pub(super) struct Pixel {
 }
 
 /// The coarse picture's eye rays, as many of each instant; None if it is black.
-pub(super) fn pixels(instants: &[Instant]) -> Option<Vec<Pixel>> {
+pub(super) fn pixels(instants: &[Instant], cancelled: Poll) -> Option<Vec<Pixel>> {
     let tracers: Vec<PhotonTracer> =
         instants.iter().map(|at| PhotonTracer::new(at.scene, 0, Emission::LowDiscrepancy)).collect();
     let paths = (PATHS / instants.len() as u32).max(LEAST_PATHS);
     let both = tracers.iter().zip(instants);
-    let looks: Vec<Look> = both.map(|(tracer, at)| Look::new(tracer, at.fogs, [KEY, paths], 1)).collect();
+    let looks: Vec<Look> =
+        both.map(|(tracer, at)| Look::new(tracer, at.fogs, [KEY, paths], 1, cancelled)).collect();
     let seen: Vec<Seen> = (0..LATTICE * LATTICE)
         .into_par_iter()
         .map_init(Memory::default, |memory, node| {
@@ -63,6 +64,9 @@ pub(super) fn pixels(instants: &[Instant]) -> Option<Vec<Pixel>> {
                 |index: u32, place: f32, count: u32| (index as f32 + place) / LATTICE as f32 * count as f32;
             let point = [at(x, place[0], camera.width), at(y, place[1], camera.height)];
             let start = look.starts.anywhere(point, &mut random);
+            if cancelled() {
+                return Seen { instant, start, luminance: 0.0 };
+            }
             let radiance = look.radiance(&start, node, &mut random, memory);
             Seen { instant, start, luminance: luminance(radiance.iter().sum()) }
         })
@@ -112,10 +116,11 @@ impl<'a> Look<'a> {
         fogs: &'a [Medium<'a>],
         [sequence, paths]: [u32; 2],
         pass: u32,
+        cancelled: Poll,
     ) -> Self {
         let scene = tracer.scene();
         let (mut record, mut worth) = (PhotonRecord::default(), Vec::new());
-        for index in 0..paths {
+        for index in (0..paths).take_while(|_| !cancelled()) {
             let before = [record.beams.len(), record.surface.len()];
             tracer.trace(sequence, index, paths, Record::Beams, &mut record);
             let of_path = |guidance| trial::worth(guidance, scene, fogs, &record, before);
@@ -154,7 +159,8 @@ impl<'a> Look<'a> {
         memory: &mut Memory,
     ) -> ByKind {
         let Self { scene, fogs, starts, ref surfaces, .. } = *self;
-        let eye = EyeTracer { scene, fogs, starts, surfaces, beyond: true };
+        let lamps = self.straight.lamps;
+        let eye = EyeTracer { scene, fogs, starts, lamps, surfaces, beyond: true };
         memory.segments.clear();
         let mut radiance = eye.trace(start, number, random, &mut memory.segments);
         for segment in &memory.segments {

@@ -4,7 +4,7 @@
 //! camera, and as many random decisions to split a path or to end it leave few trees that arrive, with thousands of branches: plain paths are
 //! more alike there, and cost a tenth.
 
-use super::{Guidance, mean};
+use super::{Guidance, Poll, mean};
 use crate::kind::Kind;
 use crate::photon::{PhotonTracer, Record};
 use crate::random::Emission;
@@ -32,10 +32,11 @@ pub(super) fn pays(
     fogs: &[Medium],
     guided: &[f32],
     beams: usize,
+    cancelled: Poll,
 ) -> bool {
     let tracer = PhotonTracer::new(scene, 0, Emission::LowDiscrepancy);
     let mut beams_of_plain = 0;
-    let plain = (0..PATHS).map(|index| {
+    let plain = (0..PATHS).take_while(|_| !cancelled()).map(|index| {
         let mut record = PhotonRecord::default();
         tracer.trace(SEQUENCE, index, PATHS, Record::Beams, &mut record);
         beams_of_plain += record.beams.iter().filter(|path| is_gathered(scene, path)).count();
@@ -136,7 +137,7 @@ mod tests {
             let fogs = media::all(&scene);
             let mut tracer = PhotonTracer::new(&scene, 0, Emission::LowDiscrepancy);
             tracer.guide(Guidance::new(&scene, &fogs).expect("light"));
-            Spread::of(&tracer, &fogs).is_some()
+            Spread::of(&tracer, &fogs, &|| false).is_some()
         });
         assert_eq!(pays, [true, true, false, false]);
     }

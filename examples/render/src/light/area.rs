@@ -2,7 +2,7 @@
 
 use super::patch::{FRAC_1_SQRT_PI, diffuse_field, front, lifted};
 use super::stretch::{before, in_cone};
-use super::{CURVATURE, EmittedPhoton, disk, patch};
+use super::{CURVATURE, EmittedPhoton, LEAST_EXPECTED, disk, patch};
 use crate::geometry::intersect_rectangle;
 use crate::random::PathSampler;
 use covbeam::LightField;
@@ -74,6 +74,11 @@ impl Area {
         PI * self.area() * self.radiance
     }
 
+    /// Along the normal, from far away \[W/sr\].
+    pub(super) fn intensity(&self) -> Vec3 {
+        self.factor(0.0) * self.area() * self.radiance
+    }
+
     pub(super) fn position(&self) -> Vec3 {
         self.center + 1e-4 * self.equal_radius() * self.normal()
     }
@@ -142,16 +147,38 @@ impl Area {
             let (solid_angle, from) = disk::sample(self.center, self.normal(), radius, point, xi);
             return (self.radiance * solid_angle, self.off(from.as_dvec3()));
         }
-        let Some(parts) = self.lit_part(point) else { return (Vec3::ZERO, self.position()) };
-        let [low, high] = parts;
-        let corner = self.place(low).as_vec3();
-        let edge = |edge: Vec3, axis: usize| 0.5 * (high[axis] - low[axis]) * edge;
-        let (edge_u, edge_v) = (edge(self.edge_u, 0), edge(self.edge_v, 1));
+        let Some(part) = self.lit_part(point) else { return (Vec3::ZERO, self.position()) };
+        let [corner, edge_u, edge_v] = self.patch(part);
         let (solid_angle, from) = patch::sample(corner, edge_u, edge_v, point, xi);
         let is_there =
             !self.round || self.halves(from.as_dvec3()).iter().map(|half| half * half).sum::<f64>() < 1.0;
         let factor = if is_there { self.factor_towards(point.as_dvec3() - from.as_dvec3()) } else { 0.0 };
         (self.radiance * (solid_angle * factor), self.off(from.as_dvec3()))
+    }
+
+    /// Corner and edges of a part of the parallelogram.
+    fn patch(&self, [low, high]: [[f32; 2]; 2]) -> [Vec3; 3] {
+        let edge = |edge: Vec3, axis: usize| 0.5 * (high[axis] - low[axis]) * edge;
+        [self.place(low).as_vec3(), edge(self.edge_u, 0), edge(self.edge_v, 1)]
+    }
+
+    /// As [`super::Light::expected`]: the patch's solid angle, and how much four of its places send.
+    pub(super) fn expected(&self, point: Vec3) -> (Vec3, Vec3) {
+        let Some(part) = self.lit_part(point) else { return (Vec3::ZERO, self.position()) };
+        let [corner, edge_u, edge_v] = self.patch(part);
+        let solid_angle = patch::solid_angle(corner, edge_u, edge_v, point);
+        let sends = |quarter: usize| {
+            let at = |axis: usize| {
+                let share = if quarter >> axis & 1 == 0 { 0.25 } else { 0.75 };
+                part[0][axis] + share * (part[1][axis] - part[0][axis])
+            };
+            let place = [at(0), at(1)];
+            let is_there = !self.round || place[0] * place[0] + place[1] * place[1] < 1.0;
+            if is_there { self.factor_towards(point.as_dvec3() - self.place(place)) } else { 0.0 }
+        };
+        let mean = 0.25 * (0..4).map(sends).sum::<f32>();
+        let factor = mean + LEAST_EXPECTED * self.factor(0.0);
+        (self.radiance * (solid_angle * factor), corner + 0.5 * (edge_u + edge_v))
     }
 
     /// Where a point is across the light, in half edges from the middle.
@@ -193,7 +220,19 @@ impl Area {
         let (u, v) = (self.edge_u.as_dvec3(), self.edge_v.as_dvec3());
         let around = 0.5 * (u + v).length().max((u - v).length());
         let (sine, cosine) = f64::from(self.spread).sin_cos();
-        in_cone(m + around * cosine / sine * normal, direction, normal, cosine, [from, to])
+        let tip = m + around * cosine / sine * normal;
+        let (mut from, mut to) = in_cone(tip, direction, normal, cosine, [from, to])?;
+        // And where `lit_part` is something: before four planes through the edges, tilted outwards by the spread.
+        let across = u.cross(v);
+        let area = across.length();
+        for (edge, other, turn) in [(u, v, 1.0), (v, u, -1.0)] {
+            let inwards = other.cross(across) * (turn / (area * other.length()));
+            for side in [1.0, -1.0] {
+                let plane = sine * normal + side * cosine * inwards;
+                (from, to) = before(m + side * 0.5 * edge, direction, plane, [from, to])?;
+            }
+        }
+        Some((from, to))
     }
 
     /// As [`super::Light::seen_along`].

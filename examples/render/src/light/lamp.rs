@@ -2,13 +2,16 @@
 
 use super::directions::{across, cap_direction, cone_direction, even_direction};
 use super::stretch::in_cone;
-use super::{EmittedPhoton, Pattern, sphere, spot::Cone};
-use crate::random::PathSampler;
+use super::{EmittedPhoton, LEAST_EXPECTED, Pattern, sphere, spot::Cone};
+use crate::random::{PathSampler, spread};
 use covbeam::{EVEN_LAMP, LightField};
 use glam::{DVec3, Vec3};
 use std::f32::consts::{FRAC_1_SQRT_2, PI};
 use std::f64::consts::TAU;
 use std::sync::Arc;
+
+/// Points of a lamp that tell what to expect of it.
+const EXPECTED_POINTS: usize = 4;
 
 /// A lamp. In each direction it shines as a disk across it, evenly: it sends the same radiance I/(πR²) along all lines of a direction that
 /// meet the ball around its middle. Lamps differ in where along such a line, at b from the middle, the light begins:
@@ -72,6 +75,11 @@ impl Lamp {
     /// Factor on the light that leaves along a direction.
     fn factor(&self, direction: Vec3) -> Vec3 {
         self.cone.map_or(1.0, |cone| cone.falloff(direction)) * self.patterned(direction)
+    }
+
+    /// Flux into a steradian of what leaves, the mean of where it shines in full.
+    pub(super) fn mean_intensity(&self) -> Vec3 {
+        self.intensity * self.pattern.as_ref().map_or(Vec3::ONE, |pattern| pattern.total() / (4.0 * PI))
     }
 
     /// Flux of what leaves; a cone counts in full.
@@ -243,6 +251,21 @@ impl Lamp {
         let half = (size * size - (offset - past * direction).length_squared()).max(0.0).sqrt();
         let begin = if self.cone.is_some() { 0.0 } else { -half };
         (self.radiance() * self.patterned(way) * solid_angle, from_middle(past - begin))
+    }
+
+    /// As [`super::Light::expected`]: the mean of some points, and a little of what it would be without cone and pattern.
+    pub(super) fn expected(&self, point: Vec3) -> (Vec3, Vec3) {
+        let exact = self.radius == 0.0 && self.pattern.is_none();
+        if exact || (self.cone.is_none() && self.pattern.is_none()) {
+            return self.flux_density(point, [0.0; 2]);
+        }
+        let points = if self.radius == 0.0 { 1 } else { EXPECTED_POINTS };
+        let found =
+            (0..points).map(|index| self.flux_density(point, spread([0.5; 2], index)).0).sum::<Vec3>();
+        let all = self.pattern.as_ref().map_or(Vec3::ONE, |pattern| pattern.total() / (4.0 * PI));
+        let even =
+            self.intensity * all / point.distance_squared(self.position).max(self.radius * self.radius);
+        (found / points as f32 + LEAST_EXPECTED * even, self.position)
     }
 
     /// As [`super::Light::lit_stretch`].

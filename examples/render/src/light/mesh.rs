@@ -162,6 +162,15 @@ impl ShiningMesh {
         (density, self.off(point.as_dvec3() + offset, side))
     }
 
+    /// As [`super::Light::expected`]: as of a ball of the same area, in the middle; places in the plane of a triangle see others.
+    pub(super) fn expected(&self, point: Vec3) -> (Vec3, Vec3) {
+        let (middle, _) = self.middle();
+        let area = self.area() as f32;
+        // Half of it is turned towards the place, with half of the cosine; and no light fills more than all directions.
+        let solid_angle = area / (2.0 * point.distance_squared(middle) + area / (4.0 * PI));
+        (self.radiance * solid_angle, middle)
+    }
+
     /// As [`super::Light::seen_along`]; a surface that the ray meets may be the mesh's own.
     pub(super) fn seen_along(&self, origin: DVec3, direction: DVec3, reach: f64) -> Vec3 {
         let slack = ON_SURFACE * (reach + origin.abs().max_element());

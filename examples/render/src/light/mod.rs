@@ -10,6 +10,7 @@ mod lamp;
 mod mesh;
 mod patch;
 mod pattern;
+mod shine;
 mod sky;
 mod sphere;
 mod spot;
@@ -25,6 +26,7 @@ pub use glow::GlowingFog;
 pub use lamp::Lamp;
 pub use mesh::ShiningMesh;
 pub use pattern::Pattern;
+pub(crate) use shine::Shine;
 pub use sky::Sky;
 pub use spot::Cone;
 pub use sun::Sun;
@@ -43,6 +45,9 @@ use stretch::{before, in_cone, outside_sphere};
 
 /// A relative curvature [1/rad²] as an angular variance \[cycles²/rad²\].
 const CURVATURE: f32 = 1.0 / (4.0 * PI * PI);
+
+/// Light that is not expected at a place, over what a light would send there that shines alike on all that it may reach.
+const LEAST_EXPECTED: f32 = 0.02;
 
 /// A photon leaving a light.
 #[derive(Clone, Copy, Debug)]
@@ -266,6 +271,18 @@ impl Light {
             Light::Mesh(ref mesh) => mesh.flux_density(point, xi),
             Light::Sky(ref sky) => sky.flux_density(point, xi),
             Light::Glow(ref fog) => (Vec3::ZERO, fog.position()),
+        }
+    }
+
+    /// About the mean of [`Light::flux_density`] over all points of the light, and a point in the middle of what is seen of it. Above zero
+    /// wherever on [`Light::lit_stretch`] any point of the light sends something, but for places that a pattern leaves dark.
+    pub(crate) fn expected(&self, point: Vec3) -> (Vec3, Vec3) {
+        match *self {
+            Light::Lamp(ref lamp) => lamp.expected(point),
+            Light::Area(area) => area.expected(point),
+            Light::Mesh(ref mesh) => mesh.expected(point),
+            // All their points send the same, about.
+            _ => self.flux_density(point, [0.0; 2]),
         }
     }
 

@@ -37,16 +37,25 @@ pub(super) fn lifted(place: DVec3, size: f64, normal: DVec3) -> Vec3 {
     (place + (LIFT * size + clear) * normal).as_vec3()
 }
 
+fn halves(corner: Vec3, edge_u: Vec3, edge_v: Vec3, place: Vec3) -> [SeenTriangle; 2] {
+    let far = corner + edge_u + edge_v;
+    [[corner, corner + edge_u, far], [corner, far, corner + edge_v]]
+        .map(|corners| SeenTriangle::new(corners, place))
+}
+
+/// Of a parallelogram's front \[sr\].
+pub(super) fn solid_angle(corner: Vec3, edge_u: Vec3, edge_v: Vec3, place: Vec3) -> f32 {
+    halves(corner, edge_u, edge_v, place).iter().map(|half| half.solid_angle).sum::<f64>() as f32
+}
+
 /// Draws a point of a parallelogram's front as [`super::disk::sample`] does, to the same bound on what it stands for.
 pub(super) fn sample(corner: Vec3, edge_u: Vec3, edge_v: Vec3, place: Vec3, xi: [f32; 2]) -> (f32, Vec3) {
-    let far = corner + edge_u + edge_v;
-    let halves = [[corner, corner + edge_u, far], [corner, far, corner + edge_v]]
-        .map(|corners| SeenTriangle::new(corners, place));
+    let halves = halves(corner, edge_u, edge_v, place);
     let solid = halves[0].solid_angle + halves[1].solid_angle;
     if !(solid > 0.0) {
         return (0.0, corner + 0.5 * (edge_u + edge_v));
     }
-    // (0, 0) is a point on the diagonal between the halves, and not a corner.
+    // (0, 0) is the middle of a side, and not a corner.
     let [u, v] = xi.map(|xi| (f64::from(xi) + 0.5).fract());
     let share = halves[0].solid_angle / solid;
     let (half, share, u) = match u < share {

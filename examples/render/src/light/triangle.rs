@@ -78,7 +78,8 @@ fn by_solid_angle([a, b, c]: [DVec3; 3], area: f64, [u, v]: [f64; 2]) -> DVec3 {
     let (s, t) = (u * area - alpha).sin_cos();
     let (p, q) = (t - cos_alpha, s + sin_alpha * a.dot(b));
     let cosine = ((q * t - p * s) * cos_alpha - q) / ((q * s + p * t) * sin_alpha);
-    let cosine = if cosine.is_finite() { cosine.clamp(a.dot(c), 1.0) } else { 1.0 };
+    // Of slivers the cosine to `c` may be rounded to more than 1.
+    let cosine = if cosine.is_finite() { cosine.max(a.dot(c)).min(1.0) } else { 1.0 };
     let far = cosine * a + (1.0 - cosine * cosine).max(0.0).sqrt() * to_c;
     let z = 1.0 - v * (1.0 - far.dot(b));
     z * b + (1.0 - z * z).max(0.0).sqrt() * aside(far, b)

@@ -5,6 +5,7 @@ use super::blurred::blurred;
 use super::is_chosen;
 use crate::camera::Camera;
 use crate::eye::straight_irradiance;
+use crate::lamps::LampTree;
 use crate::media;
 use crate::optics::{Interior, facing_normal};
 use crate::scene::{MediumId, Scene};
@@ -69,13 +70,13 @@ impl FirstSurfaces {
     pub fn new(scene: &Scene, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<Self> {
         let camera = scene.camera;
         let [width, height] = [camera.width, camera.height];
-        let (starts, fogs) = (EyeStarts::new(scene), media::all(scene));
+        let (starts, fogs, lamps) = (EyeStarts::new(scene), media::all(scene), LampTree::new(scene));
         let looks: Option<Vec<Look>> = (0..width * height)
             .into_par_iter()
             .map(|pixel| {
                 let (x, y) = (pixel % width, pixel / width);
                 // Once a row.
-                (x > 0 || !cancelled()).then(|| Look::new(scene, &fogs, &starts.middle(x, y)))
+                (x > 0 || !cancelled()).then(|| Look::new(scene, &fogs, &lamps, &starts.middle(x, y)))
             })
             .collect();
         let seen = Seen { camera: &camera, fogs: &fogs, looks: looks? };
@@ -236,13 +237,14 @@ struct Look {
 }
 
 impl Look {
-    fn new(scene: &Scene, fogs: &[Medium], start: &EyeStart) -> Self {
+    fn new(scene: &Scene, fogs: &[Medium], lamps: &LampTree, start: &EyeStart) -> Self {
         let camera = &scene.camera;
         let Sight { fog, glows, end, surface } = Sight::new(scene, start);
         let depth = |distance: f32| camera.near + distance * camera.depth_along(start.direction);
         let is_black = !glows && surface.as_ref().is_none_or(|(hit, _)| !scene.shows(scene.material(hit)));
         let surface = surface.filter(|_| scene.shows_surfaces());
-        let lit = surface.map_or(0.0, |(hit, interior)| lit(scene, fogs, interior, start.direction, &hit));
+        let lit =
+            surface.map_or(0.0, |(hit, interior)| lit(scene, fogs, lamps, interior, start.direction, &hit));
         let begins = fog.map_or(f32::INFINITY, |fog| depth(fog.from));
         Self { fog, depth: depth(end), start: begins, is_black, lit }
     }
@@ -370,14 +372,22 @@ impl Seen<'_> {
 }
 
 /// Straight light on a surface, seen from where the ray to it starts, up to a factor.
-fn lit(scene: &Scene, fogs: &[Medium], interior: Interior, direction: Vec3, hit: &Hit) -> f32 {
+fn lit(
+    scene: &Scene,
+    fogs: &[Medium],
+    lamps: &LampTree,
+    interior: Interior,
+    direction: Vec3,
+    hit: &Hit,
+) -> f32 {
     let albedo = scene.material(hit).diffuse();
     if albedo == Vec3::ZERO {
         return 0.0;
     }
     let normal = facing_normal(hit, direction);
     let start = hit.leave(normal);
-    let sum = straight_irradiance(scene, fogs, interior, start, |light| {
+    let asked = lamps.on_surface(hit.position, normal, 0.5);
+    let sum = straight_irradiance(scene, fogs, interior, start, &asked, |light| {
         let (density, from) = light.flux_density(start, [0.0; 2]);
         (density * (from - start).normalize_or_zero().dot(normal).max(0.0), from)
     });

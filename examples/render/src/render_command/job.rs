@@ -10,7 +10,7 @@ use covbeam_render::output::OutputError;
 use covbeam_render::progress::say;
 use covbeam_render::render::Goal;
 use covbeam_render::scene::Scene;
-use covbeam_render::shard::{Origin, PassRange, Passes, Shard, fingerprint, write_shard};
+use covbeam_render::shard::{Origin, PassRange, Passes, Shard, write_shard};
 use covbeam_render::stored::StoredError;
 use std::error::Error;
 use std::fmt;
@@ -229,11 +229,11 @@ pub(crate) fn subject(args: &PictureArgs) -> Result<(Scene, Origin), Box<dyn Err
 /// The scene, its name and its fingerprint.
 fn scene(path: Option<&Path>) -> Result<(Scene, String, String), Box<dyn Error>> {
     let Some(path) = path else {
-        let here = Path::new(".");
-        let scene = Scene::parse(DEFAULT_SCENE, "built-in scene", here)?;
-        return Ok((scene, DEFAULT_NAME.to_owned(), fingerprint(DEFAULT_SCENE, here)?));
+        let (scene, fingerprint) =
+            Scene::parse_with_fingerprint(DEFAULT_SCENE, "built-in scene", Path::new("."))?;
+        return Ok((scene, DEFAULT_NAME.to_owned(), fingerprint));
     };
-    let (scene, text) = Scene::load_with_text(path)?;
+    let (scene, fingerprint) = Scene::load_with_fingerprint(path)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok((scene, name, fingerprint(&text, path.parent().unwrap_or(Path::new("")))?))
+    Ok((scene, name, fingerprint))
 }

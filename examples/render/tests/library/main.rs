@@ -2,6 +2,7 @@
 
 mod compare;
 mod film;
+mod fingerprint;
 mod output;
 mod scene_file;
 mod truth;

@@ -13,7 +13,7 @@ use glam::Vec3;
 use proptest::prelude::*;
 
 /// A valid scene that uses every field but those of [`SMOKE`]; the tests below break it.
-const VALID: &str = r#"outside_medium = "fog"
+pub(super) const VALID: &str = r#"outside_medium = "fog"
 [camera]
 position = [0.0, 0.5, -5.0]
 look_at = [0, 0, 0]
@@ -109,7 +109,7 @@ density = { exponential = { origin = [0, 1, 0], up = [0, 0, 2], scale_height = 1
 "#;
 
 /// A medium for the end of [`VALID`], which names a file.
-const SMOKE: &str = r#"[[medium]]
+pub(super) const SMOKE: &str = r#"[[medium]]
 name = "smoke"
 scattering = [5, 4, 3]
 absorption = 1
@@ -119,7 +119,7 @@ density = { volume = { file = "smoke.vol", min = [-1, -2, -3], max = [1, 2, 3] }
 const TETRAHEDRON: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 
 /// A .vol file of bytes, which is all 0 where `values` end.
-fn volume(cells: [i32; 3], values: &[u8]) -> Vec<u8> {
+pub(super) fn volume(cells: [i32; 3], values: &[u8]) -> Vec<u8> {
     let mut bytes = b"VOL\x03".to_vec();
     [3, cells[0], cells[1], cells[2], 1].iter().for_each(|integer: &i32| bytes.extend(integer.to_le_bytes()));
     [0.0f32, 0.0, 0.0, 1.0, 2.0, 3.0].iter().for_each(|corner| bytes.extend(corner.to_le_bytes()));
@@ -129,7 +129,7 @@ fn volume(cells: [i32; 3], values: &[u8]) -> Vec<u8> {
 }
 
 /// A folder with the mesh that [`VALID`] names, an open one and a broken one.
-fn meshes() -> tempfile::TempDir {
+pub(super) fn meshes() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for (name, text) in [
         ("tetrahedron.obj", TETRAHEDRON),
@@ -249,7 +249,7 @@ fn every_shipped_scene_is_valid_and_its_camera_stands_outside_all_glass() {
     assert!(scenes.len() >= 2);
     for path in scenes {
         let scene = Scene::load(path).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!(scene.containing(scene.camera.position), [0u32; 0], "{}", path.display());
+        assert_eq!(scene.containing(scene.camera.position).count(), 0, "{}", path.display());
         assert!(scene.intersect(scene.camera.position, scene.camera.forward, f32::INFINITY).is_some());
     }
 }
@@ -765,7 +765,7 @@ fn lamps_areas_meshes_and_skies_that_are_wrong_are_refused() {
     let area = "kind = \"area\"\ncenter = [0, 2, 0]\nedge_u = [1, 0, 0]\nedge_v = [0, 0, 1]\nradiance = 1\n";
     let (mesh, sky) = ("kind = \"mesh\"\n", "kind = \"sky\"\nradiance = 1\n");
     let wrong = [
-        ("", lamp, "radius = 0", "radius", "1e-9"),
+        ("", lamp, "radius = -1", "radius", "1e-9"),
         ("", lamp, "soft = 1", "soft", "true or false"),
         ("", lamp, "color = 1", "color", "radius, soft, cone"),
         ("", lamp, "cone = 3", "cone", "table"),
@@ -1063,7 +1063,7 @@ fn a_density_cut_anywhere_or_with_any_byte_changed_is_read_or_refused() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(3000) })]
+    #![proptest_config(ProptestConfig::with_cases(12 * ProptestConfig::default().cases))]
 
     #[test]
     fn a_scene_with_random_edits_is_read_or_refused(

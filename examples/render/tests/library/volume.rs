@@ -328,7 +328,7 @@ fn near_volumes() -> impl Strategy<Value = Vec<u8>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(20_000) })]
+    #![proptest_config(ProptestConfig::with_cases(80 * ProptestConfig::default().cases))]
 
     #[test]
     fn any_bytes_are_a_volume_or_an_error(

@@ -2,6 +2,7 @@
 
 mod cli;
 mod common;
+mod hostile;
 mod pieces;
 mod report;
 mod spectrum;

@@ -15,7 +15,7 @@ from .media import Medium
 def cross(ray, beams, *, out=None):
     """Closest approach of an eye ray's line and beams' lines: (crossings, crosses), CROSSING and bool.
 
-    False where ray and beam are nearly parallel: such a crossing stays as it was (0 if new), and the pair is never gathered.
+    False where ray and beam are nearly parallel: such a crossing stays as it was (0 if new).
 
     - ray: one EYE_RAY.
     - beams: BEAM.

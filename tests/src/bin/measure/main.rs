@@ -1,6 +1,7 @@
 //! The long measurements behind the figures in the documents: run one, read its table.
 
 mod ablation;
+mod brute;
 mod budget;
 mod emission;
 mod fleet;
@@ -72,6 +73,23 @@ enum Measurement {
         #[command(flatten)]
         size: Size,
     },
+    /// Renders a scene by brute-force path tracing, which shares nothing with the renderer: what a picture must look like, with its noise.
+    Brute {
+        /// The scene.
+        scene: PathBuf,
+        /// Where the picture goes (EXR).
+        #[arg(long)]
+        out: PathBuf,
+        /// CPU-seconds, about.
+        #[arg(long, default_value_t = 20.0)]
+        time: f64,
+        /// Seed.
+        #[arg(long, default_value_t = 1)]
+        seed: u32,
+        /// Part of the picture whose mean is told with its standard error: x0 x1 y0 y1 in parts of its width and height.
+        #[arg(long, num_args = 4)]
+        region: Option<Vec<f64>>,
+    },
     /// Scenes made from a seed: blocks of pixels of the default method against plain beams and light tracing, all tested; brightness by
     /// distance from the brightest part; error at equal CPU time. Writes the scenes, a table of them (fleet.csv) and pictures of the worst.
     Fleet {
@@ -84,6 +102,10 @@ enum Measurement {
         /// Number of the first scene.
         #[arg(long, default_value_t = 1)]
         first: u32,
+        /// Scenes made as people make them: lengths are quarters, things touch, lamps hang in planes, suns and cameras look along axes. Blocks
+        /// against brute-force path tracing, light tracing, and the same scene with everything a hair apart; nothing at equal time.
+        #[arg(long)]
+        grid: bool,
         /// Pixels across, and down.
         #[arg(long, default_value_t = 72, value_parser = clap::value_parser!(u32).range(16..=16384))]
         width: u32,
@@ -240,7 +262,13 @@ fn main() -> Outcome<()> {
             means::run(&scene, reference.as_deref(), runs, size)
         }
         Measurement::Emission { scene, passes, pairs, size } => emission::run(&scene, passes, pairs, size),
-        Measurement::Fleet { scenes, seed, first, width, seconds, runs, reference, out } => {
+        Measurement::Brute { scene, out, time, seed, region } => {
+            brute::run(&scene, &out, time, seed, region.as_deref().unwrap_or(&[0.0, 1.0, 0.0, 1.0]))
+        }
+        Measurement::Fleet { scenes, seed, first, grid: true, width, seconds, out, .. } => {
+            fleet::grid::run(seed, first..first + scenes, width, seconds[0], &out)
+        }
+        Measurement::Fleet { scenes, seed, first, grid: false, width, seconds, runs, reference, out } => {
             fleet::run(&fleet::Fleet { scenes, seed, first, width, seconds, runs, reference, out })
         }
         Measurement::Wedges { scene, reference, passes, seeds, out, size } => {

@@ -24,7 +24,7 @@ fn any_layout() -> impl Strategy<Value = GridLayout> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(20_000))]
+    #![proptest_config(ProptestConfig::with_cases(80 * ProptestConfig::default().cases))]
 
     #[test]
     fn hostile_numbers_never_panic_and_never_reach_a_cell(

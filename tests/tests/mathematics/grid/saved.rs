@@ -149,7 +149,7 @@ fn a_grid_saved_in_the_middle_goes_on_with_the_same_bits() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(3000))]
+    #![proptest_config(ProptestConfig::with_cases(12 * ProptestConfig::default().cases))]
 
     #[test]
     fn what_deposits_and_merges_leave_is_never_refused(

@@ -1,7 +1,7 @@
 //! Regions that face themselves across a silhouette.
 
-use super::regions::{picture, plane, regions, scene};
-use covbeam::{FilmSizeError, RegionNode, part_regions};
+use super::regions::{misses, picture, plane, regions, scene};
+use covbeam::{PartError, RegionNode, part_regions};
 use proptest::prelude::*;
 use std::collections::HashSet;
 
@@ -71,7 +71,7 @@ fn a_smooth_fold_is_taken_apart_somewhere() {
     assert!(labels_of(&labels, |_| true).len() <= 4);
 }
 
-/// Pairs of pixels of one part on both sides of two at a border, whose inverse depths are more than a hundredth apart.
+/// Pairs of pixels of one part on both sides of two at a border, between which no surface goes on: neither as it is nor as a plane.
 fn facing(width: u32, depth: &[f32], regions: &[u32], parts: &[u32]) -> usize {
     let (width, height) = (width as usize, parts.len() / width as usize);
     let mut count = 0;
@@ -81,9 +81,10 @@ fn facing(width: u32, depth: &[f32], regions: &[u32], parts: &[u32]) -> usize {
                 continue;
             }
             let pixel = y * width + x;
-            let [near, far] = [pixel + stride, pixel + 2 * stride].map(|pixel| 1.0 / depth[pixel]);
+            let (near, side) = if stride == 1 { ((x + 1, y), (1, 0)) } else { ((x, y + 1), (0, 1)) };
+            let goes_on = misses(width, depth, (near.0 as i64, near.1 as i64), side);
             count += usize::from(
-                (near - far).abs() > 0.01 * near.max(far)
+                goes_on.iter().all(|miss| miss.is_nan() || *miss > 0.0)
                     && regions[pixel + stride] == 0
                     && regions[pixel + 2 * stride] == 0
                     && parts[pixel] != 0
@@ -136,13 +137,39 @@ proptest! {
     }
 }
 
+/// Rows whose inverse depths are 1/3, 2/3 and 1 are a plane, though each is more than 1 % off the next one.
+#[test]
+fn steps_that_are_a_plane_part_nothing() {
+    let width = 18;
+    let depth: Vec<f32> = (0..19 * width)
+        .map(|pixel| match (pixel % width, pixel / width) {
+            (6..=10, 0..=14) | (17, 16) | (_, 18) => 1.0,
+            (0..=16, 17) => 1.5,
+            _ => 3.0,
+        })
+        .collect();
+    let (before, labels) = (regions(width, &depth), parts(width, &depth));
+    assert_eq!(facing(width, &depth, &before, &before), 0);
+    assert_eq!(labels, before);
+}
+
+#[test]
+fn labels_that_are_no_first_pixels_number_are_refused_and_nothing_changes() {
+    // Of no pixel, of a pixel at a border, and of one that is of another region.
+    for wrong in [[1, 1, 0, 0, 7, 7], [1, 1, 0, 0, u32::MAX, 5], [1, 1, 0, 0, 3, 5], [1, 1, 0, 0, 2, 5]] {
+        let mut labels = wrong;
+        let found = part_regions(6, 1, &[1.0; 6], &mut labels, &mut [RegionNode::default(); 6]);
+        assert_eq!((found, labels), (Err(PartError::Label), wrong));
+    }
+}
+
 #[test]
 fn slices_of_another_length_are_refused_and_nothing_changes() {
     let refused = |width: u32, height: u32, depths: usize, count: usize, nodes: usize| {
         let mut labels = vec![77; count];
         let mut nodes = vec![RegionNode::default(); nodes];
         let found = part_regions(width, height, &vec![1.0; depths], &mut labels, &mut nodes);
-        labels.iter().all(|label| *label == 77) && found == Err(FilmSizeError)
+        labels.iter().all(|label| *label == 77) && found == Err(PartError::Size)
     };
     assert!(refused(4, 3, 11, 12, 12) && refused(4, 3, 12, 13, 12) && refused(4, 3, 12, 12, 11));
     assert!(refused(65_537, 1, 65_537, 65_537, 65_537) && refused(1 << 31, 2, 0, 0, 0));

@@ -148,30 +148,33 @@ fn slices_of_another_length_and_pictures_too_large_are_refused_and_nothing_chang
     assert!(FilmSizeError.to_string().contains("65536"));
 }
 
-/// What the documentation says, in f64: whether the surface goes on between two neighbours, and a flood fill from each first pixel.
-fn flood(width: usize, depth: &[f32]) -> Vec<u32> {
+/// What the documentation says, in f64: by how much inverse depth misses 1 % where a surface goes on from a pixel to the next one on a side,
+/// and as a plane through each of the two. Nothing outside of the picture; NaN where a pixel is none.
+pub(super) fn misses(width: usize, depth: &[f32], (x, y): (i64, i64), (dx, dy): (i64, i64)) -> Vec<f64> {
     let height = depth.len() / width;
-    let inverse = |x: i64, y: i64| {
+    let at = |steps: i64| {
+        let (x, y) = (x + steps * dx, y + steps * dy);
         let inside = (0..width as i64).contains(&x) && (0..height as i64).contains(&y);
         inside
             .then(|| f64::from(depth[y as usize * width + x as usize]))
             .map(|depth| if depth > 0.0 { 1.0 / depth } else { f64::NAN })
     };
-    let continuous = |(x, y): (i64, i64), (dx, dy): (i64, i64)| {
-        let at = |steps: i64| inverse(x + steps * dx, y + steps * dy);
-        let (Some(a), Some(b)) = (at(0), at(1)) else { return true };
-        let limit = 0.01 * a.max(b);
-        let guesses = [
-            Some((a, b)),
-            at(-1).map(|behind| (2.0 * a - behind, b)),
-            at(2).map(|beyond| (2.0 * b - beyond, a)),
-        ];
-        guesses.into_iter().flatten().any(|(guess, truth)| {
-            // No palette of depths below comes near the limit.
-            let miss = (guess - truth).abs() - limit;
-            assert!(miss.is_nan() || miss.abs() > 1e-5 || limit == 0.0);
-            (guess - truth).abs() <= limit + 1e-7
-        })
+    let (Some(a), Some(b)) = (at(0), at(1)) else { return Vec::new() };
+    let limit = 0.01 * a.max(b);
+    let guesses =
+        [Some((a, b)), at(-1).map(|behind| (2.0 * a - behind, b)), at(2).map(|beyond| (2.0 * b - beyond, a))];
+    guesses.into_iter().flatten().map(|(guess, truth)| (guess - truth).abs() - limit).collect()
+}
+
+/// A flood fill from each first pixel, over neighbours between which the surface goes on.
+fn flood(width: usize, depth: &[f32]) -> Vec<u32> {
+    let height = depth.len() / width;
+    let is_inside = |x: i64, y: i64| (0..width as i64).contains(&x) && (0..height as i64).contains(&y);
+    let continuous = |place: (i64, i64), side: (i64, i64)| {
+        let misses = misses(width, depth, place, side);
+        // No palette of depths below comes near the limit; between two that are infinite it is 0.
+        assert!(misses.iter().all(|miss| miss.is_nan() || miss.abs() > 1e-5 || *miss == 0.0));
+        misses.is_empty() || misses.iter().any(|miss| *miss <= 1e-7)
     };
     let sides = [(1, 0), (-1, 0), (0, 1), (0, -1)];
     let place = |i: usize| ((i % width) as i64, (i / width) as i64);
@@ -191,7 +194,7 @@ fn flood(width: usize, depth: &[f32]) -> Vec<u32> {
             for (dx, dy) in sides {
                 let (x, y) = (x + dx, y + dy);
                 let next = (y * width as i64 + x) as usize;
-                if inverse(x, y).is_some() && labels[next] == 0 && whole(next) {
+                if is_inside(x, y) && labels[next] == 0 && whole(next) {
                     labels[next] = first as u32 + 1;
                     open.push_back(next);
                 }

@@ -6,6 +6,7 @@ use super::scenes::{
 use covbeam_render::fogs::FogSum;
 use covbeam_render::optics::Interior;
 use covbeam_render::scene::{Material, Scene};
+use covbeam_render::starts::EyeStarts;
 use covbeam_tests::random::Stream;
 use glam::{DMat4, DVec3, Vec3};
 
@@ -127,23 +128,23 @@ fn mirrored_fog_is_inside_of_its_bound() {
     }
 }
 
-/// A place on a bound is beside it, on the same side for all that starts there.
+/// A camera on a bound is on the side that it looks to.
 #[test]
-fn a_place_on_a_bound_is_as_one_a_hair_beside_it() {
-    let scene = scene(&text(1), &[part_of_fog()], vec![volume(0, Vec3::NEG_ONE, Vec3::ONE)]);
+fn a_camera_on_a_bound_is_where_it_looks() {
+    let mut scene = scene(&text(1), &[part_of_fog()], vec![volume(0, Vec3::NEG_ONE, Vec3::ONE)]);
     // Where the bound is, drawn in by a hair.
     let face = 1.0 - 1.0 / (1 << 18) as f32;
     for place in [Vec3::new(face, 0.3, 0.2), Vec3::new(-face, 0.1, -0.4), Vec3::new(0.2, face, 0.0)] {
-        let beside = scene.beside(place);
-        assert!((beside - place).length() < 1e-6 && beside != place);
-        let inside = beside.abs().max_element() < face;
-        assert_eq!(at(&scene, place).0.is_some(), inside, "{place}");
-        // And it is left, or entered, where a ray from there says.
-        for direction in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y] {
-            let hit = scene.intersect(beside, direction, 1e-3);
-            let ahead = beside + 1e-3 * direction;
-            let crosses = inside != (ahead.abs().max_element() < face);
-            assert_eq!(hit.is_some(), crosses, "{place} {direction}");
+        let axis = if place.y == face { Vec3::Y } else { Vec3::X };
+        for direction in [axis, -axis, Vec3::new(0.6, 0.64, 0.48), Vec3::new(-0.6, -0.64, -0.48)] {
+            (scene.camera.position, scene.camera.forward) = (place, direction);
+            let start = EyeStarts::new(&scene).at([4.0, 4.0], [0.0; 2]);
+            let ahead = place + 1e-3 * start.direction;
+            let is_inside = ahead.abs().max_element() < face;
+            assert!((start.origin - place).length() < 4e-6, "{place} {}", start.origin);
+            assert_eq!(told(&scene, start.interior).0.is_some(), is_inside, "{place} {direction}");
+            // Nothing is met that is behind.
+            assert!(scene.intersect(start.origin, start.direction, 1e-3).is_none(), "{place} {direction}");
         }
     }
 }

@@ -5,6 +5,7 @@ use super::scenes::{
 };
 use covbeam_render::eye::{EyeSegment, EyeTracer};
 use covbeam_render::kind::{ByKind, Kind};
+use covbeam_render::lamps::LampTree;
 use covbeam_render::media;
 use covbeam_render::photon::{PhotonRecord, PhotonTracer, Record};
 use covbeam_render::random::{Emission, Random};
@@ -19,7 +20,8 @@ fn seen(scene: &Scene, direction: Vec3, asked: [bool; 2], seed: u32) -> (Vec<Eye
     let starts = EyeStarts::new(scene);
     let start =
         EyeStart { origin: scene.camera.position, direction, interior: starts.interior(), sees: true };
-    let tracer = EyeTracer { scene, fogs: &fogs, starts, surfaces: &surfaces, beyond: true };
+    let lamps = LampTree::new(scene);
+    let tracer = EyeTracer { scene, fogs: &fogs, starts, lamps: &lamps, surfaces: &surfaces, beyond: true };
     let mut segments = Vec::new();
     let mut random = Random::new([seed, 0, 0, 0]);
     let light = tracer.trace_wanted(&start, 0, asked, &mut random, &mut segments);
@@ -395,5 +397,27 @@ fn a_placed_ball_of_glass_is_as_one_of_a_scene_file() {
     });
     for (found, expected) in found.iter().zip(expected) {
         assert!((found / expected - 1.0).abs() < 0.01, "{found} for {expected}");
+    }
+}
+
+/// Light straight through two blocks of glass that touch loses what one block reflects, by Fresnel's equations 4 % at each end, and what the
+/// haze around and in it takes.
+#[test]
+fn two_blocks_of_glass_that_touch_are_one() {
+    let text = [
+        "outside_medium = \"haze\"\n".to_owned(),
+        camera([0.1, 0.2, -9.0], [0.1, 0.2, 0.0], 40.0, 8),
+        lamp([0.0, 5.0, 0.0], 1.0),
+        medium("haze", 0.01, 0.0),
+    ];
+    let halves = [[-1.0, 0.0], [0.0, 1.0]]
+        .map(|[low, high]| part(cube(Vec3::new(-1.0, -1.0, low), Vec3::new(1.0, 1.0, high)), glass()));
+    for order in [[0, 1], [1, 0]] {
+        let parts: [Part; 2] = order.map(|half: usize| halves[half].clone());
+        let (segments, _) = seen(&scene(&text.concat(), &parts, Vec::new()), Vec3::Z, [true; 2], 1);
+        let behind = segments.iter().filter(|s| s.ray.origin.z > 0.999 && s.ray.direction.z > 0.999);
+        let left = behind.map(|segment| segment.throughput.x).fold(0.0, f32::max);
+        let expected = 0.96 * 0.96 * (-0.1_f32).exp();
+        assert!((left / expected - 1.0).abs() < 1e-4, "{order:?}: {left} for {expected}");
     }
 }

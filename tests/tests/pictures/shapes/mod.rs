@@ -96,7 +96,14 @@ pub(crate) fn scene_of(shapes: Vec<(Shape, Material)>) -> Scene {
     let mut scene = Scene::parse(text, "test", std::path::Path::new("")).expect("valid");
     scene.objects = shapes
         .into_iter()
-        .map(|(shape, material)| Object { name: "test".to_owned(), shape, material, inside: None })
+        .map(|(shape, material)| Object {
+            name: "test".to_owned(),
+            shape,
+            material,
+            inside: None,
+            priority: 0,
+            inner: Vec::new(),
+        })
         .collect();
     scene
 }

@@ -175,3 +175,55 @@ fn few_shadow_rays_find_the_light_of_many_triangles() {
         assert!(deviation < 2.0, "{distance}: {deviation}");
     }
 }
+
+/// Triangles two of whose corners lie a rounding apart, in the plane that places are near to: cosines to both are rounded to more than 1.
+#[test]
+fn slivers_send_finite_light_everywhere() {
+    let sliver = [[0.5, 0.0, -0.5], [0.5, 0.03, 0.5], [0.5, -4.371139e-8, -0.5]].map(Vec3::from_array);
+    let thin = [[0.1, 0.2, 0.3], [0.1, 0.2, 0.300_000_1], [0.4, 0.2, 0.3]].map(Vec3::from_array);
+    let light = Light::Mesh(ShiningMesh::new(&[sliver, thin], Vec3::ONE).expect("areas"));
+    let mut random = Random::new([7, 7, 7, 8]);
+    for number in 0..200_000 {
+        let at = Vec3::new(random.uniform(), random.uniform(), random.uniform());
+        // All around, in front of a wall as in a scene that panicked, and next to the first one's plane.
+        let place = match number % 3 {
+            0 => 4.0 * at - 2.0,
+            1 => Vec3::new(12.0 * at.x - 6.0, 12.0 * at.y - 6.0, -11.0 + 0.5 * at.z),
+            _ => Vec3::new(0.5 + 1e-6 * (at.x - 0.5), at.y - 0.5, 2.0 * at.z - 1.0),
+        };
+        let (density, from) = light.flux_density(place, [random.uniform(), random.uniform()]);
+        assert!(density.is_finite() && density.min_element() >= 0.0, "{place}: {density}");
+        assert!(from.is_finite(), "{place}: {from}");
+    }
+}
+
+/// A place is in the light of an area where a thousand of its points say so; there `expected` is above 0, and on average it is what they send.
+#[test]
+fn what_is_expected_of_lamps_is_about_what_they_send_and_nowhere_nothing() {
+    let mut random = Random::new([7, 7, 7, 9]);
+    for light in lights() {
+        let mut ratios = Vec::new();
+        for _ in 0..300 {
+            let mut number = || random.uniform();
+            // Within what sun and sky shine on.
+            let place = 0.9 * Vec3::new(2.0 * number() - 1.0, 2.0 * number() - 1.5, 2.0 * number() - 1.0);
+            let count = 256;
+            let mut look = || light.flux_density(place, [number(), number()]).0.element_sum();
+            let sent = (0..count).map(|_| look()).sum::<f32>();
+            let expected = light.expected(place).0.element_sum();
+            if sent > 0.0 {
+                // A pattern's dark cells are left out, and cones that are all but missed.
+                assert!(expected > 0.0, "{light:?}, {place}: {sent}");
+                ratios.push(f64::from(expected * count as f32 / sent));
+            }
+        }
+        ratios.sort_by(f64::total_cmp);
+        if ratios.is_empty() {
+            continue;
+        }
+        let median = ratios[ratios.len() / 2];
+        println!("{median:.2} of {}", ratios.len());
+        // It places shadow rays, which are divided by it: a factor of 3 is noise.
+        assert!((0.3..3.0).contains(&median), "{light:?}: {median}");
+    }
+}

@@ -1,5 +1,6 @@
 //! The default method on scenes that nobody tuned: is it right, and is it ever worse than simpler ones?
 
+pub(crate) mod grid;
 mod page;
 mod row;
 mod table;
