@@ -18,7 +18,7 @@ use crate::passage::passage;
 use crate::random::{Emission, PathSampler};
 use crate::record::add;
 pub use crate::record::{Energy, FieldSegment, PathBeam, PhotonRecord, Record, Splat};
-use crate::scene::{Material, Scene};
+use crate::scene::{Light, Material, Scene};
 use crate::surface::SurfacePhoton;
 use covbeam::{Column, CovarianceGrid, Curvature, Density, Edges, Knot, LightField, Medium};
 use covbeam_geometry::hit::Hit;
