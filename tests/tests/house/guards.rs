@@ -31,7 +31,8 @@ fn public_functions(source: &str) -> Vec<Function> {
                 None => header,
             };
             owner = identifier(header.trim_start()).to_owned();
-        } else if line == "}" {
+        }
+        if line == "}" || line.ends_with("{}") {
             owner.clear();
         }
         let line = line.trim_start();

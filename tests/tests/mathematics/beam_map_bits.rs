@@ -205,7 +205,8 @@ fn check_pairs(density: &Density, seed: u64, beam_count: usize) -> [u32; 2] {
                         "packet: {packets:?} for {wanted:?}\n{}",
                         about()
                     );
-                    accepted += wanted.pairs;
+                    // One along the other counts as several.
+                    accepted += u32::from(wanted.pairs > 0);
                     let between =
                         wanted.radius > 0.021 * wanted.weight && wanted.radius < 0.29 * wanted.weight;
                     adaptive += u32::from(between);

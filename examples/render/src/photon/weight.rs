@@ -202,7 +202,8 @@ mod tests {
     #[test]
     fn no_guided_path_weighs_more_than_the_stated_multiple_of_the_mean() {
         for floor in FLOORS {
-            let scene = scene(COLORED, floor);
+            let mut scene = scene(COLORED, floor);
+            scene.settings.bounces = Some(ENDLESS as u32 - 1);
             let fogs = media::all(&scene);
             let mut tracer = tracer(&scene);
             tracer.guide(Guidance::new(&scene, &fogs).expect("light"));

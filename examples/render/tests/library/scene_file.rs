@@ -812,7 +812,7 @@ fn lamps_areas_meshes_and_skies_that_are_wrong_are_refused() {
 #[test]
 fn bad_pixels_of_a_sky_are_named_and_replaced_if_the_scene_asks_for_it() {
     let folder = meshes();
-    for (bad, found, mended) in [(f32::INFINITY, "inf", 9.0), (f32::NAN, "NaN", 1.8), (-2.5, "-2.5", 0.0)] {
+    for (bad, found, mended) in [(f32::INFINITY, "inf", 9.0), (f32::NAN, "NaN", 2.0), (-2.5, "-2.5", 0.0)] {
         // Twelve pixels of 1, but for a 9 beside the bad one.
         let mut radiance = vec![Vec3::ONE; 12];
         (radiance[5].y, radiance[6].y) = (9.0, bad);
