@@ -32,7 +32,7 @@ fn public_functions(source: &str) -> Vec<Function> {
             };
             owner = identifier(header.trim_start()).to_owned();
         }
-        if line == "}" || line.ends_with("{}") {
+        if line == "}" || line.starts_with("impl") && line.ends_with("{}") {
             owner.clear();
         }
         let line = line.trim_start();
