@@ -21,8 +21,14 @@ fuzz_target!(|bytes: &[u8]| {
         let (center, size) = (0.5 * (min + max), (max - min).length());
         let mut scene = SCENE.get_or_init(|| Scene::parse(EMPTY, "", Path::new("")).expect("valid")).clone();
         let material = if mesh.is_closed() { Material::Dielectric { index: 1.5 } } else { Material::Black };
-        scene.objects =
-            vec![Object { name: String::new(), shape: Shape::Mesh(mesh), material, inside: None, priority: 0, inner: Vec::new() }];
+        scene.objects = vec![Object {
+            name: String::new(),
+            shape: Shape::Mesh(mesh),
+            material,
+            inside: None,
+            priority: 0,
+            inner: Vec::new(),
+        }];
         for direction in [Vec3::X, Vec3::NEG_Y, Vec3::new(0.48, 0.6, 0.64)] {
             let from = center - size * direction;
             if let Some(hit) = scene.intersect(from, direction, f32::INFINITY) {
