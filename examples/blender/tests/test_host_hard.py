@@ -85,11 +85,16 @@ class Scales(unittest.TestCase):
 
     def test_a_scene_of_any_size_gives_the_same_picture(self):
         expected = rendered(scenes.mixed())
-        for scale in (2.0**-10, 2.0**13, 1e-3, 1e4):
+        for scale in (2.0**-10, 2.0**13):
+            np.testing.assert_allclose(rendered(scenes.mixed(scale=scale)), expected, rtol=1e-4, err_msg=str(scale))
+        # Where a rounding decides, a path turns off or one of five lamps is drawn for another: noise, but far less than that of other seeds.
+        others = [rendered(scenes.mixed(), seed=seed) for seed in range(1, 5)]
+        error = np.std([other.mean() for other in others], ddof=1)
+        strays = np.median([np.median(np.abs(other - expected)) for other in others])
+        for scale in (1e-3, 1e4):
             found = rendered(scenes.mixed(scale=scale))
-            # Paths turn off where a rounding decides, which is one path of thousands; each has several beams.
-            self.assertLess(abs(found.mean() / expected.mean() - 1), 2e-3, scale)
-            self.assertLess(np.median(np.abs(found - expected) / expected.mean()), 3e-3, scale)
+            self.assertLess(abs(found.mean() - expected.mean()), error, scale)
+            self.assertLess(np.median(np.abs(found - expected)), 0.1 * strays, scale)
 
     def test_powers_from_microwatts_to_terawatts_scale_the_picture(self):
         expected = rendered(scenes.mixed())
