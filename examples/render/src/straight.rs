@@ -2,7 +2,7 @@
 //! the eye rays.
 
 use crate::eye::EyeSegment;
-use crate::lamps::{Drawn, LampTree, Stretch};
+use crate::lamps::{Drawn, LampTree, MOST_ASKED, Stretch};
 use crate::media;
 use crate::near::Near;
 use crate::passage::passage;
@@ -25,6 +25,10 @@ const MOST_PLACES: f32 = 64.0;
 /// Lamps that a piece of an eye path asks; of more, as many times the places are drawn by what each lamp is worth to it.
 const LAMPS: usize = 4;
 
+/// What a look at a lamp that was drawn costs, in shadow rays to the lamps of a scene with few: it is chosen by some ten
+/// looks at groups, and what is around many lamps is more than what is around few.
+const DRAWN: u32 = 6;
+
 /// Turns from pass to pass: the fractions of √2, √3 and √7, which no whole numbers of them, of the golden ratio and of the plastic number
 /// bring together. With the golden ratio, by which a plan chooses the passes in which a pixel gets an eye ray, a pixel would look at the same
 /// places in all of these.
@@ -40,10 +44,18 @@ pub(crate) fn is_left_to_beams(scene: &Scene, medium: u32) -> bool {
     matches!(scene.medium_of(medium).density, MediumDensity::Grid(_))
 }
 
-/// Shadow rays of a piece of an eye path, alone in its pixel.
+/// Shadow rays of a piece of an eye path, alone in its pixel, or what costs as much.
 pub(crate) fn rays_of_piece(scene: &Scene, segment: &EyeSegment) -> u32 {
-    let lamps = scene.lights.iter().filter(|light| light.is_straight()).take(LAMPS);
-    places_on(segment) as u32 * lamps.count() as u32
+    let all = scene.lights.iter().filter(|light| light.is_straight()).take(LAMPS + 1).count();
+    let places = places_on(segment) as u32;
+    if all > LAMPS { DRAWN * places * LAMPS as u32 } else { places * all as u32 }
+}
+
+/// The same of a place on a surface, beyond those to as few lamps as most scenes have.
+pub(crate) fn rays_of_surface(lamps: &LampTree) -> u32 {
+    let asked = lamps.count().min(MOST_ASKED) as u32;
+    let each = if lamps.is_drawn_on_surfaces() { DRAWN } else { 1 };
+    each * asked.saturating_sub(LAMPS as u32)
 }
 
 fn places_on(segment: &EyeSegment) -> f32 {
@@ -151,10 +163,10 @@ impl Straight<'_> {
         let Piece { segment, fog, column, from, to } = piece;
         let left = |distance: f32| (-fog.mean_extinction() * column.at(distance)).exp();
         let EyeRay { origin, direction, .. } = segment.ray;
-        let stretch = Stretch { origin, direction, from: *from, to: *to, left: &left };
+        let stretch = Stretch::new([origin, direction], [*from, *to], self.lamps.reach(), left);
         let seen = |lamp: usize| {
-            let angles = self.angles(piece, lamp)?;
-            Some((angles.width() / angles.height, angles.place(0.5 * angles.width()).0))
+            let light = &self.scene.lights[lamp];
+            light.lit_stretch(origin, direction, *from, *to)
         };
         let mut sum = Vec3::ZERO;
         self.lamps.along(&stretch, draws, place, &seen, &mut |drawn: Drawn| {
