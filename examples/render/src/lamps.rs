@@ -34,8 +34,8 @@ const KNOTS: usize = 17;
 
 /// A tree over lamps, four to a node, with those far away beside it.
 ///
-/// What a place, or a ray, gets of a group of lamps is estimated from a ball around them, the flux that they send into a steradian, and a cone
-/// around all directions in which they shine. The four of a node have draws in proportion, and always some: so the chance of each lamp is known,
+/// What a place, or a ray, gets of a group of lamps is estimated from where they are in the mean and how far apart, and from what they send all
+/// around and to one side. The four of a node have draws in proportion, and always some: so the chance of each lamp is known,
 /// none is 0, and the light is right in the mean however coarse the estimates are. Of single lamps the estimate is nearly exact, but for what is
 /// in the way.
 pub struct LampTree {
@@ -54,14 +54,20 @@ pub struct LampTree {
 /// All lamps of a group.
 #[derive(Clone, Copy)]
 struct Node {
-    /// Of a ball that holds them.
+    /// Where the lamps are in the mean, and how far from it: of one lamp, of a ball that holds it; of more, the root of the mean square.
     center: Vec3,
     radius: f32,
-    /// Where they shine: see [`Shine`].
+    /// Flux into a steradian where all of them shine most.
+    most: f32,
+    /// What they send all around of it.
+    around: f32,
+    /// What they send along the axis besides, in a cone, dimmed by a cosine if it is flat.
     strength: f32,
     axis: Vec3,
     angle: f32,
     is_flat: bool,
+    /// Whether directions from anywhere in the ball count as those from its middle and not as the best of them.
+    is_mean: bool,
     /// Squared length by which their size softens 1/d², a mean.
     softening2: f32,
     /// Of a single lamp, how far its light is left to beams, squared: a ray that passes nearer gets little of it, not all.
@@ -177,12 +183,7 @@ impl LampTree {
     /// Lamps that a place on a surface asks, and how many each stands for: all of them, or some.
     ///
     /// - `normal`: unit, on the side that is lit; `shift`: uniform in [0, 1).
-    pub(crate) fn on_surface(
-        &self,
-        place: Vec3,
-        normal: Vec3,
-        shift: f32,
-    ) -> SmallVec<[(usize, f32); MOST_ASKED]> {
+    pub fn on_surface(&self, place: Vec3, normal: Vec3, shift: f32) -> SmallVec<[(usize, f32); MOST_ASKED]> {
         if !self.is_drawn_on_surfaces() {
             return (0..self.lights).map(|lamp| (lamp, 1.0)).collect();
         }
@@ -279,39 +280,64 @@ impl Node {
         let (center, softening) = light.middle();
         let Shine { strength, axis, angle, is_flat, radius } = light.shine();
         let [softening2, gap2] = [softening, reach.min(EVERYWHERE)].map(|length| length * length);
-        Self { center, radius, strength, axis, angle, is_flat, softening2, gap2 }
+        let [around, directed] = if angle >= PI { [strength, 0.0] } else { [0.0, strength] };
+        Self {
+            center,
+            radius,
+            most: strength,
+            around,
+            strength: directed,
+            axis,
+            angle,
+            is_flat,
+            is_mean: false,
+            softening2,
+            gap2,
+        }
     }
 
-    /// At least one lamp.
+    /// Along the axis, what a flat lamp without a cone sends that has the same flux, about.
+    fn lobe(&self) -> f32 {
+        let cosine = self.angle.cos();
+        self.strength * if self.is_flat { 1.0 - cosine * cosine } else { 2.0 * (1.0 - cosine) }
+    }
+
+    /// Mean over all directions of what a single lamp sends into a steradian.
+    fn mean(&self) -> f32 {
+        self.around + 0.25 * self.lobe()
+    }
+
+    /// At least one lamp. What many send that look in unlike directions goes all around.
     fn over(lamps: &[Node], order: &[u32]) -> Self {
         if let [lamp] = *order {
             return lamps[lamp as usize];
         }
         let all = || order.iter().map(|&lamp| &lamps[lamp as usize]);
-        let min = all().map(|lamp| lamp.center - lamp.radius).fold(Vec3::INFINITY, Vec3::min);
-        let max = all().map(|lamp| lamp.center + lamp.radius).fold(Vec3::NEG_INFINITY, Vec3::max);
-        let center = 0.5 * (min + max);
-        let radius = all().map(|lamp| center.distance(lamp.center) + lamp.radius).fold(0.0, f32::max);
-        let strength: f32 = all().map(|lamp| lamp.strength).sum();
-        let softening2 = all().map(|lamp| lamp.strength / strength * lamp.softening2).sum();
-        let cones = all().map(|lamp| (lamp.axis, lamp.angle));
-        let (axis, angle) = cones.reduce(around).unwrap_or((Vec3::Y, PI));
-        Self { center, radius, strength, axis, angle, is_flat: false, softening2, gap2: 0.0 }
+        let sum: f32 = all().map(Self::mean).sum();
+        let share = |lamp: &Node| lamp.mean() / sum;
+        let center: Vec3 = all().map(|lamp| share(lamp) * lamp.center).sum();
+        let square = |lamp: &Node| center.distance_squared(lamp.center) + lamp.radius * lamp.radius;
+        let radius = all().map(|lamp| share(lamp) * square(lamp)).sum::<f32>().sqrt();
+        let lobes: f32 = all().map(Self::lobe).sum();
+        let lobe: Vec3 = all().map(|lamp| lamp.lobe() * lamp.axis).sum();
+        let (axis, strength) = lobe.try_normalize().map_or((Vec3::Y, 0.0), |axis| (axis, lobe.length()));
+        let around = all().map(|lamp| lamp.around).sum::<f32>() + 0.25 * (lobes - strength).max(0.0);
+        let most = all().map(|lamp| lamp.most).sum();
+        let softening2 = all().map(|lamp| share(lamp) * lamp.softening2).sum();
+        Self {
+            center,
+            radius,
+            most,
+            around,
+            strength,
+            axis,
+            angle: PI,
+            is_flat: true,
+            is_mean: true,
+            softening2,
+            gap2: 0.0,
+        }
     }
-}
-
-/// A cone around two, by axis and angle.
-fn around((a, of_a): (Vec3, f32), (b, of_b): (Vec3, f32)) -> (Vec3, f32) {
-    let ((a, of_a), (b, of_b)) = if of_a >= of_b { ((a, of_a), (b, of_b)) } else { ((b, of_b), (a, of_a)) };
-    let between = a.angle_between(b);
-    if of_a >= PI || between + of_b <= of_a {
-        return (a, of_a);
-    }
-    let angle = 0.5 * (of_a + of_b + between);
-    let across = (b - a.dot(b) * a).try_normalize();
-    let Some(across) = across.filter(|_| angle < PI) else { return (a, PI) };
-    let (sine, cosine) = (angle - of_a).sin_cos();
-    ((cosine * a + sine * across).normalize(), angle)
 }
 
 #[cfg(test)]

@@ -9,6 +9,11 @@ use std::f32::consts::{FRAC_PI_2, PI};
 /// that may light a place must be left out.
 const BESIDE: f32 = 0.05;
 
+/// Mean over all directions of a cosine that is not below 0: what is left of it amid many lamps, and half of what is on surfaces beside them, which
+/// are lit from one side. Between these and the largest cosines, of 300 and of 4,000 lamps in a room and in the open, draws have a third of the variance.
+const MEAN: f32 = 0.25;
+const ON_SURFACES: f32 = 2.0;
+
 /// What a group, or a place among four, holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Below {
@@ -47,21 +52,22 @@ impl Vec3x4 {
     }
 }
 
-/// Four groups of lamps, of which some may be empty: worth nothing.
+/// Four groups of lamps, of which some may be empty: worth nothing. Numbers are those of [`Node`].
 pub(super) struct Four {
     pub(super) below: [Below; 4],
-    /// Of balls that hold them.
     center: Vec3x4,
     radius: Vec4,
-    /// Flux into a steradian where they shine most.
+    /// Flux into a steradian that is taken for granted.
+    least: Vec4,
+    around: Vec4,
     strength: Vec4,
     axis: Vec3x4,
     /// Cosine and sine of the cones' angles.
     edge: [Vec4; 2],
-    /// Factors on the strength beside a cone: 1 where there is none.
-    beside: Vec4,
     /// 1 where a cosine dims the light towards the side, else 0.
     flat: Vec4,
+    /// Of the sine under which a ball is seen, the share by which cosines to its lamps are larger than to its middle.
+    wider: Vec4,
     softening2: Vec4,
 }
 
@@ -79,11 +85,13 @@ impl Four {
             below: [0, 1, 2, 3].map(|place| nodes.get(place).map_or(Below::Nothing, |(_, below)| *below)),
             center: vectors(&|node| node.center),
             radius: numbers(&|node| node.radius, 0.0),
+            least: numbers(&|node| BESIDE * node.most, 0.0),
+            around: numbers(&|node| node.around, 0.0),
             strength: numbers(&|node| node.strength, 0.0),
             axis: vectors(&|node| node.axis),
             edge: [numbers(&|node| node.angle.cos(), 1.0), numbers(&|node| node.angle.sin(), 0.0)],
-            beside: numbers(&|node| if node.angle >= PI { 1.0 } else { BESIDE }, 1.0),
             flat: numbers(&|node| flag(node.is_flat), 0.0),
+            wider: numbers(&|node| if node.is_mean { MEAN } else { 1.0 }, 1.0),
             softening2: numbers(&|node| node.softening2 + node.gap2, 1.0),
         }
     }
@@ -133,15 +141,12 @@ impl Four {
         let distance2 = offset.dot(&offset).max(Vec4::splat(f32::MIN_POSITIVE));
         let distance = distance2.sqrt();
         let mean2 = distance2.max(0.5 * (distance2 + self.radius * self.radius)) + self.softening2;
-        // The largest cosine of all directions to the ball.
-        let sine = (self.radius / distance).min(Vec4::ONE);
-        let nearest = (Vec4::ONE - sine * sine).sqrt();
-        let cosine = offset.along(normal) / distance;
-        let beside = (Vec4::ONE - cosine * cosine).max(Vec4::ZERO).sqrt();
-        let cosine = Vec4::select(cosine.cmpge(nearest), Vec4::ONE, cosine * nearest + beside * sine);
+        let wider = (ON_SURFACES * self.wider).min(Vec4::ONE);
+        let of_ball = wider * (self.radius / distance).min(Vec4::ONE);
+        let cosine = (offset.along(normal) / distance).max(Vec4::ZERO) + of_ball;
         let Vec3x4 { x, y, z } = offset;
         let shines = self.shine(&Vec3x4 { x: -x, y: -y, z: -z });
-        cosine.max(Vec4::splat(BESIDE * BESIDE)) * shines / mean2
+        cosine.clamp(Vec4::splat(BESIDE * BESIDE), Vec4::ONE) * shines / mean2
     }
 
     /// Flux into a steradian that each sends along an offset from its middle, or is taken to.
@@ -154,9 +159,9 @@ impl Four {
         let [edge, of_axis] = self.edge;
         let is_wide = (of_axis * nearest + edge * of_ball).cmple(Vec4::ZERO);
         let is_in = is_wide | cosine.cmpge(edge * nearest - of_axis * of_ball) | of_ball.cmpge(Vec4::ONE);
-        let to_side = (cosine + of_ball).clamp(Vec4::ZERO, Vec4::ONE);
+        let to_side = (cosine.max(Vec4::ZERO) + self.wider * of_ball).min(Vec4::ONE);
         let factor = Vec4::select(is_in, Vec4::ONE - self.flat * (Vec4::ONE - to_side), Vec4::ZERO);
-        self.strength * factor.max(self.beside)
+        (self.around + self.strength * factor).max(self.least)
     }
 }
 
