@@ -1,62 +1,77 @@
 //! Lamps drawn by place: a tree over all lamps of a scene, which a few uniform numbers descend together to those that matter to a ray or to a
 //! place on a surface.
 
+mod four;
+
 use crate::guidance::mean;
 use crate::light::Shine;
+use crate::near::Near;
 use crate::random::spread;
 use crate::scene::{Light, Scene};
-use glam::{Vec2, Vec3};
+use four::{Below, Four};
+use glam::{Vec3, Vec4};
 use smallvec::SmallVec;
-use std::f32::consts::{FRAC_PI_2, PI};
+use std::f32::consts::PI;
 
 /// Lamps that a place on a surface asks; of more, as many are drawn.
 pub const MOST_ASKED: usize = 32;
 
-/// Lamps are taken to shine with this share of their strength where they do not seem to: balls and cones around many are coarse, and no lamp
-/// that may light a place must be left out.
-const BESIDE: f32 = 0.05;
-
-/// And this share is taken to be left where fog seems to let nothing through: fog may end on the way, and other places of a ray than the one
+/// This share of light is taken to be left where fog seems to let nothing through: fog may end on the way, and other places of a ray than the one
 /// that stands for it may be lit.
 const DIMMED: f32 = 0.05;
 
 /// Lamps far away, and all others, have at least this share of the draws: how much they are worth is estimated in unlike ways.
 const LEAST_OF_KIND: f64 = 0.1;
 
+/// How far from a lamp its light is left to beams, in metres, where that is everywhere: farther than any scene reaches.
+const EVERYWHERE: f32 = 1e9;
+
 /// Looks at a lamp far away that tell its strength.
 const TRIES: usize = 16;
 
-/// A binary tree over lamps, with those far away beside it.
+/// Places of a stretch at which it is known how much light is left, and steps between them.
+const KNOTS: usize = 17;
+
+/// A tree over lamps, four to a node, with those far away beside it.
 ///
-/// What a place, or a ray, gets of a node's lamps is estimated from a ball around them, the flux that they send into a steradian, and a cone
-/// around all directions in which they shine. Both halves of a node have draws in proportion, and always some: so the chance of each lamp is known,
-/// none is 0, and the light is right in the mean however coarse the estimates are. Of single lamps the estimate is exact, but for what is
+/// What a place, or a ray, gets of a group of lamps is estimated from where they are in the mean and how far apart, and from what they send all
+/// around and to one side. The four of a node have draws in proportion, and always some: so the chance of each lamp is known,
+/// none is 0, and the light is right in the mean however coarse the estimates are. Of single lamps the estimate is nearly exact, but for what is
 /// in the way.
 pub struct LampTree {
-    /// Halves of halves, down to single lamps. The nodes of the first half follow their parent, and those of the second half them.
-    nodes: Vec<Node>,
-    /// Numbers of the lamps in the tree, in its order.
-    order: Vec<u32>,
+    /// The first is the root, if there are any.
+    fours: Vec<Four>,
     /// Numbers of lamps far away, and their flux density, the mean of the channels.
     far: Vec<(u32, f32)>,
-    /// By number; nothing is known of those far away.
-    lamps: Vec<Node>,
+    /// Of the tree.
+    near: usize,
+    /// Of the scene.
+    lights: usize,
     /// How far along a ray there is something for lamps far away to shine on, at most.
     reach: f32,
 }
 
-/// All lamps below.
+/// All lamps of a group.
 #[derive(Clone, Copy)]
 struct Node {
-    /// Of a ball that holds them.
+    /// Where the lamps are in the mean, and how far from it: of one lamp, of a ball that holds it; of more, the root of the mean square.
     center: Vec3,
     radius: f32,
-    /// Where they are, and where they shine: see [`Shine`].
-    shine: Shine,
-    /// Cosine and sine of the cone's angle.
-    edge: Vec2,
+    /// Flux into a steradian where all of them shine most.
+    most: f32,
+    /// What they send all around of it.
+    around: f32,
+    /// What they send along the axis besides, in a cone, dimmed by a cosine if it is flat.
+    strength: f32,
+    axis: Vec3,
+    angle: f32,
+    is_flat: bool,
+    /// Whether directions from anywhere in the ball count as those from its middle and not as the best of them.
+    is_mean: bool,
     /// Squared length by which their size softens 1/d², a mean.
     softening2: f32,
+    /// Of a single lamp, how far its light is left to beams, squared: a ray that passes nearer gets little of it, not all.
+    gap2: f32,
 }
 
 /// The draws that fell on a lamp.
@@ -84,44 +99,61 @@ impl Drawn {
 }
 
 /// A stretch of an eye ray.
-pub(crate) struct Stretch<'a> {
-    pub(crate) origin: Vec3,
-    pub(crate) direction: Vec3,
-    pub(crate) from: f32,
-    pub(crate) to: f32,
-    /// Share of light that is left on its way from a place to the origin, by the distance of that.
-    pub(crate) left: &'a dyn Fn(f32) -> f32,
+pub(crate) struct Stretch {
+    origin: Vec3,
+    direction: Vec3,
+    from: f32,
+    to: f32,
+    /// Share of light that is left on its way from a place to the origin, or taken to be.
+    left: [f32; KNOTS],
+    /// Places to a metre.
+    knots: f32,
 }
 
-impl Stretch<'_> {
-    fn at(&self, distance: f32) -> Vec3 {
-        self.origin + distance * self.direction
+impl Stretch {
+    /// - `reach`: nothing changes farther along a stretch.
+    /// - `left`: share of light that is left on its way from a place to the origin, by the distance of that.
+    pub(crate) fn new(
+        [origin, direction]: [Vec3; 2],
+        [from, to]: [f32; 2],
+        reach: f32,
+        left: impl Fn(f32) -> f32,
+    ) -> Self {
+        let step = (to - from).min(reach).max(f32::MIN_POSITIVE) / (KNOTS - 1) as f32;
+        let at = |knot: usize| DIMMED + (1.0 - DIMMED) * left(from + knot as f32 * step);
+        Self { origin, direction, from, to, left: std::array::from_fn(at), knots: step.recip().min(f32::MAX) }
     }
 
-    /// What is left of light from there, or taken to be.
-    fn dimmed(&self, distance: f32) -> f32 {
-        DIMMED + (1.0 - DIMMED) * (self.left)(distance)
+    fn left(&self, distance: f32) -> f32 {
+        let place = ((distance - self.from) * self.knots).clamp(0.0, (KNOTS - 1) as f32);
+        let knot = (place as usize).min(KNOTS - 2);
+        let share = place - knot as f32;
+        (1.0 - share) * self.left[knot] + share * self.left[knot + 1]
+    }
+
+    /// Of what lamps far away send to a metre, as many metres.
+    fn length(&self) -> f32 {
+        let ends = 0.5 * (self.left[0] + self.left[KNOTS - 1]);
+        (self.left.iter().sum::<f32>() - ends) / self.knots
     }
 }
 
-/// How much each lamp and node is worth to whoever asks, > 0, and of lamps alone perhaps 0.
+/// How much lamps far away, by their strength, and groups are worth to whoever asks.
 struct Worth<'w> {
     far: &'w dyn Fn(f32) -> f32,
-    node: &'w dyn Fn(&Node) -> f32,
-    lamp: &'w dyn Fn(usize) -> f32,
+    four: &'w dyn Fn(&Four) -> Vec4,
 }
 
 impl LampTree {
     /// Over all lamps of a scene whose light is straight.
     pub fn new(scene: &Scene) -> Self {
-        let lamps: Vec<Node> = scene.lights.iter().map(Node::of).collect();
+        let beams = Near::new(scene);
+        let lamps: Vec<Node> =
+            scene.lights.iter().enumerate().map(|(lamp, light)| Node::of(light, beams.reach(lamp))).collect();
         let all = (0..).zip(&scene.lights).filter(|(_, light)| light.is_straight());
         let (far, near): (Vec<_>, Vec<_>) = all.partition(|(_, light)| light.is_far());
         let mut order: Vec<u32> = near.into_iter().map(|(lamp, _)| lamp).collect();
-        let mut nodes = Vec::with_capacity(2 * order.len());
-        if !order.is_empty() {
-            add(&lamps, &mut order, &mut nodes);
-        }
+        let fours = if order.is_empty() { Vec::new() } else { four::build(&lamps, &mut order) };
         let middle = 0.5 * (scene.grid.min + scene.grid.max);
         let strength = |light: &Light| {
             let looks = (0..TRIES).map(|index| mean(light.flux_density(middle, spread([0.5; 2], index)).0));
@@ -129,12 +161,18 @@ impl LampTree {
             (looks.sum::<f32>() / TRIES as f32).max(f32::MIN_POSITIVE)
         };
         let far = far.into_iter().map(|(lamp, light)| (lamp, strength(light))).collect();
-        Self { nodes, order, far, lamps, reach: (scene.grid.max - scene.grid.min).length() }
+        let reach = (scene.grid.max - scene.grid.min).length();
+        Self { fours, far, near: order.len(), lights: lamps.len(), reach }
     }
 
     /// How many there are.
     pub fn count(&self) -> usize {
-        self.order.len() + self.far.len()
+        self.near + self.far.len()
+    }
+
+    /// How far along a ray there is anything that lamps shine on, at most.
+    pub(crate) fn reach(&self) -> f32 {
+        self.reach
     }
 
     /// Whether a place on a surface asks some of the lamps only.
@@ -145,14 +183,9 @@ impl LampTree {
     /// Lamps that a place on a surface asks, and how many each stands for: all of them, or some.
     ///
     /// - `normal`: unit, on the side that is lit; `shift`: uniform in [0, 1).
-    pub(crate) fn on_surface(
-        &self,
-        place: Vec3,
-        normal: Vec3,
-        shift: f32,
-    ) -> SmallVec<[(usize, f32); MOST_ASKED]> {
+    pub fn on_surface(&self, place: Vec3, normal: Vec3, shift: f32) -> SmallVec<[(usize, f32); MOST_ASKED]> {
         if !self.is_drawn_on_surfaces() {
-            return (0..self.lamps.len()).map(|lamp| (lamp, 1.0)).collect();
+            return (0..self.lights).map(|lamp| (lamp, 1.0)).collect();
         }
         let mut asked = SmallVec::new();
         self.for_surface(place, normal, MOST_ASKED as u32, shift, &mut |drawn| {
@@ -162,19 +195,14 @@ impl LampTree {
     }
 
     fn for_surface(&self, place: Vec3, normal: Vec3, draws: u32, shift: f32, found: &mut dyn FnMut(Drawn)) {
-        let worth = Worth {
-            far: &|strength| strength,
-            node: &|node| node.on_surface(place, normal),
-            lamp: &|lamp| self.lamps[lamp].on_surface(place, normal),
-        };
-        self.draw(&worth, draws, shift, found);
+        let four = |four: &Four| four.on_surface(place, normal);
+        self.draw(&Worth { far: &|strength| strength, four: &four }, draws, shift, found);
     }
 
     /// Draws lamps for a stretch of an eye ray.
     ///
     /// - `draws`: how many, at least one; `shift`: uniform in [0, 1).
-    /// - `seen`: of a lamp with a place, the integral of 1/(d² + softening²) along what it shines on of the stretch, and a distance in the middle of
-    ///   that; None: it shines on none of it.
+    /// - `seen`: the part of the stretch that a lamp with a place shines on; None: it shines on none of it.
     pub(crate) fn along(
         &self,
         stretch: &Stretch,
@@ -183,26 +211,18 @@ impl LampTree {
         seen: &dyn Fn(usize) -> Option<(f32, f32)>,
         found: &mut dyn FnMut(Drawn),
     ) {
-        let length = (stretch.to - stretch.from).min(self.reach);
-        let some = [0.1, 0.3, 0.5, 0.7, 0.9].map(|share| stretch.dimmed(stretch.from + share * length));
-        let length = 0.2 * some.iter().sum::<f32>() * length;
-        let worth = Worth {
-            far: &|strength| strength * length,
-            node: &|node| node.along(stretch),
-            lamp: &|lamp| {
-                seen(lamp).map_or(0.0, |(integral, middle)| {
-                    integral * self.lamps[lamp].shines(stretch.at(middle)) * stretch.dimmed(middle)
-                })
-            },
-        };
-        self.draw(&worth, draws, shift, found);
+        let length = stretch.length();
+        let four = |four: &Four| four.along(stretch, seen);
+        self.draw(&Worth { far: &|strength| strength * length, four: &four }, draws, shift, found);
     }
 
     /// Lets numbers (i + shift), i < `draws`, fall on shares of [0, draws) that lamps have by their worth.
     fn draw(&self, worth: &Worth, draws: u32, shift: f32, found: &mut dyn FnMut(Drawn)) {
         let far: f64 = self.far.iter().map(|&(_, strength)| f64::from((worth.far)(strength))).sum();
-        let near =
-            if self.order.is_empty() { 0.0 } else { f64::from(self.worth(worth, 0, 0, self.order.len())) };
+        let near = match self.fours.first() {
+            Some(root) if far > 0.0 => (worth.four)(root).as_dvec4().element_sum(),
+            root => f64::from(u8::from(root.is_some())),
+        };
         let share = match (far > 0.0, near > 0.0) {
             (true, true) => (far / (far + near)).clamp(LEAST_OF_KIND, 1.0 - LEAST_OF_KIND),
             (has_far, _) => f64::from(u8::from(has_far)),
@@ -224,161 +244,100 @@ impl LampTree {
             }
             from = to;
         }
-        let mut waiting = SmallVec::<[(usize, usize, usize, f64, f64); 32]>::new();
+        let mut waiting = SmallVec::<[(u32, f64, f64); 32]>::new();
         if near > 0.0 {
-            waiting.push((0, 0, self.order.len(), share * all, all));
+            waiting.push((0, share * all, all));
         }
-        while let Some((node, start, count, from, to)) = waiting.pop() {
-            let numbers = first(from)..first(to);
-            if numbers.is_empty() {
+        while let Some((group, from, to)) = waiting.pop() {
+            let four = &self.fours[group as usize];
+            let of_each = (worth.four)(four).as_dvec4().to_array();
+            let sum: f64 = of_each.iter().sum();
+            if !(sum > 0.0) {
                 continue;
             }
-            if count == 1 {
-                found(Drawn { lamp: self.order[start] as usize, draws: numbers, from, to, shift });
-                continue;
-            }
-            let half = count / 2;
-            let [a, b] = [(node + 1, start, half), (node + 2 * half, start + half, count - half)];
-            let [of_a, of_b] =
-                [a, b].map(|(node, start, count)| f64::from(self.worth(worth, node, start, count)));
-            if of_a + of_b > 0.0 {
-                let middle = from + (to - from) * (of_a / (of_a + of_b));
-                waiting.push((b.0, b.1, b.2, middle, to));
-                waiting.push((a.0, a.1, a.2, from, middle));
+            let (mut start, mut so_far) = (from, 0.0);
+            for (below, of_one) in four.below.iter().zip(of_each) {
+                so_far += of_one;
+                let end = if so_far < sum { from + (to - from) * (so_far / sum) } else { to };
+                let numbers = first(start)..first(end);
+                match *below {
+                    _ if numbers.is_empty() => {}
+                    Below::Nothing => {}
+                    Below::Groups(groups) => waiting.push((groups, start, end)),
+                    Below::Lamp(lamp, _) => {
+                        found(Drawn { lamp: lamp as usize, draws: numbers, from: start, to: end, shift });
+                    }
+                }
+                start = end;
             }
         }
-    }
-
-    fn worth(&self, worth: &Worth, node: usize, start: usize, count: usize) -> f32 {
-        match count {
-            1 => (worth.lamp)(self.order[start] as usize),
-            _ => (worth.node)(&self.nodes[node]),
-        }
-    }
-}
-
-/// Adds the node of some lamps and those below it, and puts the lamps in its order.
-fn add(lamps: &[Node], order: &mut [u32], nodes: &mut Vec<Node>) {
-    nodes.push(Node::over(lamps, order));
-    let half = order.len() / 2;
-    if half > 0 {
-        let centers = || order.iter().map(|&lamp| lamps[lamp as usize].center);
-        let size = centers().fold(Vec3::NEG_INFINITY, Vec3::max) - centers().fold(Vec3::INFINITY, Vec3::min);
-        let axis = size.max_position();
-        // Lamps in one place keep the order of the file.
-        let key = |lamp: &u32| (lamps[*lamp as usize].center[axis], *lamp);
-        order.sort_by(|a, b| {
-            let (a, b) = (key(a), key(b));
-            a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
-        });
-        let (first, second) = order.split_at_mut(half);
-        add(lamps, first, nodes);
-        add(lamps, second, nodes);
     }
 }
 
 impl Node {
-    fn of(light: &Light) -> Self {
+    /// - `reach`: how far from the lamp its light is left to beams.
+    fn of(light: &Light, reach: f32) -> Self {
         let (center, softening) = light.middle();
-        let shine = light.shine();
-        let edge = Vec2::from_angle(shine.angle);
-        Self { center, radius: shine.radius, shine, edge, softening2: softening * softening }
-    }
-
-    fn over(lamps: &[Node], order: &[u32]) -> Self {
-        let all = || order.iter().map(|&lamp| &lamps[lamp as usize]);
-        let min = all().map(|lamp| lamp.center - lamp.radius).fold(Vec3::INFINITY, Vec3::min);
-        let max = all().map(|lamp| lamp.center + lamp.radius).fold(Vec3::NEG_INFINITY, Vec3::max);
-        let center = 0.5 * (min + max);
-        let radius = all().map(|lamp| center.distance(lamp.center) + lamp.radius).fold(0.0, f32::max);
-        let strength: f32 = all().map(|lamp| lamp.shine.strength).sum();
-        let softening2 = all().map(|lamp| lamp.shine.strength / strength * lamp.softening2).sum();
-        let cones = all().map(|lamp| (lamp.shine.axis, lamp.shine.angle));
-        let (axis, angle) = cones.reduce(around).unwrap_or((Vec3::Y, PI));
-        let is_flat = all().all(|lamp| lamp.shine.is_flat) && order.len() == 1;
-        let shine = Shine { strength, axis, angle, is_flat, radius };
-        Self { center, radius, shine, edge: Vec2::from_angle(angle), softening2 }
-    }
-
-    /// Flux into a steradian towards a place, or taken to be.
-    fn shines(&self, place: Vec3) -> f32 {
-        let Shine { strength, axis, angle, is_flat, .. } = self.shine;
-        let offset = place - self.center;
-        let distance = offset.length();
-        if angle >= PI || distance <= self.radius {
-            return strength;
+        let Shine { strength, axis, angle, is_flat, radius } = light.shine();
+        let [softening2, gap2] = [softening, reach.min(EVERYWHERE)].map(|length| length * length);
+        let [around, directed] = if angle >= PI { [strength, 0.0] } else { [0.0, strength] };
+        Self {
+            center,
+            radius,
+            most: strength,
+            around,
+            strength: directed,
+            axis,
+            angle,
+            is_flat,
+            is_mean: false,
+            softening2,
+            gap2,
         }
-        // The cone's angle and that under which the ball is seen, added up.
-        let cosine = offset.dot(axis) / distance;
-        let [of_ball, of_axis] = [self.radius / distance, self.edge.y];
-        let nearest = (1.0 - of_ball * of_ball).sqrt();
-        let sine = of_axis * nearest + self.edge.x * of_ball;
-        let is_beside = sine > 0.0 && cosine < self.edge.x * nearest - of_axis * of_ball;
-        let factor = if is_beside { 0.0 } else { 1.0 };
-        let factor = if is_flat { factor * (cosine + of_ball).clamp(0.0, 1.0) } else { factor };
-        strength * factor.max(BESIDE)
     }
 
-    /// What a stretch of a ray gets of all of it. Where their ball is on the way the lamps lie at half of its radius, about.
-    fn along(&self, stretch: &Stretch) -> f32 {
-        let offset = self.center - stretch.origin;
-        let foot = offset.dot(stretch.direction);
-        let aside = (offset - foot * stretch.direction).length();
-        let height2 = aside.max(0.5 * (aside + self.radius)).powi(2) + self.softening2;
-        let height = height2.sqrt().max(1e-6 * offset.length()).max(f32::MIN_POSITIVE);
-        let [a, b] = [stretch.from, stretch.to].map(|end| angle((end - foot) / height));
-        let middle = foot.clamp(stretch.from, stretch.to);
-        // The ends are seen under no angle where rounding says so.
-        let angle = (b - a).max(f32::EPSILON);
-        angle / height * self.shines(stretch.at(middle)) * stretch.dimmed(middle)
+    /// Along the axis, what a flat lamp without a cone sends that has the same flux, about.
+    fn lobe(&self) -> f32 {
+        let cosine = self.angle.cos();
+        self.strength * if self.is_flat { 1.0 - cosine * cosine } else { 2.0 * (1.0 - cosine) }
     }
 
-    /// What a place on a surface gets of all of it.
-    fn on_surface(&self, place: Vec3, normal: Vec3) -> f32 {
-        let offset = self.center - place;
-        let distance2 = offset.length_squared();
-        let distance = distance2.sqrt();
-        let mean2 = distance2.max(0.5 * (distance2 + self.radius * self.radius)) + self.softening2;
-        // The largest cosine of all directions to the ball.
-        let sine = self.radius / distance;
-        let cosine = offset.dot(normal) / distance;
-        let cosine = if sine < 1.0 {
-            let nearest = (1.0 - sine * sine).sqrt();
-            if cosine >= nearest {
-                1.0
-            } else {
-                cosine * nearest + (1.0 - cosine * cosine).max(0.0).sqrt() * sine
-            }
-        } else {
-            1.0
-        };
-        cosine.max(BESIDE * BESIDE) * self.shines(place) / mean2.max(f32::MIN_POSITIVE)
+    /// Mean over all directions of what a single lamp sends into a steradian.
+    fn mean(&self) -> f32 {
+        self.around + 0.25 * self.lobe()
     }
-}
 
-/// The angle of a tangent, to 5e-3.
-fn angle(tangent: f32) -> f32 {
-    let square = tangent * tangent;
-    if square <= 1.0 {
-        return tangent / (1.0 + 0.28 * square);
+    /// At least one lamp. What many send that look in unlike directions goes all around.
+    fn over(lamps: &[Node], order: &[u32]) -> Self {
+        if let [lamp] = *order {
+            return lamps[lamp as usize];
+        }
+        let all = || order.iter().map(|&lamp| &lamps[lamp as usize]);
+        let sum: f32 = all().map(Self::mean).sum();
+        let share = |lamp: &Node| lamp.mean() / sum;
+        let center: Vec3 = all().map(|lamp| share(lamp) * lamp.center).sum();
+        let square = |lamp: &Node| center.distance_squared(lamp.center) + lamp.radius * lamp.radius;
+        let radius = all().map(|lamp| share(lamp) * square(lamp)).sum::<f32>().sqrt();
+        let lobes: f32 = all().map(Self::lobe).sum();
+        let lobe: Vec3 = all().map(|lamp| lamp.lobe() * lamp.axis).sum();
+        let (axis, strength) = lobe.try_normalize().map_or((Vec3::Y, 0.0), |axis| (axis, lobe.length()));
+        let around = all().map(|lamp| lamp.around).sum::<f32>() + 0.25 * (lobes - strength).max(0.0);
+        let most = all().map(|lamp| lamp.most).sum();
+        let softening2 = all().map(|lamp| share(lamp) * lamp.softening2).sum();
+        Self {
+            center,
+            radius,
+            most,
+            around,
+            strength,
+            axis,
+            angle: PI,
+            is_flat: true,
+            is_mean: true,
+            softening2,
+            gap2: 0.0,
+        }
     }
-    // Of infinity, too.
-    let rest = if square < f32::INFINITY { tangent / (square + 0.28) } else { 0.0 };
-    FRAC_PI_2.copysign(tangent) - rest
-}
-
-/// A cone around two, by axis and angle.
-fn around((a, of_a): (Vec3, f32), (b, of_b): (Vec3, f32)) -> (Vec3, f32) {
-    let ((a, of_a), (b, of_b)) = if of_a >= of_b { ((a, of_a), (b, of_b)) } else { ((b, of_b), (a, of_a)) };
-    let between = a.angle_between(b);
-    if of_a >= PI || between + of_b <= of_a {
-        return (a, of_a);
-    }
-    let angle = 0.5 * (of_a + of_b + between);
-    let across = (b - a.dot(b) * a).try_normalize();
-    let Some(across) = across.filter(|_| angle < PI) else { return (a, PI) };
-    let (sine, cosine) = (angle - of_a).sin_cos();
-    ((cosine * a + sine * across).normalize(), angle)
 }
 
 #[cfg(test)]

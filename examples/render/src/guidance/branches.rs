@@ -60,7 +60,7 @@ pub(crate) struct Spread {
     beams: f32,
     /// Pairs with the beams of one light path, of an eye ray.
     pairs: f32,
-    /// Shadow rays of an eye ray; where straight light is left to beams, their pairs cost as much.
+    /// Shadow rays of an eye ray, or what costs as much; where straight light is left to beams, their pairs do.
     shadow_rays: f32,
 }
 

@@ -8,9 +8,10 @@ use crate::photon::{PhotonRecord, PhotonTracer, Record};
 use crate::random::{Emission, Random};
 use crate::scene::Scene;
 use crate::starts::{EyeStart, EyeStarts};
-use crate::straight::{Straight, rays_of_piece};
+use crate::straight::{Straight, rays_of_piece, rays_of_surface};
 use crate::surface::{Disks, SurfaceMap};
 use covbeam::{Beam, BeamMap, GatherScratch, Gathered, Kernel, Knot, Medium};
+use glam::Vec3;
 use rayon::prelude::*;
 
 /// Eye rays across and down.
@@ -105,7 +106,7 @@ pub(super) struct Memory {
     segments: Vec<EyeSegment>,
     /// Pairs with beams, of all rays since it was last set.
     pub(super) pairs: u32,
-    /// Shadow rays that straight light takes in a pass, of all rays since it was last set.
+    /// Shadow rays that straight light takes in a pass, of all rays since it was last set, or what costs as much.
     pub(super) shadow_rays: u32,
 }
 
@@ -163,6 +164,9 @@ impl<'a> Look<'a> {
         let eye = EyeTracer { scene, fogs, starts, lamps, surfaces, beyond: true };
         memory.segments.clear();
         let mut radiance = eye.trace(start, number, random, &mut memory.segments);
+        if radiance[Kind::Straight as usize] != Vec3::ZERO {
+            memory.shadow_rays += rays_of_surface(lamps);
+        }
         for segment in &memory.segments {
             let mut gathered = [Gathered::default()];
             let medium = segment.medium as usize;

@@ -62,14 +62,39 @@ fn stretches() -> Vec<(Vec3, Vec3)> {
         .collect()
 }
 
-/// As of lamps in a vacuum: the integral of 1/(d² + softening²) where the lamp shines, and a distance there.
-fn seen(light: &Light, origin: Vec3, direction: Vec3, to: f32) -> Option<(f32, f32)> {
-    let (from, to) = light.lit_stretch(origin, direction, 0.0, to)?;
+/// As of lamps in a vacuum: the integral of 1/(d² + softening²) along a ray where the lamp shines.
+fn integral(light: &Light, origin: Vec3, direction: Vec3, to: f32) -> f32 {
+    let Some((from, to)) = light.lit_stretch(origin, direction, 0.0, to) else { return 0.0 };
     let (middle, softening) = light.middle();
     let foot = (middle - origin).dot(direction);
     let height = (middle - origin - foot * direction).length().hypot(softening);
-    let angle = ((to - foot) / height).atan() - ((from - foot) / height).atan();
-    Some((angle / height, 0.5 * (from + to)))
+    (((to - foot) / height).atan() - ((from - foot) / height).atan()) / height
+}
+
+/// What each lamp is worth, and its chance: the product over all groups around it of what they are worth in that of the four that they are among.
+/// Also the least that a group, or a lamp that is not asked, is worth.
+fn enumerated(tree: &LampTree, four: &dyn Fn(&Four) -> Vec4, lights: usize) -> (Vec<[f64; 2]>, f32) {
+    let mut found = vec![[0.0; 2]; lights];
+    let mut least = f32::INFINITY;
+    let mut waiting = vec![(0, 1.0)];
+    while let Some((group, chance)) = waiting.pop() {
+        let group: &Four = &tree.fours[group as usize];
+        let worth = four(group);
+        let sum: f64 = worth.to_array().map(f64::from).iter().sum();
+        for (below, worth) in group.below.iter().zip(worth.to_array()) {
+            assert!((0.0..f32::INFINITY).contains(&worth), "{worth}");
+            let chance = if sum > 0.0 { chance * f64::from(worth) / sum } else { 0.0 };
+            match *below {
+                Below::Nothing => assert_eq!(worth, 0.0),
+                Below::Lamp(lamp, _) => found[lamp as usize] = [f64::from(worth), chance],
+                Below::Groups(groups) => waiting.push((groups, chance)),
+            }
+            if !matches!(below, Below::Nothing | Below::Lamp(_, false)) {
+                least = least.min(worth);
+            }
+        }
+    }
+    (found, least)
 }
 
 /// Of 2³² numbers some fall on each lamp with a chance of more than 2e-10.
@@ -89,43 +114,70 @@ fn chances_add_up_to_one_and_no_lamp_that_shines_is_without() {
                 assert!(0.0 <= ends[0] && ends[0] <= ends[1] && ends[1] <= 1.0, "{ends:?}");
             };
             let stretch =
-                Stretch { origin, direction, from: 0.0, to: 9.0, left: &|distance| (-distance).exp() };
-            let seen = |lamp: usize| seen(&scene.lights[lamp], origin, direction, 9.0);
+                Stretch::new([origin, direction], [0.0, 9.0], f32::INFINITY, |distance| (-distance).exp());
+            let seen = |lamp: usize| scene.lights[lamp].lit_stretch(origin, direction, 0.0, 9.0);
             tree.along(&stretch, DRAWS, 0.5, &seen, &mut found);
             // Balls around many may be on the way where none of the lamps shines: there numbers find nothing.
             let share = f64::from(numbers) / f64::from(DRAWS);
             // 300 chances, each rounded to 6e-8 of itself; and those that no number met.
             let sum = chances.iter().sum::<f64>();
             assert!(share > 0.3 && (sum - share).abs() < 1e-5, "{sum} for {share}");
-            // The chance of a lamp is a product of what nodes are worth over what two are.
-            let nodes =
-                tree.nodes.iter().map(|node| [node.along(&stretch), node.on_surface(origin, direction)]);
-            assert!(nodes.flatten().all(|worth| worth > 0.0 && worth.is_finite()));
-            let worth = |lamp: usize| match seen(lamp) {
-                _ if scene.lights[lamp].is_far() => 1.0,
-                Some((integral, middle)) => {
-                    integral * tree.lamps[lamp].shines(stretch.at(middle)) * stretch.dimmed(middle)
-                }
-                None => 0.0,
-            };
-            let all: f32 = (0..chances.len()).map(worth).sum();
-            for (lamp, &chance) in chances.iter().enumerate() {
+            let near = if has_sun { 1.0 - chances[300] } else { 1.0 };
+            let along = |four: &Four| four.along(&stretch, &seen);
+            let (expected, least) = enumerated(&tree, &along, scene.lights.len());
+            assert!(least > 0.0);
+            for (lamp, [worth, chance]) in expected.into_iter().enumerate().take(300) {
                 let light = &scene.lights[lamp];
-                let shines = light.is_far() || seen(lamp).is_some();
-                assert_eq!(worth(lamp) > 0.0, shines, "lamp {lamp}: {light:?}");
-                assert!(shines || chance == 0.0, "lamp {lamp}: {light:?}");
-                // Nodes are taken for less than their lamps are worth, but not for so much less.
-                assert!(chance > 0.0 || worth(lamp) < 1e-7 * all, "lamp {lamp}: {light:?}");
+                assert_eq!(worth > 0.0, seen(lamp).is_some(), "lamp {lamp}: {light:?}");
+                // A number of 2³² may fall on it or not.
+                let difference = (chances[lamp] - near * chance).abs();
+                assert!(difference < 3e-10 + 1e-6 * chance, "lamp {lamp}: {} for {chance}", chances[lamp]);
             }
             let mut chances = vec![0.0_f64; scene.lights.len()];
             tree.for_surface(origin, direction, DRAWS, 0.5, &mut |drawn| {
                 chances[drawn.lamp] += f64::from(drawn.expected()) / f64::from(DRAWS);
             });
             assert!((chances.iter().sum::<f64>() - 1.0).abs() < 1e-5);
+            let on_surface = |four: &Four| four.on_surface(origin, direction);
+            let (expected, least) = enumerated(&tree, &on_surface, scene.lights.len());
+            assert!(least > 0.0 && expected[..300].iter().all(|[worth, _]| *worth > 0.0));
             let mut random = Random::new([3, 0, 0, 0]);
             for (lamp, &chance) in chances.iter().enumerate() {
                 let (arriving, _) = scene.lights[lamp].irradiance(origin, direction, &mut random);
                 assert!(chance > 0.0 || arriving == Vec3::ZERO, "lamp {lamp}: {:?}", scene.lights[lamp]);
+            }
+        }
+    }
+}
+
+/// Of lamps that shine all around with the integral and the cosine in closed form: single ones are worth what they send, but for the angle's formula,
+/// and for light that is left to beams.
+#[test]
+fn single_points_are_worth_what_they_send() {
+    let scene = scene(300, &["point"], false);
+    let tree = LampTree::new(&scene);
+    let reach = Near::new(&scene);
+    for (origin, direction) in stretches() {
+        let stretch = Stretch::new([origin, direction], [0.0, 9.0], f32::INFINITY, |_| 1.0);
+        let seen = |_: usize| panic!("points shine all around");
+        let (found, _) = enumerated(&tree, &|four| four.along(&stretch, &seen), 300);
+        let (on_surface, _) = enumerated(&tree, &|four| four.on_surface(origin, direction), 300);
+        for (lamp, light) in scene.lights.iter().enumerate() {
+            let strength = mean(light.flux()) / (4.0 * PI);
+            let offset = light.position() - origin;
+            let aside = (offset - offset.dot(direction) * direction).length();
+            if aside < 10.0 * reach.reach(lamp) {
+                continue;
+            }
+            // Both angles to 5e-3, of a difference that may be small; 1/h to half a percent by the gap.
+            let closed = strength * integral(light, origin, direction, 9.0);
+            let error = 1e-2 * strength / aside + 0.01 * closed;
+            assert!((found[lamp][0] as f32 - closed).abs() < error, "{} for {closed}", found[lamp][0]);
+            let cosine = offset.normalize().dot(direction);
+            let closed = strength * cosine / offset.length_squared();
+            if cosine > 0.01 {
+                let [worth, _] = on_surface[lamp];
+                assert!((worth as f32 / closed - 1.0).abs() < 0.011, "{worth} for {closed}");
             }
         }
     }
@@ -156,11 +208,8 @@ fn sums_over_three_hundred_lamps_are_those_of_the_closed_forms() {
     let mut wrong = [0; 2];
     for (number, (origin, direction)) in (0..).zip(stretches()) {
         let intensity = |lamp: usize| f64::from(mean(scene.lights[lamp].flux())) / f64::from(4.0 * PI);
-        let along = |lamp: usize| {
-            let (integral, _) =
-                seen(&scene.lights[lamp], origin, direction, 9.0).expect("a point shines everywhere");
-            intensity(lamp) * f64::from(integral)
-        };
+        let along =
+            |lamp: usize| intensity(lamp) * f64::from(integral(&scene.lights[lamp], origin, direction, 9.0));
         let surface = |lamp: usize| {
             let offset = (scene.lights[lamp].position() - origin).as_dvec3();
             let cosine = offset.normalize().dot(direction.as_dvec3());
@@ -171,8 +220,8 @@ fn sums_over_three_hundred_lamps_are_those_of_the_closed_forms() {
         let mut estimates = [[(); 2]; 2].map(|pair| pair.map(|()| Vec::new()));
         for _ in 0..400 {
             let mut sums = [[0.0; 2]; 2];
-            let stretch = Stretch { origin, direction, from: 0.0, to: 9.0, left: &|_| 1.0 };
-            let seen = |lamp: usize| seen(&scene.lights[lamp], origin, direction, 9.0);
+            let stretch = Stretch::new([origin, direction], [0.0, 9.0], f32::INFINITY, |_| 1.0);
+            let seen = |_: usize| panic!("points shine all around");
             tree.along(&stretch, 64, random.uniform(), &seen, &mut |drawn| {
                 let count = f64::from(drawn.draws.end - drawn.draws.start);
                 sums[0][0] += count * along(drawn.lamp) / f64::from(drawn.expected());
@@ -201,32 +250,26 @@ fn sums_over_three_hundred_lamps_are_those_of_the_closed_forms() {
     assert_eq!(wrong, [20; 2], "even chances would pass");
 }
 
-/// Sixty-four numbers split at each of the first six levels of the tree, and go down the other six one by one, with two looks each.
+/// Sixty-four numbers split at each of the first three levels of the tree, and go down the other three one by one.
 #[test]
 fn four_thousand_lamps_take_few_looks() {
     for count in [300, 4000] {
         let scene = scene(count, &KINDS, false);
         let tree = LampTree::new(&scene);
-        let levels = u32::BITS - (count - 1).leading_zeros();
+        let levels = (u32::BITS - (count - 1).leading_zeros()).div_ceil(2);
         for (origin, direction) in stretches() {
             let (looks, draws) = (Cell::new(0), Cell::new(0));
-            let stretch = Stretch { origin, direction, from: 0.0, to: 9.0, left: &|_| 1.0 };
-            let worth = Worth {
-                far: &|strength| strength,
-                node: &|node| {
-                    looks.set(looks.get() + 1);
-                    node.along(&stretch)
-                },
-                lamp: &|lamp| {
-                    looks.set(looks.get() + 1);
-                    tree.lamps[lamp].along(&stretch)
-                },
+            let stretch = Stretch::new([origin, direction], [0.0, 9.0], f32::INFINITY, |_| 1.0);
+            let four = |four: &Four| {
+                looks.set(looks.get() + 1);
+                // As if all of them shone everywhere.
+                four.along(&stretch, &|_| Some((0.0, 9.0)))
             };
+            let worth = Worth { far: &|strength| strength, four: &four };
             let mut found = |drawn: Drawn| draws.set(draws.get() + drawn.draws.len());
             tree.draw(&worth, 64, 0.3, &mut found);
             assert_eq!(draws.get(), 64);
-            // And one at the top.
-            assert!(looks.get() <= 1 + 2 * (63 + 64 * (levels - 6)), "{} of {count}", looks.get());
+            assert!(looks.get() <= 1 + 4 + 16 + 64 * (levels - 3), "{} of {count}", looks.get());
             assert_eq!(tree.on_surface(origin, direction, 0.3).len(), MOST_ASKED);
         }
     }
