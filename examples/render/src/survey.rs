@@ -218,7 +218,7 @@ fn middle(values: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
 }
 
 /// Of all objects and lamps.
-fn bounds_of_scene(scene: &Scene) -> (Vec3, Vec3) {
+pub(crate) fn bounds_of_scene(scene: &Scene) -> (Vec3, Vec3) {
     let placed = scene.placed.as_ref().and_then(Placed::bounds);
     let objects = scene.objects.iter().map(|object| object.shape.bounds()).chain(placed);
     let lamps = scene.lights.iter().map(Light::bounds);
