@@ -125,7 +125,7 @@ impl<'a> CovarianceGrid<'a> {
         [start, end]: [f32; 2],
     ) {
         let Segment { power, unscattered, ref column, .. } = *segment;
-        let extinction = medium.mean_extinction();
+        let (extinction, mean_extinction) = (medium.extinction(), medium.mean_extinction());
         let origin = segment.origin + start * field.direction;
         let Some(mut dda) = Dda::new(&self.layout, Lattice::Voxels, origin, field.direction, end - start)
         else {
@@ -139,7 +139,7 @@ impl<'a> CovarianceGrid<'a> {
         let mut shape = DepthShape::default();
         let mut reached = 0.0_f64;
         let mut before = column.at(start + dda.position as f32);
-        let (_, mut flux) = attenuate(extinction * before);
+        let (_, mut flux) = attenuate_channels(extinction * before);
         flux *= power;
         while let Some((cell, from, to)) = dda.next_cell() {
             let middle = 0.5 * (from + to);
@@ -152,21 +152,25 @@ impl<'a> CovarianceGrid<'a> {
             }
             reached = middle;
             let step = (to - from) as f32;
-            let depth = if uniform_column {
-                extinction * step
+            let through = if uniform_column {
+                step
             } else {
                 let after = column.at(start + to as f32);
-                let depth = extinction * (after - before).max(0.0);
+                let through = (after - before).max(0.0);
                 before = after;
-                depth
+                through
             };
-            let (mean, left) = attenuate(depth);
+            let (mean, left) = attenuate_channels(extinction * through);
             let mut spectrum = here.fluence_within(finest);
             if unscattered {
-                let along = here.variance_along_ray(depth / step).min(finest * finest);
+                let along = here.variance_along_ray(mean_extinction * through / step).min(finest * finest);
                 spectrum.add_along(field.direction, along);
             }
-            add(&mut self.cells[self.layout.index(cell)], &spectrum, flux * mean * step);
+            add(
+                &mut self.cells[self.layout.index(cell)],
+                &spectrum,
+                (flux * mean).element_sum() / 3.0 * step,
+            );
             flux *= left;
         }
     }
@@ -246,6 +250,17 @@ fn attenuate(depth: f32) -> (f32, f32) {
         let left = exp(-depth);
         ((1.0 - left) / depth, left)
     }
+}
+
+/// Of each channel.
+#[inline]
+fn attenuate_channels(depth: Vec3) -> (Vec3, Vec3) {
+    let (mean, left) = attenuate(depth.x);
+    if depth.y == depth.x && depth.z == depth.x {
+        return (Vec3::splat(mean), Vec3::splat(left));
+    }
+    let [(mean_y, left_y), (mean_z, left_z)] = [attenuate(depth.y), attenuate(depth.z)];
+    (Vec3::new(mean, mean_y, mean_z), Vec3::new(left, left_y, left_z))
 }
 
 /// The look-up side of a grid, over resolved cells.

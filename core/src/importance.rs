@@ -6,7 +6,6 @@
 //! importance is the same everywhere bring about as many photons in a dark pixel as in a bright one. Only
 //! probabilities follow from it: a wrong importance costs noise and never makes a picture wrong.
 
-use crate::math::exp;
 use crate::medium::{Density, Medium};
 use crate::voxels::{Dda, GridError, GridLayout, Lattice};
 use core::f64::consts::PI;
@@ -73,16 +72,18 @@ impl<'a> ImportanceGrid<'a> {
     /// - `weight`: of the path at `origin`; ignored unless finite and above 0.
     /// - `direction`: unit; `length` \[m\]: may be infinite.
     pub fn add_eye_ray(&mut self, medium: &Medium, origin: Vec3, direction: Vec3, length: f32, weight: f32) {
-        let scattering = f64::from(medium.scattering.element_sum() / 3.0);
-        self.add(medium, origin, direction, length, weight, |cell, density, amount| {
-            cell.seen += scattering * density * amount;
+        self.add(medium, origin, direction, length, weight, |cell, stretch, weight| {
+            let scattered = stretch.seen_length.dot(medium.scattering) / 3.0;
+            cell.seen += weight * f64::from(stretch.density) * f64::from(scattered);
         });
     }
 
     /// Adds a segment that a path from the camera flies after it was scattered, by the medium or by a diffuse
     /// surface. Arguments as for [`ImportanceGrid::add_eye_ray`].
     pub fn add_path(&mut self, medium: &Medium, origin: Vec3, direction: Vec3, length: f32, weight: f32) {
-        self.add(medium, origin, direction, length, weight, |cell, _, amount| cell.scattered += amount);
+        self.add(medium, origin, direction, length, weight, |cell, stretch, weight| {
+            cell.scattered += weight * f64::from(mean(stretch.seen_length));
+        });
     }
 
     /// Adds a place on a diffuse surface that a path from the camera sees. Outside the box it is ignored.
@@ -101,15 +102,14 @@ impl<'a> ImportanceGrid<'a> {
         direction: Vec3,
         length: f32,
         weight: f32,
-        mut deposit: impl FnMut(&mut ImportanceSums, f64, f64),
+        mut deposit: impl FnMut(&mut ImportanceSums, &Stretch, f64),
     ) {
         if !is_weight(weight) {
             return;
         }
         let Some(mut walk) = Walk::new(&self.layout, medium, origin, direction, length) else { return };
-        while let Some(Stretch { cell, density, seen_length, .. }) = walk.next(medium) {
-            let amount = f64::from(weight) * f64::from(seen_length);
-            deposit(&mut self.cells[cell], f64::from(density), amount);
+        while let Some(stretch) = walk.next(medium) {
+            deposit(&mut self.cells[stretch.cell], &stretch, f64::from(weight));
         }
     }
 
@@ -243,15 +243,19 @@ impl<'a> Importance<'a> {
     ) -> SegmentImportance {
         let mut sum = SegmentImportance { transmittance: 1.0, ..SegmentImportance::default() };
         let Some(mut walk) = Walk::new(&self.layout, medium, origin, direction, length) else { return sum };
-        let scattering = medium.scattering.element_sum() / 3.0;
         while let Some(Stretch { cell, density, seen_length, left }) = walk.next(medium) {
             let cell = &self.cells[cell];
-            sum.beam += cell.beam * seen_length;
-            sum.scattered += cell.scattered * scattering * density * seen_length;
-            sum.transmittance = left;
+            sum.beam += cell.beam * mean(seen_length);
+            sum.scattered += cell.scattered * density * (seen_length.dot(medium.scattering) / 3.0);
+            sum.transmittance = mean(left);
         }
         sum
     }
+}
+
+/// Of the channels.
+fn mean(color: Vec3) -> f32 {
+    color.element_sum() / 3.0
 }
 
 /// A stretch of a segment in one voxel.
@@ -259,10 +263,10 @@ struct Stretch {
     cell: usize,
     /// Relative density of the medium in its middle.
     density: f32,
-    /// ∫ transmittance ds.
-    seen_length: f32,
+    /// ∫ transmittance ds, of each channel.
+    seen_length: Vec3,
     /// Transmittance at its end.
-    left: f32,
+    left: Vec3,
 }
 
 /// The walk of a segment through the voxels, with what is left of its light.
@@ -271,22 +275,21 @@ struct Walk {
     layout: GridLayout,
     origin: Vec3,
     direction: Vec3,
-    extinction: f32,
     uniform: bool,
-    depth: f32,
+    column: f32,
 }
 
 impl Walk {
     fn new(layout: &GridLayout, medium: &Medium, origin: Vec3, direction: Vec3, length: f32) -> Option<Self> {
-        let extinction = medium.mean_extinction();
+        let extinction = medium.extinction();
         let dda = Dda::new(layout, Lattice::Voxels, origin, direction, length)?;
         let uniform = matches!(medium.density, Density::Uniform);
         // Up to the box, as if it were as dense as there.
         let before = dda.position as f32;
         let entry = if uniform { 1.0 } else { medium.density.at(origin + before * direction) };
-        let depth = extinction * entry * before;
-        let sound = extinction >= 0.0 && extinction.is_finite() && depth >= 0.0;
-        sound.then_some(Self { dda, layout: *layout, origin, direction, extinction, uniform, depth })
+        let column = entry * before;
+        let sound = extinction.min_element() >= 0.0 && extinction.is_finite() && column >= 0.0;
+        sound.then_some(Self { dda, layout: *layout, origin, direction, uniform, column })
     }
 
     fn next(&mut self, medium: &Medium) -> Option<Stretch> {
@@ -294,11 +297,11 @@ impl Walk {
         let (middle, length) = ((0.5 * (from + to)) as f32, (to - from) as f32);
         let density =
             if self.uniform { 1.0 } else { medium.density.at(self.origin + middle * self.direction) };
-        let depth = self.extinction * density * length;
-        let seen_length = length * exp(-(self.depth + 0.5 * depth));
-        self.depth += depth;
+        let column = density * length;
+        let seen_length = length * medium.transmittance(self.column + 0.5 * column);
+        self.column += column;
         let cell = self.layout.index(voxel);
-        Some(Stretch { cell, density, seen_length, left: exp(-self.depth) })
+        Some(Stretch { cell, density, seen_length, left: medium.transmittance(self.column) })
     }
 }
 

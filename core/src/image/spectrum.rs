@@ -2,7 +2,7 @@
 
 use crate::beam::EyeRay;
 use crate::grid::{FluenceGrid, Surroundings};
-use crate::math::{Sym2, exp, symmetric};
+use crate::math::{Sym2, symmetric};
 use crate::medium::{Column, Density, Medium};
 use crate::voxels::{Dda, Lattice};
 use core::f32::consts::PI;
@@ -42,7 +42,7 @@ pub struct ImageSpectrum {
 impl ImageSpectrum {
     /// Accumulates the grid along an eye ray: at each step the slice of the fluence's covariance across the
     /// ray, in pixels, plus the curvature of density and eye attenuation, with the weights fluence x density
-    /// x transmittance to the eye; over the sum of these weights for the dimmest light around (the harmonic
+    /// x transmittance to the eye, the mean of the channels by their scattering; over the sum of these weights for the dimmest light around (the harmonic
     /// mean of the voxels around): beside a bright shaft, in the dark, a filter that is right for the shaft
     /// would leak it.
     ///
@@ -95,7 +95,7 @@ impl ImageSpectrum {
                 structure = depth.step(density, position, across, here, extinction * step);
             }
             let Some(Surroundings { spectrum, flux, dimmest }) = grid.around(position) else { continue };
-            let seen = here * exp(-extinction * column.at(distance)) * step;
+            let seen = here * medium.seen_through(column.at(distance)) * step;
             let weight = flux * seen;
             if !(weight > 0.0 && weight.is_finite()) {
                 continue;

@@ -102,6 +102,29 @@ impl Medium<'_> {
         Vec3::new(red, attenuation(extinction.y, column), attenuation(extinction.z, column))
     }
 
+    /// The mean of the channels of [`Medium::transmittance`]: behind fog of strong colours far more than what the mean extinction leaves.
+    ///
+    /// ```
+    /// use covbeam::{Medium, Vec3};
+    /// let medium = Medium { scattering: Vec3::new(0.0, 0.0, 300.0), ..Medium::default() };
+    /// assert_eq!(medium.mean_transmittance(1.0), 2.0 / 3.0);
+    /// ```
+    #[inline]
+    pub fn mean_transmittance(&self, column: f32) -> f32 {
+        self.transmittance(column).element_sum() / 3.0
+    }
+
+    /// What is left behind a column of light that the medium scatters at its end, of all channels together: each counts by its scattering.
+    #[inline]
+    pub(crate) fn seen_through(&self, column: f32) -> f32 {
+        let scattering = self.scattering.element_sum();
+        if scattering > 0.0 {
+            self.transmittance(column).dot(self.scattering) / scattering
+        } else {
+            self.mean_transmittance(column)
+        }
+    }
+
     /// The table of columns along a ray ([`Density::knots`]) as a gather wants it: within 5e-4 of the optical
     /// depth of the channel that is attenuated most, up to where every channel is opaque
     /// ([`Medium::opaque_column`]).

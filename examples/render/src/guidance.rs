@@ -172,9 +172,9 @@ pub(crate) fn mean(color: Vec3) -> f32 {
     color.element_sum() / 3.0
 }
 
-/// What is left of the mean channel's light on the way to a surface; in a tabulated column, to 5e-4.
+/// What is left of light, the channels' mean, on the way to a surface; in a tabulated column, to 5e-4.
 fn left(fog: &Medium, column: &Column, reach: f32) -> f32 {
-    (-fog.mean_extinction() * column.at(reach)).exp()
+    fog.mean_transmittance(column.at(reach))
 }
 
 #[cfg(test)]

@@ -2,8 +2,9 @@
 
 mod guided;
 mod lit;
+mod weight;
 
-use crate::guidance::{Guidance, mean};
+use crate::guidance::Guidance;
 use crate::kind::Kind;
 use crate::lamps::LampTree;
 use crate::light::{EmittedPhoton, cosine_direction};
@@ -17,17 +18,14 @@ use crate::passage::passage;
 use crate::random::{Emission, PathSampler};
 use crate::record::add;
 pub use crate::record::{Energy, FieldSegment, PathBeam, PhotonRecord, Record, Splat};
-use crate::scene::{Material, Scene};
+use crate::scene::{Light, Material, Scene};
 use crate::surface::SurfacePhoton;
 use covbeam::{Column, CovarianceGrid, Curvature, Density, Edges, Knot, LightField, Medium};
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 use std::time::Instant;
-
-/// After this many events a path goes on with probability [`GOING_ON`] only, so that every path ends: without
-/// absorption and without walls it would not.
-pub(crate) const LONG_PATH: u32 = 64;
-pub(crate) const GOING_ON: f32 = 0.95;
+pub(crate) use weight::{GOING_ON, LONG_PATH};
+use weight::{Limits, inverse};
 
 /// Of light that goes evenly all around, what goes into a steradian.
 const EVENLY: f32 = 0.25 * std::f32::consts::FRAC_1_PI;
@@ -51,6 +49,7 @@ pub struct PhotonTracer<'a> {
     lamps: LampTree,
     near: Near,
     camera: Origin,
+    limits: Limits,
     seed: u32,
     emission: Emission,
     left_out: Option<Operator>,
@@ -61,8 +60,8 @@ pub struct PhotonTracer<'a> {
 struct Lights {
     /// Cumulative shares of the flux.
     cumulative: Vec<f32>,
-    /// Of all of them, mean of the channels \[W\].
-    flux: f32,
+    /// Of all of them \[W\].
+    flux: Vec3,
     /// Where each light is.
     origins: Vec<Origin>,
 }
@@ -73,6 +72,10 @@ struct Photon {
     origin: Vec3,
     direction: Vec3,
     power: Vec3,
+    /// Over the power of a path of weight 1.
+    unit: Vec3,
+    /// Events so far that count for its limit.
+    events: u32,
     interior: Interior,
     /// Normal of the surface that it left, towards the side it is on; zero in the open.
     normal: Vec3,
@@ -102,6 +105,11 @@ impl Photon {
         }
     }
 
+    /// In each channel.
+    fn weights(&self) -> Vec3 {
+        self.power * self.unit
+    }
+
     /// What its light has met.
     fn kind(&self) -> Kind {
         match self {
@@ -125,7 +133,7 @@ impl<'a> PhotonTracer<'a> {
         let origins = scene.lights.iter().map(|light| Origin::of_light(scene, light));
         let lights = Lights {
             cumulative: shares.collect(),
-            flux: scene.lights.iter().map(|light| mean(light.flux())).sum(),
+            flux: scene.lights.iter().map(Light::flux).sum(),
             origins: origins.collect(),
         };
         let camera = Origin::new(scene, scene.camera.position);
@@ -136,6 +144,7 @@ impl<'a> PhotonTracer<'a> {
             lights,
             near: Near::new(scene),
             camera,
+            limits: Limits::new(scene),
             seed,
             emission,
             left_out: None,
@@ -236,7 +245,7 @@ impl<'a> PhotonTracer<'a> {
         let (light, share) = choose_light(&self.lights.cumulative, &mut sampler);
         let emitted = self.scene.lights[light].emit(&mut sampler);
         let power = emitted.power / (share * paths as f32);
-        let Some(mut photon) = self.start(light, &emitted, power, record) else { return };
+        let Some(photon) = self.start(light, &emitted, power, record) else { return };
         add(&mut out.energy.emitted, photon.power);
         if !(photon.power.max_element() > 0.0) {
             return;
@@ -244,22 +253,59 @@ impl<'a> PhotonTracer<'a> {
         if record == Record::Connections && !photon.direct {
             self.connect(photon.origin, out, |_| EVENLY * photon.power);
         }
-        let mut knots = Vec::new();
-        for event in 1.. {
-            let goes_on = self.step(&mut photon, &mut sampler, record, out, &mut knots);
+        let (mut knots, mut waiting) = (Vec::new(), Vec::new());
+        let mut path = Some((photon, sampler));
+        while let Some((photon, sampler)) = path {
+            self.follow(photon, sampler, record, out, &mut knots, &mut waiting);
+            path = waiting.pop();
+        }
+    }
+
+    /// A path to its end, but for parts of it, which wait.
+    fn follow(
+        &self,
+        mut photon: Photon,
+        mut sampler: PathSampler,
+        record: Record,
+        out: &mut PhotonRecord,
+        knots: &mut Vec<Knot>,
+        waiting: &mut Vec<(Photon, PathSampler)>,
+    ) {
+        loop {
+            photon.events += 1;
+            let goes_on = self.step(&mut photon, &mut sampler, record, out, knots, waiting);
             // Straight light goes on through bounds of fog that is placed.
             let is_done = record == Record::Direct && !(photon.direct && self.scene.placed.is_some());
             if !goes_on || is_done || self.is_spent(&photon, out) {
                 return;
             }
-            if event > LONG_PATH {
-                let before = photon.power;
-                if sampler.uniform() >= GOING_ON {
-                    add(&mut out.energy.roulette, before);
+            if photon.events > LONG_PATH {
+                let (power, u) = (photon.power, sampler.uniform());
+                let limit = self.limits.at(photon.origin, photon.events);
+                if roulette(&mut photon, power, limit, u, out).is_none() {
                     return;
                 }
-                photon.power /= GOING_ON;
-                add(&mut out.energy.roulette, before - photon.power);
+            }
+        }
+    }
+
+    /// Divides a photon that weighs more than it may at a place, and lets all parts but the first meet what is there.
+    fn split(
+        &self,
+        photon: &mut Photon,
+        place: Vec3,
+        sampler: &mut PathSampler,
+        waiting: &mut Vec<(Photon, PathSampler)>,
+        out: &mut PhotonRecord,
+        mut meet: impl FnMut(&mut Photon, &mut PathSampler, &mut PhotonRecord) -> bool,
+    ) {
+        let limit = weight::CHANNELS * self.limits.at(place, photon.events);
+        let parts = weight::parts((photon.weights() / limit).max_element());
+        photon.power /= parts as f32;
+        for _ in 1..parts {
+            let (mut part, mut sampler) = (photon.clone(), sampler.branch());
+            if meet(&mut part, &mut sampler, out) && !self.is_spent(&part, out) {
+                waiting.push((part, sampler));
             }
         }
     }
@@ -285,6 +331,8 @@ impl<'a> PhotonTracer<'a> {
             origin,
             direction: emitted.direction,
             power,
+            unit: inverse(power),
+            events: 0,
             interior,
             normal: emitted.normal,
             direct: is_straight,
@@ -315,6 +363,7 @@ impl<'a> PhotonTracer<'a> {
         record: Record,
         out: &mut PhotonRecord,
         knots: &mut Vec<Knot>,
+        waiting: &mut Vec<(Photon, PathSampler)>,
     ) -> bool {
         let scene = self.scene;
         let hit = scene.intersect(photon.origin, photon.direction, f32::INFINITY);
@@ -334,8 +383,9 @@ impl<'a> PhotonTracer<'a> {
                 Record::Field | Record::Direct => {}
             }
         }
+        let weights = photon.weights() / self.limits.at(photon.origin, photon.events);
         let collision = inside.map(|(_, fog, column)| {
-            let target = free_column(photon.power, fog, sampler);
+            let target = weight::free_column(weights, fog, sampler);
             (target, column.distance_at(target))
         });
         let flight = collision.map_or(f32::INFINITY, |(_, distance)| distance);
@@ -361,14 +411,26 @@ impl<'a> PhotonTracer<'a> {
                     return false;
                 }
                 photon.origin += flight * photon.direction;
-                return self.scatter(photon, target, fog, sampler, out);
+                let before = photon.power;
+                photon.power *= weight::of_collision(weights, fog, target);
+                add(&mut out.energy.roulette, before - photon.power);
+                let place = photon.origin;
+                self.split(photon, place, sampler, waiting, out, |part, sampler, out| {
+                    self.scatter(part, fog, sampler, out)
+                });
+                return self.scatter(photon, fog, sampler, out);
             }
             let before = photon.power;
-            photon.power *= passage_weight(photon.power, fog, column.at(reach));
+            photon.power *= weight::of_passage(weights, fog, column.at(reach));
             add(&mut out.energy.roulette, before - photon.power);
         }
         match hit {
-            Some(hit) if reach < photon.until => self.interact(photon, &hit, sampler, record, out),
+            Some(hit) if reach < photon.until => {
+                self.split(photon, hit.position, sampler, waiting, out, |part, sampler, out| {
+                    self.interact(part, &hit, sampler, record, out)
+                });
+                self.interact(photon, &hit, sampler, record, out)
+            }
             _ => {
                 add(&mut out.energy.escaped, photon.power);
                 false
@@ -376,23 +438,21 @@ impl<'a> PhotonTracer<'a> {
         }
     }
 
-    /// A collision after the column `column`, at the photon's origin.
+    /// A collision at the photon's origin.
     fn scatter(
         &self,
         photon: &mut Photon,
-        column: f32,
         medium: &Medium,
         sampler: &mut PathSampler,
         out: &mut PhotonRecord,
     ) -> bool {
         let before = photon.power;
-        let collided = before * collision_weight(before, medium, column);
         let scattered =
-            collided * (medium.scattering / medium.extinction().max(Vec3::splat(f32::MIN_POSITIVE)));
-        add(&mut out.energy.roulette, before - collided);
-        add(&mut out.energy.medium, collided - scattered);
+            before * (medium.scattering / medium.extinction().max(Vec3::splat(f32::MIN_POSITIVE)));
+        add(&mut out.energy.medium, before - scattered);
         let [u, v] = sampler.uniform_pair();
-        let Some(u) = roulette(photon, before, scattered, u, out) else { return false };
+        let limit = self.limits.at(photon.origin, photon.events);
+        let Some(u) = roulette(photon, scattered, limit, u, out) else { return false };
         let direction = medium.phase.sample(photon.direction, [u, v]);
         if let Some(field) = &mut photon.field {
             let blurs = self.acts(Operator::Scattering);
@@ -433,7 +493,8 @@ impl<'a> PhotonTracer<'a> {
                     self.connect(hit.leave(normal), out, |to_camera| factor * to_camera.dot(normal).max(0.0));
                 }
                 let [u, v] = sampler.uniform_pair();
-                let Some(u) = roulette(photon, before, reflected, u, out) else { return false };
+                let limit = self.limits.at(hit.position, photon.events);
+                let Some(u) = roulette(photon, reflected, limit, u, out) else { return false };
                 let direction = cosine_direction(normal, [u, v]);
                 if let Some(field) = &mut photon.field {
                     field.diffuse(normal, direction);
@@ -448,7 +509,8 @@ impl<'a> PhotonTracer<'a> {
                 let reflected = before * reflectance;
                 add(&mut out.energy.surfaces, before - reflected);
                 let u = sampler.uniform();
-                if roulette(photon, before, reflected, u, out).is_none() {
+                let limit = self.limits.at(hit.position, photon.events);
+                if roulette(photon, reflected, limit, u, out).is_none() {
                     return false;
                 }
                 if let Some(field) = &mut photon.field {
@@ -471,7 +533,8 @@ impl<'a> PhotonTracer<'a> {
                     self.connect_lobes(photon, hit, &met, out);
                 }
                 let before = photon.power;
-                let way = met.draw(before, sampler.uniform(), sampler.uniform_pair());
+                let weights = photon.weights() / self.limits.at(hit.position, photon.events);
+                let way = met.draw(weights, sampler.uniform(), sampler.uniform_pair());
                 let way = way.filter(|way| is_lit || way.lobe == Lobe::Transparent);
                 let Some(way) = way else {
                     add(&mut out.energy.surfaces, before);
@@ -644,42 +707,10 @@ fn choose_light(cumulative: &[f32], sampler: &mut PathSampler) -> (usize, f32) {
     (index, cumulative[index] - before)
 }
 
-/// The column up to the next collision: one channel, chosen by its power, decides for all three.
-fn free_column(power: Vec3, medium: &Medium, sampler: &mut PathSampler) -> f32 {
-    let u = sampler.uniform();
-    let extinction = medium.extinction();
-    let grey = extinction.x == extinction.y && extinction.y == extinction.z;
-    let (extinction, u) = if grey {
-        (extinction.x, u)
-    } else {
-        let share = power / power.element_sum();
-        let mut at = u;
-        let mut channel = 0;
-        while channel < 2 && at >= share[channel] {
-            at -= share[channel];
-            channel += 1;
-        }
-        (extinction[channel], (at / share[channel]).clamp(0.0, 1.0 - f32::EPSILON))
-    };
-    if extinction > 0.0 { -(-u).ln_1p() / extinction } else { f32::INFINITY }
-}
-
-/// σ_t T / pdf per channel after a column; the density at the collision stands in both.
-fn collision_weight(power: Vec3, medium: &Medium, column: f32) -> Vec3 {
-    let density = medium.extinction() * medium.transmittance(column);
-    density / (density.dot(power) / power.element_sum())
-}
-
-/// T / P(no collision) per channel after a column.
-fn passage_weight(power: Vec3, medium: &Medium, column: f32) -> Vec3 {
-    let transmittance = medium.transmittance(column);
-    transmittance / (transmittance.dot(power) / power.element_sum())
-}
-
-/// Keeps the photon with probability `after / before` and its power unchanged on average. Returns `u` made uniform
-/// again, None if the path ends.
-fn roulette(photon: &mut Photon, before: Vec3, after: Vec3, u: f32, out: &mut PhotonRecord) -> Option<f32> {
-    let survival = (after.max_element() / before.max_element()).min(1.0);
+/// Keeps a photon that is to go on with the power `after` with the probability of its largest weight over its limit, and its power unchanged on
+/// average. Returns `u` made uniform again, None if the path ends.
+fn roulette(photon: &mut Photon, after: Vec3, limit: Vec3, u: f32, out: &mut PhotonRecord) -> Option<f32> {
+    let survival = (after * photon.unit / limit).max_element().min(1.0);
     if !(u < survival) {
         add(&mut out.energy.roulette, after);
         return None;

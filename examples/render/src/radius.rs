@@ -135,14 +135,13 @@ impl BeamVoxels {
             }
             let fog = &fogs[*medium as usize];
             let column = media::column(fog, beam.origin, beam.direction, beam.length, &mut knots);
-            let (power, extinction) = (beam.power.element_sum() / 3.0, fog.mean_extinction());
             let pieces = ((to - from) / stride).ceil();
             let step = (to - from) / pieces;
             for piece in 0..pieces as u32 {
                 let at = from + (piece as f32 + 0.5) * step;
                 let place = (beam.origin + at * beam.direction - self.layout.min) * scale;
                 let [x, y, z] = place.clamp(Vec3::ZERO, cells - 1.0).to_array().map(|place| place as usize);
-                let weight = f64::from(power * (-extinction * column.at(at)).exp());
+                let weight = f64::from(beam.power.dot(fog.transmittance(column.at(at))) / 3.0);
                 let voxel = &mut self.voxels[z * plane + y * row + x];
                 voxel.weight += weight * f64::from(step);
                 voxel.square += weight * weight * f64::from(step);

@@ -161,7 +161,7 @@ impl Straight<'_> {
     fn of_many(&self, piece: &Piece, draws: u32, random: &mut Random, fraction: f32) -> Vec3 {
         let Shifts { place, point } = self.shifts(random, fraction);
         let Piece { segment, fog, column, from, to } = piece;
-        let left = |distance: f32| (-fog.mean_extinction() * column.at(distance)).exp();
+        let left = |distance: f32| fog.mean_transmittance(column.at(distance));
         let EyeRay { origin, direction, .. } = segment.ray;
         let stretch = Stretch::new([origin, direction], [*from, *to], self.lamps.reach(), left);
         let seen = |lamp: usize| {

@@ -69,7 +69,7 @@ impl Survey {
             let ray = &mut piece.ray;
             let mut knots = Vec::new();
             let column = media::column(fog, ray.origin, ray.direction, ray.length, &mut knots);
-            let opaque = column.distance_at(OPAQUE / fog.mean_extinction());
+            let opaque = column.distance_at(opaque_column(fog));
             ray.length = ray.length.min(opaque).min(far);
             [ray.origin, ray.origin + ray.length * ray.direction]
         });
@@ -95,6 +95,22 @@ impl Survey {
         let meetings = middle(light.meetings.into_iter().map(|meetings| (meetings, 1.0)));
         Self { min, max, space, view, meetings }
     }
+}
+
+/// The column behind which e^-[`OPAQUE`] of light is left, the channels' mean.
+fn opaque_column(fog: &Medium) -> f32 {
+    let extinction = fog.extinction();
+    // Between those of the thickest channel and of the thinnest.
+    let mut near = OPAQUE / extinction.max_element();
+    let mut far = OPAQUE / extinction.min_element();
+    if fog.mean_transmittance(far) > (-OPAQUE).exp() {
+        return far;
+    }
+    for _ in 0..16 {
+        let middle = (near * far).sqrt();
+        *if fog.mean_transmittance(middle) > (-OPAQUE).exp() { &mut near } else { &mut far } = middle;
+    }
+    far
 }
 
 /// What light paths leave in media.
@@ -169,9 +185,9 @@ fn seen_light(
             let [x, y, z] =
                 place.clamp(Vec3::ZERO, cells - 1.0).to_array().map(|coordinate| coordinate as usize);
             let [fluence, square] = sums[(z * layout.cells[1] as usize + y) * layout.cells[0] as usize + x];
-            let left = (-fog.mean_extinction() * column.at(distance)).exp();
-            let scattering = fog.scattering.element_sum() * fog.density.at(position);
-            let share = f64::from(piece.throughput.element_sum() * left * scattering);
+            let scattering = fog.scattering * fog.density.at(position);
+            let seen = piece.throughput * fog.transmittance(column.at(distance)) * scattering;
+            let share = f64::from(seen.element_sum());
             let weight = share * fluence / volume * f64::from(step);
             if weight > 0.0 && weight.is_finite() {
                 let [sum, squares] = &mut rays[piece.pixel as usize];
@@ -218,7 +234,7 @@ fn middle(values: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
 }
 
 /// Of all objects and lamps.
-fn bounds_of_scene(scene: &Scene) -> (Vec3, Vec3) {
+pub(crate) fn bounds_of_scene(scene: &Scene) -> (Vec3, Vec3) {
     let placed = scene.placed.as_ref().and_then(Placed::bounds);
     let objects = scene.objects.iter().map(|object| object.shape.bounds()).chain(placed);
     let lamps = scene.lights.iter().map(Light::bounds);

@@ -1,7 +1,7 @@
 //! Paths from the camera: what they cross matters to the picture.
 
 use super::look::Pixel;
-use super::{Instant, Poll, left, mean};
+use super::{Instant, Poll};
 use crate::defaults::divide;
 use crate::light::cosine_direction;
 use crate::material::{Encounter, Lobe};
@@ -52,6 +52,7 @@ struct Flight {
     direction: Vec3,
     length: f32,
     weight: f32,
+    channel: usize,
 }
 
 /// Share of the paths that start from all pixels alike. The others start in proportion to the pixels' weights: without the first, dark pixels
@@ -92,7 +93,9 @@ pub(super) fn walk(instants: &[Instant], pixels: &[Pixel], cancelled: Poll) -> F
                 }
                 let mut random = Random::new([0, (chunk * CHUNK + index) as u32, 0, KEY]);
                 let Instant { scene, fogs } = instants[instant];
-                Walker { instant, scene, fogs }.follow(start, weight, &mut random, &mut out);
+                // In turns: what light is worth is a mean of what it is worth in the channels.
+                let channel = index % 3;
+                Walker { instant, scene, fogs, channel }.follow(start, weight, &mut random, &mut out);
             }
             out
         })
@@ -123,15 +126,22 @@ impl Found {
 
     /// Adds what was found to a grid.
     pub(super) fn add_to(&self, grid: &mut ImportanceGrid, instants: &[Instant]) {
-        let vacuum = Medium::default();
-        let medium =
-            |flight: &Flight| flight.medium.map_or(&vacuum, |id| &instants[flight.instant].fogs[id as usize]);
+        let medium = |flight: &Flight| {
+            flight.medium.map_or(Medium::default(), |id| {
+                let fog = instants[flight.instant].fogs[id as usize];
+                let [scattering, absorption] =
+                    [fog.scattering, fog.absorption].map(|all| Vec3::splat(all[flight.channel]));
+                Medium { scattering, absorption, ..fog }
+            })
+        };
         for deposit in self.all() {
             match deposit {
                 Deposit::EyeRay(at) => {
-                    grid.add_eye_ray(medium(at), at.origin, at.direction, at.length, at.weight)
+                    grid.add_eye_ray(&medium(at), at.origin, at.direction, at.length, at.weight)
                 }
-                Deposit::Path(at) => grid.add_path(medium(at), at.origin, at.direction, at.length, at.weight),
+                Deposit::Path(at) => {
+                    grid.add_path(&medium(at), at.origin, at.direction, at.length, at.weight)
+                }
                 Deposit::Surface { position, weight } => grid.add_surface(*position, *weight),
             }
         }
@@ -146,6 +156,8 @@ struct Walker<'a> {
     instant: usize,
     scene: &'a Scene,
     fogs: &'a [Medium<'a>],
+    /// Whose light they carry.
+    channel: usize,
 }
 
 #[derive(Clone)]
@@ -186,21 +198,23 @@ impl Walker<'_> {
         let hit = self.scene.intersect(importon.origin, importon.direction, f32::INFINITY);
         let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
         let Importon { origin, direction, weight, .. } = importon;
-        let medium = importon.interior.medium(self.scene);
-        let flight = Flight { instant: self.instant, medium, origin, direction, length: reach, weight };
+        let (medium, channel) = (importon.interior.medium(self.scene), self.channel);
+        let flight =
+            Flight { instant: self.instant, medium, origin, direction, length: reach, weight, channel };
         out.push(if importon.specular { Deposit::EyeRay(flight) } else { Deposit::Path(flight) });
         if let Some(medium) = medium {
             let fog = &self.fogs[medium as usize];
             let column = media::column(fog, origin, direction, reach, knots);
-            let left = left(fog, &column, reach);
+            let extinction = fog.extinction()[channel];
+            let left = fog.transmittance(column.at(reach))[channel];
             let (collides, u) = (1.0 - left, random.uniform());
             // The first collision is forced, and the path goes on without it too; after that it is one or the other.
             if collides > 0.0 && (importon.specular || u < collides) {
                 let u = if importon.specular { u * collides } else { u };
-                let distance = column.distance_at(-(-u).ln_1p() / fog.mean_extinction());
+                let distance = column.distance_at(-(-u).ln_1p() / extinction);
                 let share = if importon.specular { collides } else { 1.0 };
                 let direction = fog.phase.sample(direction, [random.uniform(), random.uniform()]);
-                let weight = weight * share * mean(fog.scattering) / fog.mean_extinction();
+                let weight = weight * share * fog.scattering[channel] / extinction;
                 if distance < reach {
                     let origin = origin + distance * importon.direction;
                     let bounces = importon.bounces + 1;
@@ -224,10 +238,10 @@ impl Walker<'_> {
             Material::Lambert { .. } if importon.specular && !self.scene.shows_surfaces() => return,
             Material::Lambert { albedo } => {
                 if importon.specular {
-                    let weight = importon.weight * mean(albedo) * FRAC_1_PI;
+                    let weight = importon.weight * albedo[channel] * FRAC_1_PI;
                     out.push(Deposit::Surface { position: hit.position, weight });
                 }
-                if random.uniform() >= mean(albedo) {
+                if random.uniform() >= albedo[channel] {
                     return;
                 }
                 let normal = facing_normal(&hit, importon.direction);
@@ -240,24 +254,24 @@ impl Walker<'_> {
                 let (facet, xi) = (pair(), pair());
                 let met =
                     Encounter::new(self.scene, &hit, importon.direction, &importon.interior, lobes, facet);
-                let diffuse = mean(lobes.diffuse + lobes.translucent);
+                let diffuse = (lobes.diffuse + lobes.translucent)[channel];
                 if importon.specular && diffuse > 0.0 && self.scene.shows_surfaces() {
                     let weight = importon.weight * diffuse * FRAC_1_PI;
                     out.push(Deposit::Surface { position: hit.position, weight });
                 }
-                let Some(way) = met.draw(Vec3::ONE, random.uniform(), xi) else { return };
+                let Some(way) = met.draw(Vec3::AXES[channel], random.uniform(), xi) else { return };
                 let is_diffuse = way.lobe.is_diffuse();
                 if importon.specular && is_diffuse && !self.scene.shows_surfaces() {
                     return;
                 }
-                importon.weight *= mean(way.factor);
+                importon.weight *= way.factor[channel];
                 importon.direction = way.direction;
                 importon.interior = way.interior;
                 importon.specular &= !is_diffuse;
                 importon.bounces += u32::from(!importon.specular && way.lobe != Lobe::Transparent);
             }
             Material::Mirror { reflectance } => {
-                if random.uniform() >= mean(reflectance) {
+                if random.uniform() >= reflectance[channel] {
                     return;
                 }
                 importon.direction = reflect(importon.direction, facing_normal(&hit, importon.direction));

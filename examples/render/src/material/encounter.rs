@@ -155,28 +155,33 @@ impl<'a> Encounter<'a> {
         Lobe::SHARP.into_iter().filter_map(|lobe| self.way(lobe, 1.0, [0.5; 2]))
     }
 
-    /// Draws a way in proportion to what it takes of some light; None: absorbed.
+    /// Draws a way in proportion to what it takes of some light, and keeps it with the probability of the largest weight that it has then; None:
+    /// absorbed.
     ///
+    /// - `weights`: of the light in each channel, by which 1 is what it is to weigh. With any, those after it sum to no more than those before, or
+    ///   their largest is no more than 1.
     /// - `choice`, `xi`: uniform.
-    pub(crate) fn draw(&self, power: Vec3, choice: f32, xi: [f32; 2]) -> Option<Way> {
-        self.draw_of(&Lobe::ALL, power, choice, xi)
+    pub(crate) fn draw(&self, weights: Vec3, choice: f32, xi: [f32; 2]) -> Option<Way> {
+        self.draw_of(&Lobe::ALL, weights, choice, xi)
     }
 
-    /// Draws one of the [`Encounter::sharp_ways`].
+    /// Draws one of the [`Encounter::sharp_ways`] for light that is to be as bright then in its largest channel.
     pub(crate) fn draw_sharp(&self, power: Vec3, choice: f32) -> Option<Way> {
-        self.draw_of(&Lobe::SHARP, power, choice, [0.5; 2])
+        self.draw_of(&Lobe::SHARP, power / power.max_element(), choice, [0.5; 2])
     }
 
-    fn draw_of(&self, lobes: &[Lobe], power: Vec3, choice: f32, xi: [f32; 2]) -> Option<Way> {
-        let share = |lobe: Lobe| (self.factors[lobe as usize] * power).max_element() / power.max_element();
-        let all = lobes.iter().map(|&lobe| share(lobe)).sum::<f32>().max(1.0);
-        let mut left = choice * all;
+    fn draw_of(&self, lobes: &[Lobe], weights: Vec3, choice: f32, xi: [f32; 2]) -> Option<Way> {
+        let of = |lobe: Lobe| self.factors[lobe as usize] * weights;
+        let all: f32 = lobes.iter().map(|&lobe| of(lobe).element_sum()).sum();
+        let mut left = choice;
         for &lobe in lobes {
-            let share = share(lobe);
-            if left < share {
-                return self.way(lobe, share / all, xi);
+            let after = of(lobe);
+            let share = after.element_sum() / all;
+            let probability = share.min(after.max_element());
+            if left < probability {
+                return self.way(lobe, probability, xi);
             }
-            left -= share;
+            left -= probability;
         }
         None
     }

@@ -3,7 +3,8 @@
 //! A path is a tree. Whatever is certain is not left to chance: what passes a medium goes on with what is left of it, and what the medium
 //! scatters is drawn as often as that is worth. Where light scatters, several directions are looked at, and those go on that are worth it.
 
-use super::{GOING_ON, LONG_PATH, Photon, PhotonTracer, choose_light};
+use super::weight::{self, channel, inverse, patience};
+use super::{Photon, PhotonTracer, choose_light};
 use crate::guidance::{Guidance, mean};
 use crate::light::cosine_direction;
 use crate::media;
@@ -28,8 +29,8 @@ const MOST: f32 = 64.0;
 /// Nothing goes on with less than this probability, so that what is worth more than it seems is not worth a tenfold surprise.
 const LEAST: f32 = 0.1;
 
-/// And nothing with more than so many times the power that a path has on average.
-const MOST_POWER: f32 = 20.0;
+/// And nothing with more than so many times the power that a path has on average, in any channel, times its [`Limits`](weight::Limits).
+pub(super) const MOST_POWER: f32 = 20.0;
 
 /// Of a direction's expected worth, this share of the mean one's is taken for granted.
 const FOR_GRANTED: f32 = 0.1;
@@ -52,8 +53,8 @@ struct Tree<'t, 'a> {
     guidance: &'t Guidance,
     /// Power x importance of each path that is not long.
     unit: f32,
-    /// Mean power of a path that is not long.
-    power: f32,
+    /// Mean power of a path.
+    power: Vec3,
     record: Record,
     /// Segments that do not wait any more.
     followed: u32,
@@ -107,20 +108,23 @@ impl<'a> PhotonTracer<'a> {
 }
 
 impl Tree<'_, '_> {
-    /// The power x importance, and the power, that a path may have before it is split.
-    ///
-    /// A long path has survived others. If it were split again for the power that it has from them, paths would branch as fast as they end
-    /// where nothing is absorbed. And what has been followed says nothing of what is drawn next, so that the light is right in the mean.
-    fn limits(&self, depth: u32) -> [f32; 2] {
-        let long = GOING_ON.powi(LONG_PATH.min(depth) as i32 - depth as i32);
+    /// The power x importance that a path may have before it is split. What has been followed says nothing of what is drawn next, so that the light
+    /// is right in the mean.
+    fn unit(&self, depth: u32) -> f32 {
         let segments = self.followed + self.waiting.len() as u32;
-        let allowed = long * ((segments / LARGE_TREE) as f32).exp2();
-        [allowed * self.unit, allowed * MOST_POWER * self.power]
+        patience(depth) * ((segments / LARGE_TREE) as f32).exp2() * self.unit
+    }
+
+    /// One over the most power that a path may have in each channel.
+    fn most(&self, place: Vec3, depth: u32) -> Vec3 {
+        inverse(MOST_POWER * self.power * self.tracer.limits.at(place, depth))
     }
 
     /// One segment, what it scatters on its way, and the event at its end.
     fn follow(&mut self, mut photon: Photon, mut sampler: PathSampler, depth: u32, out: &mut PhotonRecord) {
-        if depth > LONG_PATH && !survives(&mut photon, GOING_ON, &mut sampler, out) {
+        // As much more as long paths may weigh, fewer of them there are.
+        let fewer = patience(depth.saturating_sub(1)) / patience(depth);
+        if fewer < 1.0 && !survives(&mut photon, fewer, &mut sampler, out) {
             return;
         }
         self.followed += 1;
@@ -165,6 +169,8 @@ impl Tree<'_, '_> {
             }
             Material::Dielectric { .. } => self.cross(photon, &hit, sampler, depth, out),
             ref material => {
+                // Its weight now is what it is to weigh: what it is worth then decides whether it goes on.
+                photon.unit = inverse(photon.power);
                 if tracer.interact(&mut photon, &hit, &mut sampler, self.record, out) {
                     match material {
                         Material::Clear => self.wait((photon, sampler, depth + 1), out),
@@ -185,24 +191,28 @@ impl Tree<'_, '_> {
         out: &mut PhotonRecord,
     ) {
         let power = mean(photon.power);
-        let mut chance = power / (FAINT * self.power);
+        let mut chance = power / (FAINT * mean(self.power));
         if chance < 1.0 {
             let Photon { origin, direction, bounces, .. } = photon;
             let (scene, fogs) = (self.tracer.scene, &self.tracer.fogs);
             let worth = self.guidance.of_ray(scene, fogs, origin, direction, &photon.interior, bounces);
-            let [unit, _] = self.limits(depth);
-            chance = chance.max(power * worth / unit);
+            chance = chance.max(power * worth / self.unit(depth));
         }
         if chance >= 1.0 || survives(&mut photon, chance, &mut sampler, out) {
             self.wait((photon, sampler, depth + 1), out);
         }
     }
 
-    /// Follows a path later.
+    /// Follows a path later, in parts where it has more power than it may.
     fn wait(&mut self, path: (Photon, PathSampler, u32), out: &mut PhotonRecord) {
-        if !self.tracer.is_spent(&path.0, out) {
-            self.waiting.push(path);
+        let (mut photon, mut sampler, depth) = path;
+        if self.tracer.is_spent(&photon, out) {
+            return;
         }
+        let parts = weight::parts((photon.power * self.most(photon.origin, depth)).max_element());
+        photon.power /= parts as f32;
+        self.waiting.extend((1..parts).map(|_| (photon.clone(), sampler.branch(), depth)));
+        self.waiting.push((photon, sampler, depth));
     }
 
     /// The light field's segment, and its deposit in the medium.
@@ -264,20 +274,20 @@ impl Tree<'_, '_> {
         let dark = photon.dark.min(visible);
         let from = photon.origin + dark * photon.direction;
         let found = importance.of_segment(fog, from, photon.direction, visible - dark);
-        let [unit, most_power] = self.limits(depth);
-        let expected = (mean(photon.power) * found.scattered / unit)
+        // What is lost, by the most that a collision may have of it: with the sum of the channels none of them has more.
+        let lost = photon.power * gone * self.most(photon.origin, depth);
+        let expected = (mean(photon.power) * found.scattered / self.unit(depth))
             .max(LEAST * gone.max_element())
-            .max(mean(scattered) / most_power)
-            .min(MOST);
+            .min(MOST)
+            .max(lost.element_sum() * albedo.max_element());
         let count = (expected + sampler.uniform()).floor();
         let shift = sampler.uniform();
         add(&mut out.energy.roulette, scattered);
-        // One channel, chosen by what it loses, places a collision for all three.
-        let lost = photon.power * gone;
+        // Collisions are placed by the mixture of the channels' densities.
         let lost = lost / lost.element_sum();
         for collision in 0..count as u32 {
             let mut sampler = sampler.branch();
-            let channel = channel(lost, sampler.uniform());
+            let (channel, _) = channel(lost, sampler.uniform());
             let u = ((collision as f32 + shift) / count).min(1.0 - f32::EPSILON);
             let target = -(-u * gone[channel]).ln_1p() / extinction[channel];
             let distance = column.distance_at(target);
@@ -378,18 +388,19 @@ impl Tree<'_, '_> {
             add(&mut out.energy.surfaces, photon.power);
             return;
         }
-        let [unit, most_power] = self.limits(depth);
         let ways = [
             (boundary.reflectance, None, boundary.reflected, photon.interior),
             (1.0 - boundary.reflectance, Some(refracted), refracted, boundary.beyond),
         ];
+        let (unit, most) = (self.unit(depth), self.most(hit.position, depth));
         let mut factors = ways.map(|(share, _, direction, interior)| {
             let origin = hit.leave(direction);
             let bounces = photon.bounces + 1;
             let worth =
                 self.guidance.of_ray(tracer.scene, &tracer.fogs, origin, direction, &interior, bounces);
             let power = share * mean(photon.power);
-            (power * worth / unit).max(power / most_power).clamp(share, 1.0)
+            let excess = (share * photon.power * most).max_element();
+            (power * worth / unit).max(excess).clamp(share, 1.0)
         });
         weight_window(&mut factors, sampler.uniform());
         let branch = sampler.branch();
@@ -418,15 +429,16 @@ impl Tree<'_, '_> {
         out: &mut PhotonRecord,
         turn: impl Fn(&mut covbeam::LightField, Vec3),
     ) {
-        let [unit, most_power] = self.limits(depth);
-        let least = mean(photon.power) / most_power;
+        let (unit, most) = (self.unit(depth), self.most(photon.origin, depth));
+        let excess = (photon.power * most).max_element();
         let here = self.guidance.importance().at(photon.origin).scattered;
         let expected = CANDIDATES * mean(photon.power) * here / unit;
-        let chance = expected.max(LEAST).max(least).min(1.0);
+        let chance = expected.max(LEAST).max(excess).min(1.0);
         if sampler.uniform() >= chance {
             return;
         }
-        let count = expected.clamp(1.0, MOST).ceil() as usize;
+        // Each candidate goes on once at most, so that there are as many as the power asks for.
+        let count = expected.min(MOST).max(excess).max(1.0).ceil().min(1e6) as usize;
         let power = photon.power / (chance * count as f32);
         let shift = sampler.uniform_pair();
         let candidates: SmallVec<[Candidate; 8]> =
@@ -439,8 +451,9 @@ impl Tree<'_, '_> {
         };
         let mut factors: SmallVec<[f32; 8]> = candidates.iter().map(worth).collect();
         let granted = FOR_GRANTED * factors.iter().sum::<f32>() / count as f32;
-        let least = (LEAST / count as f32).max(mean(power) / most_power);
-        factors.iter_mut().for_each(|worth| *worth = (mean(power) * (*worth + granted) / unit).max(least));
+        let least = (LEAST / count as f32).max((power * most).max_element());
+        let number = |worth: f32| (mean(power) * (worth + granted) / unit).max(least).min(1.0);
+        factors.iter_mut().for_each(|worth| *worth = number(*worth));
         weight_window(&mut factors, sampler.uniform());
         for (candidate, factor) in candidates.iter().zip(factors) {
             if factor > 0.0 {
@@ -479,15 +492,6 @@ fn survives(photon: &mut Photon, chance: f32, sampler: &mut PathSampler, out: &m
     photon.power = if lives { before / chance } else { Vec3::ZERO };
     add(&mut out.energy.roulette, before - photon.power);
     lives
-}
-
-/// The channel that a number in [0, 1) chooses, by shares that sum to 1.
-fn channel(shares: Vec3, number: f32) -> usize {
-    match number {
-        number if number < shares.x => 0,
-        number if number < shares.x + shares.y || shares.z <= 0.0 => 1,
-        _ => 2,
-    }
 }
 
 #[cfg(test)]

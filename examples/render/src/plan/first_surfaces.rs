@@ -351,8 +351,9 @@ impl Seen<'_> {
         let (ray, fog) = (self.ray(x, y, &first), &self.fogs[first.medium as usize]);
         let mut knots = Vec::new();
         let column = media::column(fog, ray.origin, ray.direction, ray.length, &mut knots);
-        let (extinction, column) = (fog.mean_extinction(), column.at(ray.length));
-        if extinction > 0.0 { -(-extinction * column).exp_m1() } else { 0.0 }
+        let column = column.at(ray.length);
+        let taken = |extinction: f32| if extinction > 0.0 { -(-extinction * column).exp_m1() } else { 0.0 };
+        fog.extinction().to_array().map(taken).iter().sum::<f32>() / 3.0
     }
 
     fn ray(&self, x: u32, y: u32, fog: &FirstFog) -> EyeRay {

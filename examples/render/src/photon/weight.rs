@@ -1,0 +1,288 @@
+//! Weights of light paths: one measure for roulette, free flights, splitting and the end of long paths, of plain and guided paths alike.
+//!
+//! A path's *weight* in a channel is its power over the power that it started with in that channel; a guided path's, over what paths have on
+//! average. Its *limit* at a place, after so many events, is the same for all channels of equal fog: 1, but more far out in the fog of the world
+//! and after many events. What weighs less than the limit in every channel is kept with a probability of the largest ratio, and weighs as much
+//! then; what weighs more than [`CHANNELS`] times the limit in any channel is split into equal parts. So no plain path ever goes on with a weight
+//! above 3 x limit in any channel, and no guided one above the limit times `MOST_POWER`, however it came by it; the mean of what is kept is
+//! what was.
+//!
+//! Up to [`ENDLESS`] events the limit is at most [`LONG_WEIGHT`] but far out: a plain path weighs at most 24 where anything is seen.
+//!
+//! Plain paths are never split where the limit is 1. A flight draws its length from the mixture of the channels' densities, each with its share
+//! q of the weights over their limits (one-sample balance heuristic, E. Veach and L. Guibas 1995): weight w becomes w f/Σ q f ≤ w/q, and Σ w is as before.
+//! Lobes are drawn alike. Roulette raises only what weighs less than 1 in every channel, up to 1 in the largest: Σ w ≤ 3 again. With
+//! Σ w = 3 at the start, no channel ever weighs more than 3.
+//!
+//! Roulette on the ratio of one event's powers instead lets channels drift apart without bound: what one channel has lost never comes back.
+
+use crate::random::PathSampler;
+use crate::scene::{MediumDensity, Scene};
+use crate::survey::bounds_of_scene;
+use covbeam::Medium;
+use glam::Vec3;
+
+/// A path weighs at most so many times its limit in any channel.
+pub(super) const CHANNELS: f32 = 3.0;
+
+/// After this many events the limit grows with each by 1/[`GOING_ON`], up to [`LONG_WEIGHT`]: of light that hardly anything absorbs few paths
+/// are followed to its end.
+pub(crate) const LONG_PATH: u32 = 64;
+pub(crate) const GOING_ON: f32 = 0.95;
+const LONG_WEIGHT: f32 = 8.0;
+
+/// Beyond so many events the limit grows with their square. Where nothing is absorbed and nothing escapes light has no end, and no finite number
+/// of paths of bounded weight has its mean.
+const ENDLESS: f32 = 1024.0;
+
+/// Far out in the fog of the world the limit is (1 + x/4)⁴ < eˣ, x the optical depth to the box of all objects, lamps and the camera. At most e⁻ˣ of
+/// a path's light gets there, so that no path brings more than 3 to the box from anywhere. And of light that wanders about few paths are followed:
+/// without absorption x events happen in the shell at x, and Σ x / limit is finite from the third power on.
+const FAR: i32 = 4;
+
+/// How much paths may weigh.
+pub(super) struct Limits {
+    /// Corners of the box of what there is, and extinction of the fog around it; None: vacuum, or fog that is not the same everywhere.
+    around: Option<([Vec3; 2], Vec3)>,
+}
+
+impl Limits {
+    pub(super) fn new(scene: &Scene) -> Self {
+        let fog = scene.outside.map(|outside| scene.medium_of(scene.region(outside, false)));
+        let uniform = fog.filter(|fog| matches!(fog.density, MediumDensity::Uniform));
+        let (min, max) = bounds_of_scene(scene);
+        let camera = scene.camera.position;
+        let corners = [min.min(camera), max.max(camera)];
+        Self { around: uniform.map(|fog| (corners, fog.medium.extinction())) }
+    }
+
+    /// The limit at a place, after some events.
+    pub(super) fn at(&self, place: Vec3, events: u32) -> Vec3 {
+        let long = patience(events);
+        let Some(([min, max], extinction)) = self.around else { return Vec3::splat(long) };
+        let outside = place - place.clamp(min, max);
+        if outside == Vec3::ZERO {
+            return Vec3::splat(long);
+        }
+        let depth = extinction * outside.length();
+        let far = Vec3::ONE + depth / FAR as f32;
+        // As much as f32 holds in the weights of all.
+        (long * far.powf(FAR as f32)).min(Vec3::splat(1e12))
+    }
+}
+
+/// How much more than others a path of so many events may weigh.
+pub(super) fn patience(events: u32) -> f32 {
+    let long = events.saturating_sub(LONG_PATH).min(1 << 10) as i32;
+    let endless = (events as f32 / ENDLESS).max(1.0);
+    GOING_ON.powi(-long).min(LONG_WEIGHT) * endless * endless
+}
+
+/// One over each channel; 0 where there is none.
+pub(super) fn inverse(power: Vec3) -> Vec3 {
+    Vec3::select(power.cmpgt(Vec3::ZERO), power.recip().min(Vec3::MAX), Vec3::ZERO)
+}
+
+/// Into how many equal parts a path is split that weighs so many times what it may, in its largest channel.
+pub(super) fn parts(excess: f32) -> u32 {
+    // Rounding alone splits nothing.
+    if excess > 1.0 + 1e-4 { excess.ceil().min(1e6) as u32 } else { 1 }
+}
+
+/// The channel that a number in [0, 1) chooses in proportion to weights, and the number made uniform again.
+pub(super) fn channel(weights: Vec3, number: f32) -> (usize, f32) {
+    let mut left = number * weights.element_sum();
+    let mut last = 0;
+    for channel in 0..3 {
+        let weight = weights[channel];
+        if weight > 0.0 {
+            if left < weight {
+                return (channel, (left / weight).min(1.0 - f32::EPSILON));
+            }
+            last = channel;
+            left -= weight;
+        }
+    }
+    (last, 1.0 - f32::EPSILON)
+}
+
+/// The column up to the next collision, from the mixture of the channels' densities.
+pub(super) fn free_column(weights: Vec3, medium: &Medium, sampler: &mut PathSampler) -> f32 {
+    let u = sampler.uniform();
+    let extinction = medium.extinction();
+    let grey = extinction.x == extinction.y && extinction.y == extinction.z;
+    let (extinction, u) = if grey {
+        (extinction.x, u)
+    } else {
+        let (channel, u) = channel(weights, u);
+        (extinction[channel], u)
+    };
+    if extinction > 0.0 { -(-u).ln_1p() / extinction } else { f32::INFINITY }
+}
+
+/// σ_t T / pdf per channel after a column; the density at the collision stands in both.
+pub(super) fn of_collision(weights: Vec3, medium: &Medium, column: f32) -> Vec3 {
+    let density = medium.extinction() * medium.transmittance(column);
+    density / (density.dot(weights) / weights.element_sum())
+}
+
+/// T / P(no collision) per channel after a column.
+pub(super) fn of_passage(weights: Vec3, medium: &Medium, column: f32) -> Vec3 {
+    let transmittance = medium.transmittance(column);
+    transmittance / (transmittance.dot(weights) / weights.element_sum())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::guidance::Guidance;
+    use crate::kind::Kind;
+    use crate::media;
+    use crate::photon::{PhotonRecord, PhotonTracer, Record};
+    use crate::random::Emission;
+    use std::path::Path;
+
+    /// Fog of the world that absorbs nothing, and a lamp whose channels are 100:1 apart over a floor of 7 by 6 metres.
+    fn scene(scattering: &str, floor: &str) -> Scene {
+        let text = format!(
+            "outside_medium = \"fog\"\n\
+             [camera]\nposition = [0, 1, -4]\nlook_at = [0, 1, 0]\nvertical_fov = 40\nwidth = 24\nheight = 24\n\
+             [[medium]]\nname = \"fog\"\nscattering = {scattering}\nabsorption = 0\n\
+             [[object]]\nshape = \"rectangle\"\ncorner = [-3, 0, -4]\nedge_u = [0, 0, 7]\nedge_v = [6, 0, 0]\nmaterial = {floor}\n\
+             [[light]]\nkind = \"point\"\nposition = [0, 2, 0]\nintensity = [10, 0.1, 2]\n"
+        );
+        Scene::parse(&text, "fog", Path::new("")).expect("a valid scene")
+    }
+
+    /// Colours 200:1 apart, of the fog and of the floor, of one lobe or of several.
+    const COLORED: &str = "[0.02, 0.4, 4]";
+    const FLOORS: [&str; 2] = [
+        "{ lambert = { albedo = [0.9, 0.0045, 0.2] } }",
+        "{ lobes = { diffuse = [0.9, 0.0045, 0.2], translucent = [0.09, 0.49, 0.0045], coat = 0.5 } }",
+    ];
+
+    fn tracer(scene: &Scene) -> PhotonTracer<'_> {
+        PhotonTracer::new(scene, 0, Emission::LowDiscrepancy)
+    }
+
+    /// The largest weight in any channel that gets to the box of what there is, over the mean power of a path in that channel, and how many beams
+    /// there are.
+    fn largest(tracer: &PhotonTracer, paths: u32) -> (f32, usize) {
+        let Some(([min, max], extinction)) = tracer.limits.around else { panic!("fog of the world") };
+        let unit = inverse(tracer.scene.lights[0].flux()) * paths as f32;
+        let there = |place: Vec3| (-extinction * (place - place.clamp(min, max)).length()).exp();
+        let (mut most, mut count) = (0.0, 0);
+        for index in 0..paths {
+            let mut record = PhotonRecord::default();
+            tracer.trace(0, index, paths, Record::Beams, &mut record);
+            // What comes straight from a lamp has the power that guidance gave it.
+            let beams = record.beams.iter().filter(|path| path.kind != Kind::Straight);
+            let beams = beams.map(|path| (path.beam.origin, path.beam.power));
+            let surface = record.surface.iter().map(|photon| (photon.position, photon.power));
+            let weight = |(place, power): (Vec3, Vec3)| (power * unit * there(place)).max_element();
+            most = beams.chain(surface).map(weight).fold(most, f32::max);
+            count += record.beams.len();
+        }
+        (most, count)
+    }
+
+    /// A million paths of up to [`ENDLESS`] events: after those the limit grows, and some are as long here. Rounding over a thousand events is below
+    /// 1e-3.
+    #[test]
+    fn no_path_weighs_more_than_the_stated_multiple_of_what_it_started_with() {
+        for floor in FLOORS {
+            let mut scene = scene(COLORED, floor);
+            scene.settings.bounces = Some(ENDLESS as u32 - 1);
+            let (most, beams) = largest(&tracer(&scene), 500_000);
+            println!("plain, {floor}: {most} at most, {beams} beams");
+            assert!(most <= CHANNELS * LONG_WEIGHT * 1.001, "{floor}: {most}");
+        }
+    }
+
+    #[test]
+    fn no_guided_path_weighs_more_than_the_stated_multiple_of_the_mean() {
+        for floor in FLOORS {
+            let mut scene = scene(COLORED, floor);
+            scene.settings.bounces = Some(ENDLESS as u32 - 1);
+            let fogs = media::all(&scene);
+            let mut tracer = tracer(&scene);
+            tracer.guide(Guidance::new(&scene, &fogs).expect("light"));
+            let (most, beams) = largest(&tracer, 100_000);
+            println!("guided, {floor}: {most} at most, {beams} beams");
+            assert!(most <= crate::photon::guided::MOST_POWER * LONG_WEIGHT * 1.001, "{floor}: {most}");
+        }
+    }
+
+    /// Mean and variance of the mean of what arrives on the floor and has been scattered, in each channel by what the lamp sends out.
+    fn arrives(tracer: &PhotonTracer, paths: u32) -> [[f64; 2]; 3] {
+        const PARTS: u32 = 40;
+        let unit = inverse(tracer.scene.lights[0].flux());
+        let part = |part| {
+            let mut record = PhotonRecord::default();
+            let each = paths / PARTS;
+            (part * each..(part + 1) * each).for_each(|index| {
+                tracer.trace(part, index, each, Record::Beams, &mut record);
+            });
+            record.surface.iter().map(|photon| (photon.power * unit).as_dvec3()).sum::<glam::DVec3>()
+        };
+        let found: Vec<glam::DVec3> = (0..PARTS).map(part).collect();
+        let n = f64::from(PARTS);
+        let mean = found.iter().copied().sum::<glam::DVec3>() / n;
+        let spread =
+            found.iter().map(|found| (*found - mean).powf(2.0)).sum::<glam::DVec3>() / (n * (n - 1.0));
+        [0, 1, 2].map(|channel| [mean[channel], spread[channel]])
+    }
+
+    /// 4.5 standard errors, which one of 100,000 such comparisons exceeds.
+    fn agree([a, of_a]: [f64; 2], [b, of_b]: [f64; 2], what: &str) {
+        let error = (of_a + of_b).sqrt();
+        println!("{what}: {a:.5} and {b:.5}, error {error:.5}");
+        assert!((a - b).abs() < 4.5 * error, "{what}: {a} and {b}, {error}");
+        // Through the ten free paths of the thickest fog hardly any light comes down: a tenth is all that 200,000 paths tell.
+        assert!(error < 0.1 * b, "{what}: {error} of {b} tells nothing");
+    }
+
+    /// What one channel decides for the others does not count in the mean: each by itself, in fog without colours, where no density is
+    /// any other than its own.
+    #[test]
+    fn channels_have_the_mean_that_each_has_alone() {
+        let floor = FLOORS[0];
+        let together = scene(COLORED, floor);
+        let together = arrives(&tracer(&together), 200_000);
+        for (channel, scattering) in ["0.02", "0.4", "4"].into_iter().enumerate() {
+            let alone = scene(scattering, floor);
+            let alone = arrives(&tracer(&alone), 200_000);
+            agree(together[channel], alone[channel], scattering);
+        }
+    }
+
+    /// And neither does how few paths are followed far out.
+    #[test]
+    fn light_from_far_out_arrives_as_if_every_path_were_followed() {
+        let scene = scene("0.6", "{ lambert = { albedo = 0.5 } }");
+        let mut tracer = tracer(&scene);
+        let found = arrives(&tracer, 200_000);
+        tracer.limits.around = None;
+        let all = arrives(&tracer, 40_000);
+        agree(found[0], all[0], "far out");
+    }
+
+    /// Beams of fog without end, and of at most 13 scatterings.
+    #[test]
+    fn fog_of_the_world_costs_hardly_more_than_a_few_scatterings() {
+        let mut scene = scene("0.4", "{ lambert = { albedo = 0.5 } }");
+        let beams = |scene: &Scene| {
+            let fogs = media::all(scene);
+            let mut tracer = tracer(scene);
+            let (_, plain) = largest(&tracer, 20_000);
+            tracer.guide(Guidance::new(scene, &fogs).expect("light"));
+            let (_, guided) = largest(&tracer, 20_000);
+            [plain, guided].map(|beams| beams as f32 / 20_000.0)
+        };
+        let endless = beams(&scene);
+        scene.settings.bounces = Some(13);
+        let few = beams(&scene);
+        println!("beams a path, plain and guided: {endless:?}, with 13 scatterings {few:?}");
+        assert!((0..2).all(|way| endless[way] < 1.5 * few[way]), "{endless:?} {few:?}");
+    }
+}
