@@ -11,6 +11,9 @@ use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 
+#[cfg(test)]
+mod tests;
+
 /// Of the scene's size.
 const HAIR: f64 = 1e-4;
 
@@ -461,24 +464,30 @@ impl Draft {
         ));
     }
 
-    /// Two pieces of glass on each other.
+    /// Two pieces of glass on each other, or one that reaches into the other: then the later one counts, or
+    /// the one of higher priority.
     fn stack(&mut self, [min, max]: Bounds, stream: &mut Stream) {
         self.bends = true;
         let middle = 0.5 * max.y;
         let upper = if chance(stream, 0.5) { 1.5 } else { 1.25 };
-        for (bounds, index) in [([min, max.with_y(middle)], 1.5), ([min.with_y(middle), max], upper)] {
+        let (reach, priority) =
+            pick(stream, &[(0.7, (0.0, "")), (0.15, (0.125, "")), (0.15, (0.125, "\npriority = 1"))]);
+        let lower = ([min, max.with_y(middle + reach)], 1.5, priority);
+        for (bounds, index, priority) in [lower, ([min.with_y(middle), max], upper, "")] {
             let inside = if chance(stream, 0.3) { "\ninside = \"drink\"" } else { "" };
-            let text =
-                self.block(bounds, &format!("material = {{ dielectric = {{ index = {index} }} }}{inside}"));
+            let fields = format!("material = {{ dielectric = {{ index = {index} }} }}{inside}{priority}");
+            let text = self.block(bounds, &fields);
             self.objects.push(text);
         }
     }
 
-    /// A glass with a drink that fills it to the middle, as boxes in boxes, in the order that says which of them counts.
+    /// A glass with a drink that fills it to the middle, as boxes in boxes, in the order that says which of
+    /// them counts: the drink touches the glass, overlaps it, or leaves a gap.
     fn glass(&mut self, [min, max]: Bounds, stream: &mut Stream) {
         self.bends = true;
         let mut hollow = [min + 0.25, max - 0.25];
-        let drink = [hollow[0], hollow[1].with_y(0.5 * max.y)];
+        let overlap = pick(stream, &[(0.5, 0.0), (0.25, 0.0625), (0.25, -0.0625)]);
+        let drink = [hollow[0] - overlap, (hollow[1] + overlap).with_y(0.5 * max.y)];
         // No lid of a hair's thickness.
         hollow[1].y = max.y + 2.0 * self.hair;
         let index = if chance(stream, 0.5) { 1.33 } else { 1.5 };
