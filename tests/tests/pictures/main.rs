@@ -19,4 +19,5 @@ mod planned;
 mod render;
 mod shapes;
 mod skies;
+mod snapped;
 mod sun;
