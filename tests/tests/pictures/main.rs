@@ -18,5 +18,6 @@ mod placed;
 mod planned;
 mod render;
 mod shapes;
+mod shown;
 mod skies;
 mod sun;
