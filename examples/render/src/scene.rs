@@ -23,6 +23,9 @@ pub const MAX_PHOTONS: u32 = 1 << 28;
 /// Radiance that is typical of a picture, over that of the brightest lamp in it, at least.
 const LEAST_OF_LAMPS: f32 = 1.0 / 16384.0;
 
+/// And over what it is without that, at most.
+const MOST_RAISED: f32 = 4096.0;
+
 /// Index into [`Scene::media`].
 pub type MediumId = u32;
 
@@ -154,8 +157,8 @@ impl Scene {
     }
 
     /// Radiance of the picture to within a few powers of ten [W/(m² sr)]: that of light scattered once, if all of the lights' power
-    /// crossed a sphere as large as the distance from the camera to the scene, and that of what glows; at least 2⁻¹⁴ of the brightest lamp that is
-    /// seen, so that sums over 2¹⁷ passes hold that.
+    /// crossed a sphere as large as the distance from the camera to the scene, and that of what glows; where brighter lamps are seen 2⁻¹⁴ of the
+    /// brightest, so that sums over 2¹⁷ passes hold that, but no more than 2¹² times what it is without: dark fog would be rounded to nothing.
     pub fn typical_radiance(&self) -> f32 {
         let middle = 0.5 * (self.grid.min + self.grid.max);
         let size = 0.5 * (self.grid.max - self.grid.min).length();
@@ -165,7 +168,8 @@ impl Scene {
         let scattered = (scattering.fold(0.0, f32::max) * distance).clamp(1e-3, 1.0);
         let glow = self.media.iter().filter_map(|medium| medium.glow.as_ref());
         let glow: f32 = glow.map(|glow| glow.largest() * glow.radius()).sum();
-        (scattered * intensity / (distance * distance) + glow).max(LEAST_OF_LAMPS * self.shown.brightest())
+        let without = scattered * intensity / (distance * distance) + glow;
+        without.max((LEAST_OF_LAMPS * self.shown.brightest()).min(MOST_RAISED * without))
     }
 }
 

@@ -245,7 +245,8 @@ impl Watch {
             }
             _ => scene.shown.met(&scene.lights, self.origin, direction, ends, &mut met),
         }
-        self.looked = ends[1];
+        // The next surface may be nearer than what counts as lying on this one.
+        self.looked = self.looked.max(ends[1]);
         met.iter_mut().for_each(|(distance, _)| *distance -= passed);
         met
     }
@@ -281,7 +282,7 @@ mod tests {
         let mut all = 0;
         for count in [0, 1, 2, 3, 7, 200] {
             let lights = lights(&mut random, count);
-            let is_seen = |number: usize| number % 7 != 0;
+            let is_seen = |number: usize| !number.is_multiple_of(7);
             let shown = Shown::new(&lights, is_seen);
             for _ in 0..2000 {
                 let mut vector = |most: f32| [0; 3].map(|_| most * (2.0 * random.uniform() - 1.0));

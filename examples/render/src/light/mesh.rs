@@ -176,15 +176,18 @@ impl ShiningMesh {
     pub(super) fn met(&self, origin: DVec3, direction: DVec3, ends: [f64; 2], found: &mut Meetings) {
         let step = PAST * origin.abs().max_element().max(self.reach(origin));
         // From the same start whatever part of the ray is asked for: the same distances.
-        let mut passed = 0.0;
+        let (mut passed, mut last) = (0.0, None);
         while let Some(hit) = self.parts.met.intersect(origin + passed * direction, direction, f64::INFINITY)
         {
             let distance = passed + hit.distance;
             if distance > ends[1] {
                 break;
             }
-            found.extend((distance > ends[0]).then_some((distance, self.radiance)));
-            passed = distance + step;
+            // A ray along a triangle may seem to meet it again.
+            let triangle = Some(self.parts.met.index(&hit));
+            let is_new = last != triangle && distance > ends[0];
+            found.extend(is_new.then_some((distance, self.radiance)));
+            (passed, last) = (distance + step, triangle);
         }
     }
 

@@ -849,13 +849,17 @@ fn lamps_are_seen_by_default_where_they_have_a_surface() {
         let scene = lit("", light, folder.path()).expect("valid");
         assert_eq!(!scene.shown.is_empty(), expected, "{light}");
     }
-    // A film of the picture holds what is seen, over 131,072 passes.
-    let bright = |more: &str| {
-        let disk = "kind = \"disk\"\ncenter = [0, 2, 0]\nnormal = [0, -1, 0]\nradius = 1e-5\nradiance = 1e9";
+    // A film of the picture holds what is seen, over 131,072 passes, and the light of dark fog.
+    let bright = |radius: f32, more: &str| {
+        let disk = format!(
+            "kind = \"disk\"\ncenter = [0, 2, 0]\nnormal = [0, -1, 0]\nradius = {radius}\nradiance = 1e9"
+        );
         lit("", &format!("{disk}\n{more}"), folder.path()).expect("valid").typical_radiance()
     };
-    assert_eq!(bright(""), 1e9 / 16384.0);
-    assert!(bright("visible = false") < 1.0);
+    let without = bright(2e-3, "visible = false");
+    assert!(without < 0.1 * bright(2e-3, ""));
+    assert_eq!(bright(2e-3, ""), 1e9 / 16384.0);
+    assert_eq!(bright(1e-6, ""), 4096.0 * bright(1e-6, "visible = false"));
 }
 
 /// A picture of a sky with one bad number is refused by its place, and mended where the scene says so.
