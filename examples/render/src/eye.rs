@@ -11,6 +11,7 @@ use crate::passage::{clear, passage};
 use crate::photon::{GOING_ON, LONG_PATH};
 use crate::random::{Random, mix};
 use crate::scene::{Light, Material, Scene, SceneMedium};
+use crate::shown::{Meetings, Watch};
 use crate::starts::{EyeStart, EyeStarts};
 use crate::surface::{SurfaceMap, flat_within};
 use covbeam::{EyeRay, Knot, Medium};
@@ -71,6 +72,8 @@ pub struct EyeTracer<'a> {
     pub surfaces: &'a SurfaceMap,
     /// Whether anything is wanted from the first surface on that is more than a bound of media.
     pub beyond: bool,
+    /// Whether lamps are wanted that are shown.
+    pub shown: bool,
 }
 
 /// A branch of an eye path still to be followed.
@@ -84,8 +87,7 @@ struct Branch {
     /// Surfaces met.
     met: u32,
     signature: u64,
-    /// Whether it has come through rough glass since a surface where shadow rays looked for lamps: only it can find them there.
-    sees_lamps: bool,
+    watch: Watch,
 }
 
 impl EyeTracer<'_> {
@@ -137,7 +139,7 @@ impl EyeTracer<'_> {
             if let Some(segment) = branch.segment(scene, length, pixel) {
                 segments.push(segment);
                 if beyond.is_some() || scene.medium_of(segment.medium).glow.is_some() {
-                    let (left, glow) = self.crossed(&segment, &mut knots);
+                    let (left, glow, _) = self.crossed(&segment, &Meetings::new(), &mut knots);
                     sent_out += branch.throughput * glow;
                     branch.throughput *= left;
                 }
@@ -148,13 +150,16 @@ impl EyeTracer<'_> {
         sent_out
     }
 
-    /// What a piece of a path leaves of light, and the radiance that its medium sends out along it.
-    fn crossed(&self, segment: &EyeSegment, knots: &mut Vec<Knot>) -> (Vec3, Vec3) {
+    /// What a piece of a path leaves of light, the radiance that its medium sends out along it, and what arrives from lamps on it.
+    fn crossed(&self, segment: &EyeSegment, lamps: &Meetings, knots: &mut Vec<Knot>) -> (Vec3, Vec3, Vec3) {
         let (fog, ray) = (&self.fogs[segment.medium as usize], &segment.ray);
         let column = media::column(fog, ray.origin, ray.direction, ray.length, knots);
         let SceneMedium { density, glow, .. } = self.scene.medium_of(segment.medium);
         let glow = glow.as_ref().map_or(Vec3::ZERO, |glow| glow.seen(fog, density, ray, &column));
-        (fog.transmittance(column.at(ray.length)), glow)
+        let dimmed = |(distance, radiance): &(f64, Vec3)| {
+            *radiance * fog.transmittance(column.at((*distance as f32).clamp(0.0, ray.length)))
+        };
+        (fog.transmittance(column.at(ray.length)), glow, lamps.iter().map(dimmed).sum())
     }
 
     /// Follows the path from its start, appends its pieces in media to `segments` and returns the
@@ -188,17 +193,16 @@ impl EyeTracer<'_> {
             }
             let hit = scene.intersect(branch.origin, branch.direction, f32::INFINITY);
             let length = hit.map_or(f32::INFINITY, |hit| hit.distance);
+            let lamps = branch.watch.look(scene, self.shown, branch.origin, branch.direction, hit.as_ref());
+            let (mut left, mut lit) = (Vec3::ONE, lamps.iter().map(|(_, radiance)| *radiance).sum::<Vec3>());
             if let Some(segment) = branch.segment(scene, length, pixel) {
                 segments.push(segment);
-                let (left, glow) = self.crossed(&segment, &mut knots);
+                let glow;
+                (left, glow, lit) = self.crossed(&segment, &lamps, &mut knots);
                 radiance[Kind::Straight as usize] += branch.throughput * glow;
-                branch.throughput *= left;
             }
-            if branch.sees_lamps && scene.shows_surfaces() {
-                let seen = |light: &Light| light.seen_along(branch.origin, branch.direction, length);
-                let lamps: Vec3 = scene.lights.iter().map(seen).sum();
-                radiance[Kind::Focused as usize] += branch.throughput * lamps;
-            }
+            radiance[branch.watch.kind() as usize] += branch.throughput * lit;
+            branch.throughput *= left;
             let Some(hit) = hit else { continue };
             if branch.throughput == Vec3::ZERO {
                 continue;
@@ -359,7 +363,7 @@ impl Branch {
             depth: 0,
             met: 0,
             signature: FIRST,
-            sees_lamps: false,
+            watch: Watch::new(start.origin),
         }
     }
 
@@ -379,25 +383,27 @@ impl Branch {
     /// A way on from a surface of lobes.
     fn follow(&self, hit: &Hit, met: &Encounter, way: &Way) -> Self {
         let kind = (way.lobe as u64 + 1) << 40;
-        let sees_lamps = match way.lobe {
-            Lobe::Transparent => self.sees_lamps,
-            lobe if met.is_rough() => lobe == Lobe::GlassTransmission,
-            _ => self.sees_lamps,
-        };
         let next = self.next(hit, way.direction, way.factor * met.narrowing(way.lobe), way.interior, kind);
-        Self { sees_lamps, ..next }
+        let watch = match way.lobe {
+            Lobe::Transparent => self.watch,
+            Lobe::GlassTransmission if met.is_rough() => next.watch.of_all(),
+            _ if met.is_rough() => next.watch.of_none(),
+            _ => next.watch,
+        };
+        Self { watch, ..next }
     }
 
     fn next(&self, hit: &Hit, direction: Vec3, weight: Vec3, interior: Interior, kind: u64) -> Self {
+        let origin = hit.leave(direction);
         Self {
-            origin: hit.leave(direction),
+            origin,
             direction,
             throughput: self.throughput * weight,
             interior,
             depth: self.depth + 1,
             met: self.met + 1,
             signature: mix(self.signature ^ (u64::from(hit.object) << 2) ^ kind),
-            sees_lamps: self.sees_lamps,
+            watch: self.watch.from(origin),
         }
     }
 }
@@ -423,6 +429,7 @@ mod tests {
             lamps: &LampTree::new(&scene),
             surfaces: &surfaces,
             beyond: true,
+            shown: true,
         };
         let seen = tracer.trace(&starts.middle(0, 0), 0, &mut Random::new([0; 4]), &mut Vec::new());
         assert_eq!(seen, ByKind::default());

@@ -33,28 +33,53 @@ pub(crate) struct ShoneOn<'a> {
     pub(crate) files: &'a SceneFiles<'a>,
 }
 
+/// A light, and whether it is seen.
+///
 /// - `notes`: gets what was changed of what the files say.
 pub(crate) fn read_light(
     table: &Table<'_>,
     shone_on: &ShoneOn,
     notes: &mut Vec<String>,
-) -> Result<Light, SceneError> {
+) -> Result<(Light, bool), SceneError> {
+    let light = read_kind(table, shone_on, notes)?;
+    let is_visible = read_visible(table, &light)?;
+    Ok((light, is_visible))
+}
+
+/// What has a surface is seen, and a sky, unless the file says otherwise; a sun with an angle where it says so.
+fn read_visible(table: &Table<'_>, light: &Light) -> Result<bool, SceneError> {
+    let can_be = light.brightest().is_some();
+    let Some(field) = table.optional("visible") else { return Ok(can_be && !matches!(light, Light::Sun(_))) };
+    let is_visible = field.boolean()?;
+    if is_visible && !can_be {
+        return Err(field.refuse(match light {
+            Light::Sun(_) => "false for a sun without `angle`, which is a point in the sky: give it one to see it",
+            _ => {
+                "false for a light that has no surface: to see one use kind = \"sphere\", \"disk\", \"rectangle\", \"area\" or \"mesh\""
+            }
+        }));
+    }
+    Ok(is_visible)
+}
+
+fn read_kind(table: &Table<'_>, shone_on: &ShoneOn, notes: &mut Vec<String>) -> Result<Light, SceneError> {
     let kind_field = table.required("kind")?;
     let expected = "\"point\", \"spot\", \"disk\", \"rectangle\", \"sphere\", \"sun\", \"lamp\", \"area\", \"mesh\" or \"sky\"";
     let kind = kind_field.text(expected)?;
-    table.only(match kind {
-        "point" => &["kind", "position", "intensity"],
-        "spot" => &["kind", "position", "look_at", "intensity", "inner_angle", "outer_angle"],
-        "disk" => &["kind", "center", "normal", "radius", "radiance"],
-        "rectangle" => &["kind", "corner", "edge_u", "edge_v", "radiance"],
-        "sphere" => &["kind", "center", "radius", "radiance"],
-        "sun" => &["kind", "direction", "angle", "irradiance"],
-        "lamp" => &["kind", "position", "intensity", "radius", "soft", "cone"],
-        "area" => &["kind", "center", "edge_u", "edge_v", "round", "spread", "radiance"],
-        "mesh" => &["kind", "file", "scale", "rotate", "translate", "radiance"],
-        "sky" => &["kind", "radiance", "picture", "turn", "repair"],
+    let own: &[&str] = match kind {
+        "point" => &["position", "intensity"],
+        "spot" => &["position", "look_at", "intensity", "inner_angle", "outer_angle"],
+        "disk" => &["center", "normal", "radius", "radiance"],
+        "rectangle" => &["corner", "edge_u", "edge_v", "radiance"],
+        "sphere" => &["center", "radius", "radiance"],
+        "sun" => &["direction", "angle", "irradiance"],
+        "lamp" => &["position", "intensity", "radius", "soft", "cone"],
+        "area" => &["center", "edge_u", "edge_v", "round", "spread", "radiance"],
+        "mesh" => &["file", "scale", "rotate", "translate", "radiance"],
+        "sky" => &["radiance", "picture", "turn", "repair"],
         _ => return Err(kind_field.refuse(expected)),
-    })?;
+    };
+    table.only(&[&["kind", "visible"], own].concat())?;
     let power = |key| {
         let field = table.required(key)?;
         let color = field.color("a number in 0..=1e9", |value| (0.0..=MAX_COORDINATE).contains(&value))?;

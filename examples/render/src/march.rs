@@ -168,8 +168,15 @@ impl<'a> Marcher<'a> {
         let surfaces = SurfaceMap::empty();
         let (scene, fogs, starts) = (self.scene, self.fogs, self.starts);
         let lamps = LampTree::new(scene);
-        let tracer =
-            EyeTracer { scene, fogs, starts, lamps: &lamps, surfaces: &surfaces, beyond: self.beyond };
+        let tracer = EyeTracer {
+            scene,
+            fogs,
+            starts,
+            lamps: &lamps,
+            surfaces: &surfaces,
+            beyond: self.beyond,
+            shown: true,
+        };
         let start = Instant::now();
         let spread = self.spread(&tracer);
         let mut seconds = start.elapsed().as_secs_f64();

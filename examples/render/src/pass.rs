@@ -10,7 +10,7 @@ use crate::operators::Operator;
 use crate::photon::{Energy, PathBeam, PhotonRecord, PhotonTracer, Record};
 use crate::plan::{FirstSurfaces, Plan};
 use crate::radius::{BeamVoxels, Radii, RadiusRule};
-use crate::random::Emission;
+use crate::random::{Emission, Random};
 use crate::samples::PassImage;
 use crate::scene::Scene;
 use crate::starts::EyeStarts;
@@ -45,6 +45,9 @@ const FITS: &str = "as many cells as the grid has";
 const PLAIN_SEQUENCE: u32 = 0;
 const FIELD_SEQUENCE: u32 = 1;
 const CONNECTION_SEQUENCE: u32 = 2;
+
+/// Purpose of the random numbers that say where light tracing looks for lamps.
+const SHOWN_KEY: u32 = 0x5403;
 
 /// How much wider than a pass' own radius spectra may make its kernels, at least. To look a radius up costs as much as two pairs do; where
 /// pairs are most of a pass, kernels that are hardly wider do not earn that: plain ones have up to a third of the error at equal time.
@@ -614,6 +617,7 @@ impl<'a> Renderer<'a> {
             lamps: self.tracer.lamps(),
             surfaces: &surfaces,
             beyond: self.beyond,
+            shown: true,
         };
         let view = View {
             scene: self.scene,
@@ -745,7 +749,7 @@ impl<'a> Renderer<'a> {
         index: u32,
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Option<(PassImage, PassTimes)> {
-        let (record, seconds) =
+        let (record, mut seconds) =
             self.trace(CONNECTION_SEQUENCE, index, self.photons, Record::Connections, cancelled)?;
         self.energy = record.energy;
         let (width, height) = (self.scene.camera.width, self.scene.camera.height);
@@ -753,8 +757,25 @@ impl<'a> Renderer<'a> {
         for splat in record.splats {
             radiance[splat.pixel as usize] += splat.radiance;
         }
+        if self.scene.camera.is_pinhole() && self.scene.shows_surfaces() && !self.scene.shown.is_empty() {
+            // Connections start where light has met something.
+            let row = |(y, row): (usize, &mut [Vec3])| {
+                let add =
+                    || row.iter_mut().zip(0..).for_each(|(sum, x)| *sum += self.shown(index, [x, y as u32]));
+                (!cancelled()).then(|| timed(add).1)
+            };
+            seconds += radiance.par_chunks_mut(width as usize).enumerate().map(row).sum::<Option<f64>>()?;
+        }
         let times = PassTimes { trace: seconds, ..PassTimes::default() };
         Some((PassImage { pass: index, width, height, radiance, ..PassImage::default() }, times))
+    }
+
+    /// Lamps that an eye ray somewhere through a pixel sees straight.
+    fn shown(&self, index: u32, corner: [u32; 2]) -> Vec3 {
+        let pixel = corner[1] * self.scene.camera.width + corner[0];
+        let mut random = Random::new([self.seed, index, pixel, SHOWN_KEY]);
+        let start = self.starts.at(corner.map(|corner| corner as f32 + random.uniform()), [0.0; 2]);
+        self.scene.shown.straight(self.scene, &self.fogs, &start)
     }
 }
 

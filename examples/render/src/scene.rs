@@ -6,6 +6,7 @@ pub use crate::light::{Area, Ball, Cone, GlowingFog, Lamp, Pattern, ShiningMesh,
 pub use crate::material::{Lobes, Material};
 use crate::optics::Interior;
 pub use crate::placed::{Placed, PlacedObject};
+pub use crate::shown::Shown;
 use crate::volume::Volume;
 use covbeam::{ExponentialDensity, Medium};
 use covbeam_geometry::hit::Hit;
@@ -19,6 +20,12 @@ pub const MAX_IMAGE_SIDE: u32 = 16384;
 /// Most light paths a pass.
 pub const MAX_PHOTONS: u32 = 1 << 28;
 
+/// Radiance that is typical of a picture, over that of the brightest lamp in it, at least.
+const LEAST_OF_LAMPS: f32 = 1.0 / 16384.0;
+
+/// And over what it is without that, at most.
+const MOST_RAISED: f32 = 4096.0;
+
 /// Index into [`Scene::media`].
 pub type MediumId = u32;
 
@@ -31,6 +38,8 @@ pub struct Scene {
     pub placed: Option<Placed>,
     /// At least one.
     pub lights: Vec<Light>,
+    /// Those that are seen.
+    pub shown: Shown,
     /// Scattering media.
     pub media: Vec<SceneMedium>,
     /// The medium outside all closed dielectric objects and all placed ones that are filled; None = vacuum.
@@ -148,7 +157,8 @@ impl Scene {
     }
 
     /// Radiance of the picture to within a few powers of ten [W/(m² sr)]: that of light scattered once, if all of the lights' power
-    /// crossed a sphere as large as the distance from the camera to the scene, and that of what glows.
+    /// crossed a sphere as large as the distance from the camera to the scene, and that of what glows; where brighter lamps are seen 2⁻¹⁴ of the
+    /// brightest, so that sums over 2¹⁷ passes hold that, but no more than 2¹² times what it is without: dark fog would be rounded to nothing.
     pub fn typical_radiance(&self) -> f32 {
         let middle = 0.5 * (self.grid.min + self.grid.max);
         let size = 0.5 * (self.grid.max - self.grid.min).length();
@@ -158,7 +168,8 @@ impl Scene {
         let scattered = (scattering.fold(0.0, f32::max) * distance).clamp(1e-3, 1.0);
         let glow = self.media.iter().filter_map(|medium| medium.glow.as_ref());
         let glow: f32 = glow.map(|glow| glow.largest() * glow.radius()).sum();
-        scattered * intensity / (distance * distance) + glow
+        let without = scattered * intensity / (distance * distance) + glow;
+        without.max((LEAST_OF_LAMPS * self.shown.brightest()).min(MOST_RAISED * without))
     }
 }
 

@@ -20,7 +20,9 @@ use crate::light_file::{ShoneOn, read_light};
 use crate::material_file::read_material;
 use crate::medium_file::{check_exponential, read_media, read_medium_name};
 use crate::nesting::nest;
-use crate::scene::{GlowingFog, Light, MAX_PHOTONS, MediumDensity, Object, Scene, SceneMedium, Sees, Shape};
+use crate::scene::{
+    GlowingFog, Light, MAX_PHOTONS, MediumDensity, Object, Scene, SceneMedium, Sees, Shape, Shown,
+};
 use crate::scene_files::SceneFiles;
 use crate::shard::fingerprint;
 
@@ -84,7 +86,10 @@ impl Scene {
         let shone_on = ShoneOn { objects: &objects, media: &media, outside, files };
         let mut notes = Vec::new();
         let mut read = |table| read_light(table, &shone_on, &mut notes);
-        let mut lights: Vec<Light> = root.tables("light")?.iter().map(&mut read).collect::<Result<_, _>>()?;
+        let read: Vec<(Light, bool)> =
+            root.tables("light")?.iter().map(&mut read).collect::<Result<_, _>>()?;
+        let (mut lights, visible): (Vec<Light>, Vec<bool>) = read.into_iter().unzip();
+        let shown = Shown::new(&lights, |number| visible[number]);
         lights.extend(GlowingFog::all(&media).map(Light::Glow));
         if lights.is_empty() {
             return Err(root.lacks("light", "at least one [[light]], or a [[medium]] with `emission`"));
@@ -93,7 +98,8 @@ impl Scene {
         check_exponential(&root, &media, outside, given.corners, &objects, &camera, &lights)?;
         let (grid, settings) = (defaults::NO_GRID, given.settings);
         let (placed, sees) = (None, Sees::Everything);
-        let mut scene = Self { objects, placed, lights, media, outside, camera, grid, settings, sees, notes };
+        let mut scene =
+            Self { objects, placed, lights, shown, media, outside, camera, grid, settings, sees, notes };
         scene.complete(&given);
         Ok(scene)
     }

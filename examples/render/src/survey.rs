@@ -126,7 +126,8 @@ fn eye_pieces(scene: &Scene, fogs: &[Medium]) -> Vec<EyeSegment> {
     let starts = EyeStarts::new(scene);
     let surfaces = SurfaceMap::empty();
     let lamps = LampTree::new(scene);
-    let tracer = EyeTracer { scene, fogs, starts, lamps: &lamps, surfaces: &surfaces, beyond: true };
+    let tracer =
+        EyeTracer { scene, fogs, starts, lamps: &lamps, surfaces: &surfaces, beyond: true, shown: false };
     let mut pieces: Vec<EyeSegment> = Vec::new();
     for node in 0..LATTICE * LATTICE {
         let at = |index: u32, count: u32| (index as f32 + 0.5) / LATTICE as f32 * count as f32;

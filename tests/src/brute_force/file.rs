@@ -7,7 +7,7 @@ use glam::DVec3;
 use toml::{Table, Value};
 
 /// Whether the camera sees lamps that have a surface, where the scene file does not say so.
-const VISIBLE: bool = false;
+const VISIBLE: bool = true;
 
 /// Objects are bits of a set.
 const MOST_OBJECTS: usize = 64;

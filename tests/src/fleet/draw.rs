@@ -336,6 +336,8 @@ fn write_lamp(
         _ => {
             let radius = stream.decades(-1.7, -0.7);
             let normal = (target - position).normalize();
+            // Next to a lamp that is seen nothing else would count.
+            text.field("visible", "false");
             // Radiance does not change with the scale.
             match stream.uniform() {
                 ..0.4 => {

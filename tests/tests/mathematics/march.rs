@@ -375,7 +375,7 @@ fn room(lamp: &str) -> Scene {
          density = {{ exponential = {{ scale_height = 1.5 }} }}\n\
          [[object]]\nshape = \"sphere\"\ncenter = [0.1, 0.2, 0.4]\nradius = 0.6\nmaterial = \"black\"\n\
          [[object]]\nshape = \"box\"\nmin = [-4, -4, -4]\nmax = [4, 4, 4]\nmaterial = \"black\"\n\
-         [[light]]\n{lamp}\n\
+         [[light]]\n{lamp}\nvisible = false\n\
          [grid]\ncells = [8, 8, 8]\n"
     );
     Scene::parse(&text, "room", Path::new(".")).unwrap()

@@ -159,7 +159,15 @@ fn eye_segments(scene: &Scene) -> Vec<EyeSegment> {
     let (fogs, surfaces) = (media::all(scene), SurfaceMap::empty());
     let starts = EyeStarts::new(scene);
     let lamps = LampTree::new(scene);
-    let tracer = EyeTracer { scene, fogs: &fogs, starts, lamps: &lamps, surfaces: &surfaces, beyond: true };
+    let tracer = EyeTracer {
+        scene,
+        fogs: &fogs,
+        starts,
+        lamps: &lamps,
+        surfaces: &surfaces,
+        beyond: true,
+        shown: true,
+    };
     let mut segments = Vec::new();
     for (y, x) in (0..16).flat_map(|y| (0..16).map(move |x| (y, x))) {
         let mut random = Random::new([x, y, 0, 0]);

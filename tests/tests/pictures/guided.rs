@@ -175,7 +175,7 @@ fn fog_that_thins_out_is_that_of_light_tracing() {
 #[test]
 fn fog_with_the_camera_beside_a_disk_is_that_of_light_tracing() {
     let fog = "scattering = [0.15, 0.1, 0.05]\nabsorption = 0.03\nphase = { henyey_greenstein = 0.7 }";
-    let disk = "[[light]]\nkind = \"disk\"\ncenter = [1.6, 0.8, -1.5]\nnormal = [-0.6, -0.3, 1]\nradius = 0.3\nradiance = [10, 20, 30]\n";
+    let disk = "[[light]]\nkind = \"disk\"\ncenter = [1.6, 0.8, -1.5]\nnormal = [-0.6, -0.3, 1]\nradius = 0.3\nradiance = [10, 20, 30]\nvisible = false\n";
     let scene = room(fog, "0.4", disk);
     agrees_with_light_tracing("disk", &scene, 4000, [0.04, 0.05]);
 }
@@ -262,7 +262,7 @@ fn straight_light_is_that_of_quadrature() {
              phase = {{ henyey_greenstein = {asymmetry:?} }}\n{density}\
              [[object]]\nshape = \"box\"\nmin = [-{ROOM}, -{ROOM}, -{ROOM}]\nmax = [{ROOM}, {ROOM}, {ROOM}]\nmaterial = \"black\"\n\
              [[object]]\nshape = \"sphere\"\ncenter = [0.4, 0.0, 0.3]\nradius = 0.4\nmaterial = \"black\"\n{more}\
-             [[light]]\n{light}\n[grid]\ncells = [16, 16, 16]\n[render]\nradius = 0.05\nmax_radius = 0.05\n"
+             [[light]]\n{light}\nvisible = false\n[grid]\ncells = [16, 16, 16]\n[render]\nradius = 0.05\nmax_radius = 0.05\n"
         ));
         let world = |place: DVec3| World {
             density: Density::Exponential { scale_height: if density.is_empty() { 1e12 } else { 1.5 } },
@@ -326,7 +326,7 @@ fn fog_right_before_a_disk_has_no_specks() {
          [camera]\nposition = [0, 0, -3]\nlook_at = [0, 0, 0]\nvertical_fov = 0.5\nwidth = {SIZE}\nheight = {SIZE}\n\
          [[medium]]\nname = \"air\"\nscattering = {SCATTERING}\nabsorption = 0.0\n\
          [[object]]\nshape = \"box\"\nmin = [-4, -4, -4]\nmax = [4, 4, 4]\nmaterial = \"black\"\n\
-         [[light]]\nkind = \"disk\"\ncenter = [0, 0, 0]\nnormal = [0, 0, -1]\nradius = {radius}\nradiance = 1.0\n\
+         [[light]]\nkind = \"disk\"\ncenter = [0, 0, 0]\nnormal = [0, 0, -1]\nradius = {radius}\nradiance = 1.0\nvisible = false\n\
          [grid]\ncells = [16, 16, 16]\n[render]\nradius = 0.05\nmax_radius = 0.05\n"
     ));
     let exact = SCATTERING / 2.0 * (distance + radius - distance.hypot(radius));

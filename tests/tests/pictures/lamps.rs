@@ -31,7 +31,7 @@ fn scene(light: &str, radius: f64) -> Scene {
          [camera]\nposition = [0.0, 0.0, -{DISTANCE}]\nlook_at = [0.0, 0.0, 0.0]\nvertical_fov = {}\nwidth = {SIZE}\nheight = {SIZE}\n\
          [[medium]]\nname = \"air\"\nscattering = {SCATTERING}\nabsorption = {ABSORPTION}\n\
          [[object]]\nshape = \"box\"\nmin = [-{ROOM}, -{ROOM}, -{ROOM}]\nmax = [{ROOM}, {ROOM}, {ROOM}]\nmaterial = \"black\"\n\
-         [[light]]\n{light}\n\
+         [[light]]\n{light}\nvisible = false\n\
          [grid]\ncells = [24, 24, 24]\n[render]\nradius = {radius}\nmax_radius = {widest}\nerror = 0.01\n",
         2.0 * (1.0 / DISTANCE).atan().to_degrees()
     );

@@ -18,6 +18,7 @@ mod placed;
 mod planned;
 mod render;
 mod shapes;
+mod shown;
 mod skies;
 mod snapped;
 mod sun;

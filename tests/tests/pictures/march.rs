@@ -18,7 +18,7 @@ fn scene(light: &str) -> Scene {
         "[camera]\nposition = [0, 0, -6]\nlook_at = [0, 0, 0]\nprojection = \"orthographic\"\nvertical_size = 2\n\
          width = {SIZE}\nheight = {SIZE}\n[[medium]]\nname = \"fog\"\nscattering = 1e-3\nabsorption = 0.2\n\
          phase = \"isotropic\"\n[[object]]\nshape = \"box\"\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\n\
-         material = {{ dielectric = {{ index = 1 }} }}\ninside = \"fog\"\n[[light]]\n{light}\n\
+         material = {{ dielectric = {{ index = 1 }} }}\ninside = \"fog\"\n[[light]]\n{light}\nvisible = false\n\
          [grid]\ncells = [12, 12, 12]\n[render]\nradius = 0.03\nmax_radius = 0.06\n"
     );
     Scene::parse(&text, "march", Path::new("")).expect("a valid scene")

@@ -20,7 +20,7 @@ fn fog_that_absorbs_nothing_is_as_bright_as_an_even_sky_but_for_what_is_seen_thr
         "[camera]\nposition = [0, 0, -6]\nlook_at = [0, 0, 0]\nvertical_fov = 15\nwidth = {SIZE}\nheight = {SIZE}\n\
          [[medium]]\nname = \"fog\"\nscattering = {SCATTERING}\nabsorption = 0\n\
          [[object]]\nshape = \"box\"\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\nmaterial = {{ dielectric = {{ index = 1 }} }}\ninside = \"fog\"\n\
-         [[light]]\nkind = \"sky\"\nradiance = 2\n"
+         [[light]]\nkind = \"sky\"\nradiance = 2\nvisible = false\n"
     );
     let scene = Scene::parse(&text, "sky", Path::new("")).expect("a valid scene");
     // Rays are at most 10° aslant: each crosses front and back, 2 m along z.

@@ -235,15 +235,18 @@ impl Area {
         Some((from, to))
     }
 
-    /// As [`super::Light::seen_along`].
-    pub(super) fn seen_along(&self, origin: DVec3, direction: DVec3, reach: f64) -> Vec3 {
+    /// As [`super::Light::met`].
+    pub(super) fn met(&self, origin: DVec3, direction: DVec3) -> Option<(f64, Vec3)> {
         let edges = (self.edge_u.as_dvec3(), self.edge_v.as_dvec3());
-        let Some(distance) = intersect_rectangle(self.corner().as_dvec3(), edges, origin, direction) else {
-            return Vec3::ZERO;
-        };
+        let distance = intersect_rectangle(self.corner().as_dvec3(), edges, origin, direction)?;
         let [u, v] = self.halves(origin + distance * direction);
-        let is_met = (0.0..reach).contains(&distance) && (!self.round || u * u + v * v < 1.0);
-        if is_met { self.radiance * self.factor_towards(-direction) } else { Vec3::ZERO }
+        let is_met = !self.round || u * u + v * v < 1.0;
+        is_met.then(|| (distance, self.radiance * self.factor_towards(-direction)))
+    }
+
+    /// Its radiance along the normal.
+    pub(super) fn brightest(&self) -> Vec3 {
+        self.factor(0.0) * self.radiance
     }
 
     /// As the second of [`super::Light::middle`].

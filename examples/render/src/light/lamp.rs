@@ -280,13 +280,11 @@ impl Lamp {
         in_cone(origin - (self.position.as_dvec3() - behind * axis), direction, axis, cosine, ends)
     }
 
-    /// As [`super::Light::seen_along`].
-    pub(super) fn seen_along(&self, origin: DVec3, direction: DVec3, reach: f64) -> Vec3 {
-        if self.radius == 0.0 {
-            return Vec3::ZERO;
-        }
-        let found = self.along(origin - self.position.as_dvec3(), -direction);
-        found.filter(|(_, back)| *back < reach).map_or(Vec3::ZERO, |(radiance, _)| radiance)
+    /// As [`super::Light::met`].
+    pub(super) fn met(&self, origin: DVec3, direction: DVec3) -> Option<(f64, Vec3)> {
+        let is_there = self.radius > 0.0;
+        let found = is_there.then(|| self.along(origin - self.position.as_dvec3(), -direction)).flatten();
+        found.map(|(radiance, back)| (back, radiance))
     }
 
     /// As the second of [`super::Light::middle`]: right in the middle and far away, for a disk and the inside of a ball.

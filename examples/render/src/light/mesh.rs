@@ -6,6 +6,7 @@ use super::triangle::SeenTriangle;
 use super::{EmittedPhoton, cosine_direction};
 use crate::geometry::unite;
 use crate::random::PathSampler;
+use crate::shown::Meetings;
 use covbeam::LightField;
 use covbeam_geometry::MAX_COORDINATE;
 use covbeam_geometry::triangles::{Frame, Triangles, area_vector};
@@ -13,9 +14,9 @@ use glam::{DVec3, Vec3};
 use std::f32::consts::{FRAC_1_SQRT_2, PI};
 use std::sync::Arc;
 
-/// How far before a surface that a ray meets a triangle may lie on it, in shares of the way and of the largest coordinate: ten times what
-/// rounding makes of both.
-const ON_SURFACE: f64 = 1e-6;
+/// How far past a triangle that a ray has met it looks for others, in shares of the way and of the largest coordinate: ten times what rounding
+/// makes of both.
+const PAST: f64 = 1e-6;
 
 /// A mesh that shines on both sides of its triangles, evenly.
 #[derive(Clone, Debug, PartialEq)]
@@ -171,14 +172,33 @@ impl ShiningMesh {
         (self.radiance * solid_angle, middle)
     }
 
-    /// As [`super::Light::seen_along`]; a surface that the ray meets may be the mesh's own.
-    pub(super) fn seen_along(&self, origin: DVec3, direction: DVec3, reach: f64) -> Vec3 {
-        let slack = ON_SURFACE * (reach + origin.abs().max_element());
-        let reach = if reach.is_finite() { reach + slack } else { reach };
-        match self.parts.met.intersect(origin, direction, reach) {
-            Some(_) => self.radiance,
-            None => Vec3::ZERO,
+    /// As [`super::Light::met`]: each look starts past what the last one found, and sheets that are closer than that are one.
+    pub(super) fn met(&self, origin: DVec3, direction: DVec3, ends: [f64; 2], found: &mut Meetings) {
+        let step = PAST * origin.abs().max_element().max(self.reach(origin));
+        // From the same start whatever part of the ray is asked for: the same distances.
+        let (mut passed, mut last) = (0.0, None);
+        while let Some(hit) = self.parts.met.intersect(origin + passed * direction, direction, f64::INFINITY)
+        {
+            let distance = passed + hit.distance;
+            if distance > ends[1] {
+                break;
+            }
+            // A ray along a triangle may seem to meet it again.
+            let triangle = Some(self.parts.met.index(&hit));
+            let is_new = last != triangle && distance > ends[0];
+            found.extend(is_new.then_some((distance, self.radiance)));
+            (passed, last) = (distance + step, triangle);
         }
+    }
+
+    /// How far from a place it reaches.
+    fn reach(&self, place: DVec3) -> f64 {
+        let (min, max) = self.parts.bounds;
+        (place - min.as_dvec3()).abs().max((max.as_dvec3() - place).abs()).length()
+    }
+
+    pub(super) fn radiance(&self) -> Vec3 {
+        self.radiance
     }
 
     /// As [`super::Light::middle`].

@@ -33,10 +33,11 @@ pub use sun::Sun;
 
 use crate::geometry::{intersect_rectangle, intersect_sphere};
 use crate::random::{PathSampler, Random};
-use crate::scene::Light;
+use crate::scene::{Light, Shape};
+use crate::shown::Meetings;
 use covbeam::{EVEN_LAMP, LightField};
 use directions::{across, cone_direction, even_direction};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use patch::{FRAC_1_SQRT_PI, diffuse_field, equal_radius, front};
 pub(crate) use spot::cap_height;
 use spot::{angle_from, spot_angular_variance, spot_falloff};
@@ -312,35 +313,72 @@ impl Light {
         }
     }
 
-    /// Radiance of the light along a ray that meets nothing else before `reach`; 0 where it does not meet the light. Nothing meets a point, or a
-    /// sun without an angle.
-    pub(crate) fn seen_along(&self, origin: Vec3, direction: Vec3, reach: f32) -> Vec3 {
-        let (o, d, reach) = (origin.as_dvec3(), direction.as_dvec3(), f64::from(reach));
-        let (is_met, radiance) = match *self {
-            Light::Point { .. } | Light::Spot { .. } | Light::Glow(_) => return Vec3::ZERO,
+    /// Where a ray meets the light's shining side, at distances above the first of `ends` and up to the second, and the radiance that it sees
+    /// there; what is infinitely far away where that is infinite. Nothing meets a point, or a sun without an angle. Of a mesh all triangles
+    /// count, since none hides another from shadow rays.
+    pub(crate) fn met(&self, origin: Vec3, direction: Vec3, ends: [f64; 2], found: &mut Meetings) {
+        let (o, d) = (origin.as_dvec3(), direction.as_dvec3());
+        let met = match *self {
+            Light::Point { .. } | Light::Spot { .. } | Light::Glow(_) => None,
             Light::Disk { center, normal, radius, radiance } => {
                 let slope = d.dot(normal.as_dvec3());
                 let distance = (center.as_dvec3() - o).dot(normal.as_dvec3()) / slope;
                 let aside = (o + distance * d).distance(center.as_dvec3());
-                (slope < 0.0 && (0.0..reach).contains(&distance) && aside < f64::from(radius), radiance)
+                (slope < 0.0 && aside < f64::from(radius)).then_some((distance, radiance))
             }
             Light::Rectangle { corner, edge_u, edge_v, radiance } => {
                 let edges = (edge_u.as_dvec3(), edge_v.as_dvec3());
-                let distance = intersect_rectangle(corner.as_dvec3(), edges, o, d);
                 let is_front = d.dot(edges.0.cross(edges.1)) < 0.0;
-                (is_front && distance.is_some_and(|distance| (0.0..reach).contains(&distance)), radiance)
+                let distance = intersect_rectangle(corner.as_dvec3(), edges, o, d);
+                distance.filter(|_| is_front).map(|distance| (distance, radiance))
             }
             Light::Sphere { center, radius, radiance } => {
                 let met = intersect_sphere(center.as_dvec3(), f64::from(radius), o, d);
-                (met.is_some_and(|(near, _)| (0.0..reach).contains(&near)), radiance)
+                met.map(|(near, _)| (near, radiance))
             }
-            Light::Sun(sun) => (reach == f64::INFINITY, sun.seen_along(direction)),
-            Light::Lamp(ref lamp) => return lamp.seen_along(o, d, reach),
-            Light::Area(area) => return area.seen_along(o, d, reach),
-            Light::Mesh(ref mesh) => return mesh.seen_along(o, d, reach),
-            Light::Sky(ref sky) => (reach == f64::INFINITY, sky.seen_along(direction)),
+            Light::Sun(sun) => Some((f64::INFINITY, sun.seen_along(direction))),
+            Light::Lamp(ref lamp) => lamp.met(o, d),
+            Light::Area(area) => area.met(o, d),
+            Light::Mesh(ref mesh) => return mesh.met(o, d, ends, found),
+            Light::Sky(ref sky) => Some((f64::INFINITY, sky.seen_along(direction))),
         };
-        if is_met { radiance } else { Vec3::ZERO }
+        let is_there = |(distance, radiance): &(f64, Vec3)| {
+            *distance > ends[0] && *distance <= ends[1] && *radiance != Vec3::ZERO
+        };
+        found.extend(met.filter(is_there));
+    }
+
+    /// The largest radiance that a ray may see of it, if it can be seen: it has a surface, or is a sky or a sun with an angle.
+    pub(crate) fn brightest(&self) -> Option<Vec3> {
+        match *self {
+            Light::Disk { radiance, .. }
+            | Light::Rectangle { radiance, .. }
+            | Light::Sphere { radiance, .. } => Some(radiance),
+            Light::Area(area) => Some(area.brightest()),
+            Light::Mesh(ref mesh) => Some(mesh.radiance()),
+            Light::Sky(ref sky) => Some(sky.brightest()),
+            Light::Sun(sun) => (sun.angle > 0.0).then(|| sun.radiance()),
+            Light::Point { .. } | Light::Spot { .. } | Light::Lamp(_) | Light::Glow(_) => None,
+        }
+    }
+
+    /// Box around a light with a surface.
+    pub(crate) fn extent(&self) -> Option<(DVec3, DVec3)> {
+        let wide = |(min, max): (Vec3, Vec3)| (min.as_dvec3(), max.as_dvec3());
+        match *self {
+            Light::Disk { center, normal, radius, .. } => {
+                let normal = normal.as_dvec3();
+                let half = f64::from(radius) * (1.0 - normal * normal).max(DVec3::ZERO).sqrt();
+                Some((center.as_dvec3() - half, center.as_dvec3() + half))
+            }
+            Light::Rectangle { corner, edge_u, edge_v, .. } => {
+                Some(wide(Shape::Rectangle { corner, edge_u, edge_v }.bounds()))
+            }
+            Light::Sphere { center, radius, .. } => Some(wide(Shape::Sphere { center, radius }.bounds())),
+            Light::Area(area) => Some(wide(area.bounds())),
+            Light::Mesh(ref mesh) => Some(wide(mesh.bounds())),
+            _ => None,
+        }
     }
 
     /// Irradiance that arrives straight from this light at a surface point, without the medium's transmittance:

@@ -25,6 +25,8 @@ struct Picture {
     variances: Vec<f32>,
     /// Integral of the radiance over all directions \[W/m²\].
     all: Vec3,
+    /// The most of each channel [W/(m² sr)].
+    brightest: Vec3,
 }
 
 impl std::fmt::Debug for Picture {
@@ -61,10 +63,11 @@ impl Sky {
         let brightness: Vec<f64> = radiance.iter().map(|value| f64::from(value.max_element())).collect();
         // Azimuth π - 2π turn is a turn the other way around, from -X.
         let [x, y, z] = [turn.row(0), turn.row(1), turn.row(2)].map(|row| row.as_dvec3().normalize());
+        let brightest = radiance.iter().copied().fold(Vec3::ZERO, Vec3::max);
         let cells = Cells::new(radiance, columns, DMat3::from_cols(-x, y, z), PI, |_| 1.0)?;
         let variances = variances(&brightness, rows, columns, &cells);
         let all = cells.integral(|_| 1.0);
-        Some(Self { picture: Arc::new(Picture { cells, variances, all }), aim })
+        Some(Self { picture: Arc::new(Picture { cells, variances, all, brightest }), aim })
     }
 
     /// Box of all that it shines on.
@@ -112,6 +115,10 @@ impl Sky {
     /// Its radiance in a direction of view.
     pub(super) fn seen_along(&self, direction: Vec3) -> Vec3 {
         self.picture.cells.value(direction)
+    }
+
+    pub(super) fn brightest(&self) -> Vec3 {
+        self.picture.brightest
     }
 
     /// Whether a photon without a history may have started there.

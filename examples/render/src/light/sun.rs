@@ -121,7 +121,12 @@ impl Sun {
         // In the cross product small angles have digits that the cosine loses.
         let is_seen =
             direction.dot(self.direction) < 0.0 && direction.cross(self.direction).length_squared() < sine2;
-        if is_seen { self.irradiance / (PI * sine2) } else { Vec3::ZERO }
+        if is_seen { self.radiance() } else { Vec3::ZERO }
+    }
+
+    /// Of a sun with an angle [W/(m² sr)].
+    pub(super) fn radiance(&self) -> Vec3 {
+        self.irradiance / (PI * self.angle.sin().powi(2))
     }
 
     /// Whether a photon without a history may have left it in this direction.

@@ -19,6 +19,7 @@ use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
+use std::f32::consts::PI;
 use std::sync::Arc;
 
 /// A shadow's border crosses a pixel around which straight light varies by more than this.
@@ -48,9 +49,10 @@ pub struct FirstSurfaces {
     fog: Vec<Vec<Option<NodeFog>>>,
     /// Whether there is any before the first surface, in any pixel.
     has_fog: bool,
-    /// Of each pixel: whether it and those around it are black, or there is none, no fog before it sends out light, and no silhouette crosses it.
+    /// Of each pixel: whether it and those around it are black, or there is none, no fog before it sends out light, no lamp is seen there, and
+    /// no silhouette crosses it.
     black: Vec<bool>,
-    /// Of each pixel: whether a silhouette or the border of a shadow on it crosses it.
+    /// Of each pixel: whether a silhouette, the border of a shadow on it or that of a lamp crosses it.
     edge: Vec<bool>,
     /// Of each pixel: whether a lens blurs a silhouette into it. Empty: there is no lens, or no such pixel.
     blurred: Vec<bool>,
@@ -154,7 +156,7 @@ impl FirstSurfaces {
         is_chosen(density, [x, y], pass, seed, SURFACE_PURPOSE)
     }
 
-    /// Whether a silhouette or the border of a shadow on a surface crosses pixel (x, y).
+    /// Whether a silhouette, the border of a shadow on a surface or that of a lamp crosses pixel (x, y).
     pub fn has_edge(&self, x: u32, y: u32) -> bool {
         self.edge[self.index(x, y)]
     }
@@ -236,7 +238,7 @@ struct Look {
     /// Of the fog's start; infinite where there is none.
     start: f32,
     is_black: bool,
-    /// Straight light on the surface, up to a factor.
+    /// Straight light on the surface, up to a factor, and that of lamps before it.
     lit: f32,
 }
 
@@ -245,10 +247,14 @@ impl Look {
         let camera = &scene.camera;
         let Sight { fog, glows, end, surface } = Sight::new(scene, start);
         let depth = |distance: f32| camera.near + distance * camera.depth_along(start.direction);
-        let is_black = !glows && surface.as_ref().is_none_or(|(hit, _)| !scene.shows(scene.material(hit)));
+        let shown = scene.shown.undimmed(scene, start, end, surface.as_ref().map(|(hit, _)| hit));
+        let is_black = !glows
+            && shown == Vec3::ZERO
+            && surface.as_ref().is_none_or(|(hit, _)| !scene.shows(scene.material(hit)));
         let surface = surface.filter(|_| scene.shows_surfaces());
-        let lit =
+        let of_surface =
             surface.map_or(0.0, |(hit, interior)| lit(scene, fogs, lamps, interior, start.direction, &hit));
+        let lit = of_surface + PI * shown.element_sum();
         let begins = fog.map_or(f32::INFINITY, |fog| depth(fog.from));
         Self { fog, depth: depth(end), start: begins, is_black, lit }
     }

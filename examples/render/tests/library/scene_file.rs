@@ -783,6 +783,22 @@ fn lamps_areas_meshes_and_skies_that_are_wrong_are_refused() {
         ("", mesh, "file = \"tetrahedron.obj\"\nradiance = 0", "radiance", "not dark"),
         ("", mesh, "file = \"tetrahedron.obj\"\nradiance = 1\nsmooth = true", "smooth", "rotate"),
         ("", sky, "turn = 400", "turn", "360"),
+        ("", sky, "visible = 1", "visible", "true or false"),
+        ("", lamp, "radius = 0.1\nvisible = true", "visible", "use kind = \"sphere\""),
+        (
+            "",
+            "kind = \"point\"\n",
+            "position = [0, 2, 0]\nintensity = 1\nvisible = true",
+            "visible",
+            "\"disk\"",
+        ),
+        (
+            "",
+            "kind = \"sun\"\n",
+            "direction = [0, -1, 0]\nirradiance = 1\nvisible = true",
+            "visible",
+            "`angle`",
+        ),
         ("", sky, "picture = 3", "picture", "EXR"),
         ("", sky, "picture = \"none.exr\"", "picture", "regular file"),
         ("", sky, "picture = \"flat.exr\"", "picture", "EXR"),
@@ -806,6 +822,44 @@ fn lamps_areas_meshes_and_skies_that_are_wrong_are_refused() {
                  [[light]]\nkind=\"sky\"\nradiance=1\n";
     let error = Scene::parse(empty, "empty.toml", Path::new("")).expect_err("nothing to shine on");
     assert!(error.to_string().contains("an object, or a medium with an end"), "{error}");
+}
+
+/// What has a surface is seen, and a sky; a sun where a file says so; and nothing that a file says is not.
+#[test]
+fn lamps_are_seen_by_default_where_they_have_a_surface() {
+    let folder = meshes();
+    let sun = "kind = \"sun\"\ndirection = [0, -1, 0]\nangle = 1\nirradiance = 1";
+    for (light, expected) in [
+        ("kind = \"disk\"\ncenter = [0, 2, 0]\nnormal = [0, -1, 0]\nradius = 1\nradiance = 2", true),
+        (
+            "kind = \"rectangle\"\ncorner = [0, 2, 0]\nedge_u = [1, 0, 0]\nedge_v = [0, 0, 1]\nradiance = 2",
+            true,
+        ),
+        ("kind = \"sphere\"\ncenter = [0, 2, 0]\nradius = 1\nradiance = 2", true),
+        ("kind = \"area\"\ncenter = [0, 2, 0]\nedge_u = [1, 0, 0]\nedge_v = [0, 0, 1]\nradiance = 2", true),
+        ("kind = \"mesh\"\nfile = \"tetrahedron.obj\"\nradiance = 2", true),
+        ("kind = \"sky\"\nradiance = 2", true),
+        (sun, false),
+        (&format!("{sun}\nvisible = true"), true),
+        ("kind = \"point\"\nposition = [0, 2, 0]\nintensity = 1", false),
+        ("kind = \"point\"\nposition = [0, 2, 0]\nintensity = 1\nvisible = false", false),
+        ("kind = \"lamp\"\nposition = [0, 2, 0]\nintensity = 1\nradius = 0.1", false),
+        ("kind = \"sky\"\nradiance = 2\nvisible = false", false),
+    ] {
+        let scene = lit("", light, folder.path()).expect("valid");
+        assert_eq!(!scene.shown.is_empty(), expected, "{light}");
+    }
+    // A film of the picture holds what is seen, over 131,072 passes, and the light of dark fog.
+    let bright = |radius: f32, more: &str| {
+        let disk = format!(
+            "kind = \"disk\"\ncenter = [0, 2, 0]\nnormal = [0, -1, 0]\nradius = {radius}\nradiance = 1e9"
+        );
+        lit("", &format!("{disk}\n{more}"), folder.path()).expect("valid").typical_radiance()
+    };
+    let without = bright(2e-3, "visible = false");
+    assert!(without < 0.1 * bright(2e-3, ""));
+    assert_eq!(bright(2e-3, ""), 1e9 / 16384.0);
+    assert_eq!(bright(1e-6, ""), 4096.0 * bright(1e-6, "visible = false"));
 }
 
 /// A picture of a sky with one bad number is refused by its place, and mended where the scene says so.

@@ -21,7 +21,15 @@ fn seen(scene: &Scene, direction: Vec3, asked: [bool; 2], seed: u32) -> (Vec<Eye
     let start =
         EyeStart { origin: scene.camera.position, direction, interior: starts.interior(), sees: true };
     let lamps = LampTree::new(scene);
-    let tracer = EyeTracer { scene, fogs: &fogs, starts, lamps: &lamps, surfaces: &surfaces, beyond: true };
+    let tracer = EyeTracer {
+        scene,
+        fogs: &fogs,
+        starts,
+        lamps: &lamps,
+        surfaces: &surfaces,
+        beyond: true,
+        shown: true,
+    };
     let mut segments = Vec::new();
     let mut random = Random::new([seed, 0, 0, 0]);
     let light = tracer.trace_wanted(&start, 0, asked, &mut random, &mut segments);

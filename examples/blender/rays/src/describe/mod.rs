@@ -18,7 +18,7 @@ pub use volumes::{Volume, VolumeFields};
 use crate::failure::{Result, invalid};
 use covbeam_geometry::instances::Instances;
 use covbeam_render::defaults::{Given, NO_GRID};
-use covbeam_render::scene::{GlowingFog, Light as RenderLight, Placed, PlacedObject, Scene, Sees};
+use covbeam_render::scene::{GlowingFog, Light as RenderLight, Placed, PlacedObject, Scene, Sees, Shown};
 use std::sync::Arc;
 use volumes::Media;
 
@@ -65,6 +65,7 @@ impl Description<'_> {
             objects: Vec::new(),
             placed,
             lights,
+            shown: Shown::default(),
             media: media.all,
             outside: media.outside,
             camera,

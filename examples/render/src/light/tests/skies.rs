@@ -126,8 +126,8 @@ fn a_skys_picture_is_seen_upright() {
         ([1.0, -0.1, -0.1], 7.0),
     ] {
         let direction = Vec3::from_array(direction).normalize();
-        assert_eq!(light.seen_along(Vec3::ZERO, direction, f32::INFINITY).x, expected, "{direction}");
-        assert_eq!(light.seen_along(Vec3::ZERO, direction, 10.0), Vec3::ZERO);
+        assert_eq!(seen_along(&light, Vec3::ZERO, direction, f32::INFINITY).x, expected, "{direction}");
+        assert_eq!(seen_along(&light, Vec3::ZERO, direction, 10.0), Vec3::ZERO);
     }
     for (values, columns) in
         [(vec![], 4), (vec![Vec3::ONE; 3], 2), (vec![Vec3::ZERO; 4], 2), (vec![-Vec3::ONE], 1)]

@@ -1,0 +1,266 @@
+//! Lamps and skies that are seen: straight, in mirrors and through glass, against closed forms, and counted once.
+
+use covbeam_render::film::Film;
+use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::scene::Scene;
+use covbeam_tests::statistics::Sample;
+use glam::{DVec3, Vec3};
+use std::f64::consts::PI;
+use std::path::Path;
+
+const SIZE: u32 = 8;
+const RADIANCE: DVec3 = DVec3::new(3.0, 2.0, 1.0);
+/// Light that the fog scatters is 1e-6 of a lamp's.
+const FOG: &str =
+    "outside_medium = \"fog\"\n[[medium]]\nname = \"fog\"\nscattering = 1e-7\nabsorption = [0.1, 0.2, 0.4]\n";
+const EXTINCTION: DVec3 = DVec3::new(0.1, 0.2, 0.4);
+const METHODS: [Method; 4] = [Method::Ppb, Method::Adaptive, Method::March, Method::LightTrace];
+
+fn parse(text: &str) -> Scene {
+    Scene::parse(text, "seen lamps", Path::new("")).expect("a valid scene")
+}
+
+/// A camera at the origin with a field of view of `angle` degrees.
+fn camera(look_at: Vec3, angle: f32) -> String {
+    let up = if look_at.x == 0.0 && look_at.z == 0.0 { "up = [0, 0, 1]\n" } else { "" };
+    format!(
+        "[camera]\nposition = [0, 0, 0]\nlook_at = {:?}\nvertical_fov = {angle}\nwidth = {SIZE}\nheight = {SIZE}\n{up}",
+        look_at.to_array()
+    )
+}
+
+/// The default method is told what a render tells it.
+fn pictured(scene: &Scene, method: Method, [paths, passes]: [u32; 2], seed: u32) -> Vec<Vec3> {
+    let mut renderer = Renderer::new(scene, method, paths, seed);
+    if method == Method::Adaptive {
+        renderer.plan_eye_rays();
+        renderer.light_by_kind();
+    }
+    // Of one unit, whatever the lamps are.
+    let mut film = Film::new(SIZE, SIZE);
+    for pass in 1..=passes {
+        film.add(&renderer.pass(pass, &|| false).expect("not cancelled").0).expect("finite");
+    }
+    film.picture().radiance
+}
+
+/// Whether each pixel of each method is as expected, to a share.
+fn check(name: &str, text: &str, methods: &[Method], expected: DVec3, tolerance: f64) {
+    let scene = parse(text);
+    for &method in methods {
+        for found in pictured(&scene, method, [200, 1], 1) {
+            let off = (found.as_dvec3() - expected).abs().max_element();
+            assert!(off <= tolerance * RADIANCE.x, "{name}, {method:?}: {found} for {expected}");
+        }
+    }
+}
+
+fn dimmed(distance: f64) -> DVec3 {
+    RADIANCE * (-EXTINCTION * distance).exp()
+}
+
+const ROOM: &str = "[[object]]\nshape = \"box\"\nmin = [-9, -9, -9]\nmax = [9, 9, 9]\nmaterial = \"black\"\n";
+
+/// A triangle across the view at z = 3, and its file.
+fn triangle(folder: &Path) -> String {
+    let file = folder.join("lamp.obj");
+    std::fs::write(&file, "v -3 -3 3\nv 3 -3 3\nv 0 5 3\nf 1 2 3\n").expect("written");
+    format!("kind = \"mesh\"\nfile = {file:?}\n")
+}
+
+/// Each kind of lamp at 3 m, which fills the view: its radiance times what fog leaves. Rays are .7° aslant at most: 7e-5 of the way. From
+/// behind those that shine on one side are not there; and where a file says so none is.
+#[test]
+fn lamps_of_each_kind_are_dimmed_by_the_fog_before_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let spread = 30f64.to_radians();
+    let narrow = spread.tan() / (spread.tan() - spread);
+    let disk = |towards: i32| {
+        format!("kind = \"disk\"\ncenter = [0, 0, 3]\nnormal = [0, 0, {towards}]\nradius = 2\n")
+    };
+    let rectangle = |edges: [&str; 2]| {
+        format!("kind = \"rectangle\"\ncorner = [-1, -1, 3]\nedge_u = {}\nedge_v = {}\n", edges[0], edges[1])
+    };
+    let area = |edges: [&str; 2], more: &str| {
+        format!("kind = \"area\"\ncenter = [0, 0, 3]\nedge_u = {}\nedge_v = {}\n{more}\n", edges[0], edges[1])
+    };
+    let (x, y) = ("[2, 0, 0]", "[0, 2, 0]");
+    let sphere = "kind = \"sphere\"\ncenter = [0, 0, 5]\nradius = 2\n".to_owned();
+    for (lamp, factor) in [
+        (disk(-1), 1.0),
+        (rectangle([y, x]), 1.0),
+        (area([y, x], ""), 1.0),
+        (area([y, x], "round = true"), 1.0),
+        (sphere.clone(), 1.0),
+        (triangle(folder.path()), 1.0),
+        (disk(1), 0.0),
+        (rectangle([x, y]), 0.0),
+        (area([x, y], "spread = 30"), 0.0),
+        (format!("{sphere}visible = false\n"), 0.0),
+        // From inside.
+        ("kind = \"sphere\"\ncenter = [0, 0, 1]\nradius = 2\n".to_owned(), 0.0),
+    ] {
+        let text = format!(
+            "{FOG}{}{ROOM}[[light]]\n{lamp}radiance = [3, 2, 1]\n[grid]\ncells = [4, 4, 4]\n",
+            camera(Vec3::Z, 1.0)
+        );
+        check(&lamp, &text, &METHODS, factor * dimmed(3.0), 1e-3);
+    }
+    // 1e-3°, at most 4e-5 of the tangent of the spread.
+    let text = format!(
+        "{FOG}{}{ROOM}[[light]]\n{}radiance = [3, 2, 1]\n[grid]\ncells = [4, 4, 4]\n",
+        camera(Vec3::Z, 1e-3),
+        area([y, x], "spread = 30")
+    );
+    check("spread", &text, &METHODS, narrow * dimmed(3.0), 1e-3);
+}
+
+/// A sky and a wide sun, through 2 m of fog with an end; and where nothing is in the way.
+#[test]
+fn what_is_infinitely_far_away_is_dimmed_by_all_fog() {
+    let box_of_fog = "[[medium]]\nname = \"fog\"\nscattering = 1e-7\nabsorption = [0.1, 0.2, 0.4]\n\
+         [[object]]\nshape = \"box\"\nmin = [-2, -2, 1]\nmax = [2, 2, 3]\nmaterial = { dielectric = { index = 1 } }\ninside = \"fog\"\n";
+    let sun = format!(
+        "kind = \"sun\"\ndirection = [0, 0, -1]\nangle = 60\nvisible = true\nirradiance = {:?}\n",
+        (0.25 * PI * RADIANCE).to_array()
+    );
+    for lamp in ["kind = \"sky\"\nradiance = [3, 2, 1]\n", &sun] {
+        for (towards, distance) in [(Vec3::Z, 2.0), (Vec3::new(0.28, 0.0, 0.05), 0.0)] {
+            // The sun is not everywhere.
+            let expected = if towards.x > 0.0 && lamp == sun { DVec3::ZERO } else { dimmed(distance) };
+            let text =
+                format!("{box_of_fog}{}[[light]]\n{lamp}[grid]\ncells = [4, 4, 4]\n", camera(towards, 1.0));
+            check(lamp, &text, &METHODS, expected, 1e-3);
+        }
+    }
+}
+
+/// In a mirror at 45°, and through a plate without absorption, whose two sides let (1 - R)/(1 + R) of the light through.
+#[test]
+fn lamps_are_seen_in_mirrors_and_through_glass() {
+    let lamp = "[[light]]\nkind = \"disk\"\ncenter = [3, 0, 2]\nnormal = [-1, 0, 0]\nradius = 1\nradiance = [3, 2, 1]\n[grid]\ncells = [4, 4, 4]\n";
+    let mirror = "[[object]]\nshape = \"rectangle\"\ncorner = [-1, -1, 1]\nedge_u = [2, 0, 2]\nedge_v = [0, 2, 0]\n\
+         material = { mirror = { reflectance = 0.8 } }\n";
+    let metal =
+        mirror.replace("{ mirror = { reflectance = 0.8 } }", "{ metal = { reflectance = 0.8, edge = 0.8 } }");
+    let eyes = &METHODS[..3];
+    let text = format!("{FOG}{}{ROOM}{mirror}{lamp}", camera(Vec3::Z, 1.0));
+    check("mirror", &text, eyes, 0.8 * dimmed(5.0), 1e-3);
+    check("metal", &text.replace(mirror, &metal), eyes, 0.8 * dimmed(5.0), 1e-3);
+    let glass = "[[object]]\nshape = \"box\"\nmin = [-4, -4, 1]\nmax = [4, 4, 2]\nmaterial = { dielectric = { index = 1.5 } }\n";
+    let behind = lamp.replace("[3, 0, 2]\nnormal = [-1, 0, 0]", "[0, 0, 4]\nnormal = [0, 0, -1]");
+    let text = format!("{FOG}{}{ROOM}{glass}{behind}", camera(Vec3::Z, 1.0));
+    let through = 0.96 / 1.04;
+    // What is reflected inside, 1.6e-3 of the light, comes by chance in pieces of up to .02: 6e-3 a path, and of 1,024 paths 2e-4.
+    let scene = parse(&text);
+    for &method in eyes {
+        let picture = pictured(&scene, method, [200, 16], 1);
+        let mean = picture.iter().map(|color| color.as_dvec3()).sum::<DVec3>() / picture.len() as f64;
+        let off = (mean / (through * dimmed(3.0)) - 1.0).abs().max_element();
+        assert!(off < 1e-3, "glass, {method:?}: {mean}");
+    }
+    // A pane that lets half of it through, with the lamp before, in and behind it.
+    let pane = "[[object]]\nshape = \"rectangle\"\ncorner = [-4, -4, 3]\nedge_u = [0, 8, 0]\nedge_v = [8, 0, 0]\nmaterial = { lobes = { transparent = 0.5 } }\n";
+    for (place, share) in [("2.9", 1.0), ("3", 1.0), ("3.1", 0.5)] {
+        let lamp = behind.replace("[0, 0, 4]", &format!("[0, 0, {place}]"));
+        let text = format!("{FOG}{}{ROOM}{pane}{lamp}", camera(Vec3::Z, 1.0));
+        let distance: f64 = place.parse().expect("a number");
+        check(place, &text, &METHODS, share * dimmed(distance), 1e-3);
+    }
+}
+
+/// People hang lamps into ceilings, walls and faces of fog: all in one plane, in any order. Numbers that are not whole, and rays up to 45° aslant.
+#[test]
+fn a_lamp_in_the_plane_of_a_ceiling_is_seen_from_below_and_from_nowhere_else() {
+    let ceiling = |corner: &str| {
+        format!(
+            "[[object]]\nshape = \"rectangle\"\ncorner = {corner}\nedge_u = [0, 0, 40]\nedge_v = [40, 0, 0]\nmaterial = \"black\"\n"
+        )
+    };
+    let fog = |min: &str, max: &str| {
+        format!(
+            "[[object]]\nshape = \"box\"\nmin = {min}\nmax = {max}\nmaterial = {{ dielectric = {{ index = 1 }} }}\ninside = \"fog\"\n"
+        )
+    };
+    let medium = "[[medium]]\nname = \"fog\"\nscattering = 1e-7\nabsorption = 0\n";
+    let [above, below] = [("2.7", "4.1"), ("0.3", "2.7")]
+        .map(|(low, high)| fog(&format!("[-20, {low}, -20]"), &format!("[20, {high}, 20]")));
+    let ceiling = ceiling("[-20, 2.7, -20]");
+    let lamp = "[[light]]\nkind = \"rectangle\"\ncorner = [-15, 2.7, -15]\nedge_u = [30, 0, 0]\nedge_v = [0, 0, 30]\nradiance = [3, 2, 1]\n";
+    // The whole room is fog's box, too.
+    let room =
+        "[[object]]\nshape = \"box\"\nmin = [-20, -1.3, -20]\nmax = [20, 2.7, 20]\nmaterial = \"black\"\n";
+    for parts in [
+        vec![&ceiling],
+        vec![&ceiling, &below],
+        vec![&below, &ceiling],
+        vec![&above, &ceiling, &below],
+        vec![&below, &above],
+        vec![&above, &below],
+    ] {
+        let objects: String = parts.into_iter().map(String::as_str).collect();
+        for (y, expected) in [(0.0, RADIANCE), (2.0, RADIANCE), (3.9, DVec3::ZERO), (5.3, DVec3::ZERO)] {
+            let towards = Vec3::new(0.1, if y < 2.7 { y + 1.0 } else { y - 1.0 }, 0.2);
+            let eye =
+                camera(towards, 60.0).replace("position = [0, 0, 0]", &format!("position = [0, {y}, 0]"));
+            let text = format!("{medium}{eye}{objects}{lamp}[grid]\ncells = [4, 4, 4]\n");
+            check(&format!("{y}, {objects}"), &text, &METHODS, expected, 1e-3);
+        }
+    }
+    let eye = camera(Vec3::new(0.1, 1.0, 0.2), 60.0);
+    for objects in [format!("{room}{below}"), format!("{below}{room}")] {
+        let text = format!("{medium}{eye}{objects}{lamp}[grid]\ncells = [4, 4, 4]\n");
+        check(&objects, &text, &METHODS, RADIANCE, 1e-3);
+    }
+}
+
+/// Under an even sky everything that absorbs nothing is as bright as the sky, if each way of the light is counted once: fog, a diffuse ball, a mirror
+/// ball, a glass ball with and without fog.
+#[test]
+fn everything_that_absorbs_nothing_is_as_bright_as_the_even_sky() {
+    let ball = |x: f32, material: &str| {
+        format!("[[object]]\nshape = \"sphere\"\ncenter = [{x}, 0, 6]\nradius = 0.8\nmaterial = {material}\n")
+    };
+    let text = [
+        &camera(Vec3::Z, 45.0),
+        "[[medium]]\nname = \"fog\"\nscattering = 0.3\nabsorption = 0\n",
+        "[[object]]\nshape = \"box\"\nmin = [-3, -2.5, 4]\nmax = [3, 0.1, 8]\nmaterial = { dielectric = { index = 1 } }\ninside = \"fog\"\n",
+        &ball(-2.0, "{ lambert = { albedo = 1 } }"),
+        &ball(0.0, "{ mirror = { reflectance = 1 } }"),
+        &ball(2.0, "{ dielectric = { index = 1.5 } }"),
+        "[[light]]\nkind = \"sky\"\nradiance = 2\n[grid]\ncells = [8, 8, 8]\n[render]\nradius = 0.1\n",
+    ]
+    .concat();
+    let scene = parse(&text);
+    for method in [Method::Ppb, Method::Adaptive] {
+        let means: Vec<f64> = (0..8)
+            .map(|seed| {
+                let radiance = pictured(&scene, method, [1000, 8], seed);
+                radiance.iter().map(|color| f64::from(color.x)).sum::<f64>() / radiance.len() as f64
+            })
+            .collect();
+        let found = Sample::of(&means);
+        println!("{method:?}: {found:?}");
+        // Kernels lose some light beside faces and ball: 1 % of what comes from fog, half of it.
+        assert!((found.mean - 2.0).abs() < 0.01 + 4.0 * found.error, "{method:?}: {found:?}");
+        assert!(found.error < 0.02, "too noisy to tell: {found:?}");
+    }
+}
+
+/// Where a lamp is not in sight, rough metal and diffuse walls that it lights are the same bits whether it would be seen or not.
+#[test]
+fn surfaces_that_a_lamp_lights_do_not_see_it_again() {
+    let text = format!(
+        "{FOG}{}{ROOM}[[object]]\nshape = \"rectangle\"\ncorner = [-4, -1, 0]\nedge_u = [0, 0, 8]\nedge_v = [8, 0, 0]\n\
+         material = {{ lobes = {{ metal = 0.9, roughness = 0.4, diffuse = 0.1 }} }}\n\
+         [[object]]\nshape = \"sphere\"\ncenter = [0.5, -0.5, 4]\nradius = 0.5\nmaterial = {{ lambert = {{ albedo = 0.5 }} }}\n\
+         [[light]]\nkind = \"disk\"\ncenter = [0, 5, 5]\nnormal = [0, -1, 0]\nradius = 2\nradiance = 9\n[grid]\ncells = [4, 4, 4]\n",
+        camera(Vec3::new(0.0, -1.0, 4.0), 15.0)
+    );
+    let hidden = text.replace("radiance = 9\n", "radiance = 9\nvisible = false\n");
+    for method in METHODS {
+        let [seen, unseen] = [&text, &hidden].map(|text| pictured(&parse(text), method, [200, 2], 1));
+        assert!(seen.iter().any(|color| color.x > 1e-3), "{method:?}");
+        assert_eq!(seen, unseen, "{method:?}");
+    }
+}
