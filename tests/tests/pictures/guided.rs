@@ -177,7 +177,7 @@ fn fog_with_the_camera_beside_a_disk_is_that_of_light_tracing() {
     let fog = "scattering = [0.15, 0.1, 0.05]\nabsorption = 0.03\nphase = { henyey_greenstein = 0.7 }";
     let disk = "[[light]]\nkind = \"disk\"\ncenter = [1.6, 0.8, -1.5]\nnormal = [-0.6, -0.3, 1]\nradius = 0.3\nradiance = [10, 20, 30]\nvisible = false\n";
     let scene = room(fog, "0.4", disk);
-    agrees_with_light_tracing("disk", &scene, 4000, [0.04, 0.05]);
+    agrees_with_light_tracing("disk", &scene, 8000, [0.04, 0.05]);
 }
 
 #[test]

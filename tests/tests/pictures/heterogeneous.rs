@@ -187,7 +187,8 @@ fn beams_and_light_tracing_agree_on_all_orders_of_scattering() {
         // Negative control: a sixth more scattering is told apart; the quadrature above sees far less.
         let brighter = THICK.replace("[0.15, 0.2, 0.1]", "[0.175, 0.233, 0.117]");
         assert_ne!(brighter, THICK);
-        let control = pictures(&scene(air, &brighter, 24), Method::LightTrace, (100_000, 1), 200, 8);
+        // Of many runs: one in a hundred has a path that passes the camera closely.
+        let control = pictures(&scene(air, &brighter, 24), Method::LightTrace, (100_000, 1), 200, 32);
         for (method, first) in [(Method::Ppb, 300), (Method::Adaptive, 400)] {
             let beams = pictures(&room, method, (2_000, 16), first, 10);
             for region in REGIONS {
