@@ -414,8 +414,7 @@ fn march(c: &mut Criterion) {
     group.finish();
 }
 
-/// Lamps that a place on a surface asks: all of 4; of more, 32 that a tree of four to a node is descended for, three to six levels of 32 looks at
-/// four groups, each about 100 operations of four lanes, of them five roots and four divisions: 30 ns a look, 3 to 5 µs.
+/// Lamps that a place on a surface asks: all of 4; of more, 32 that a tree of four to a node is descended for.
 fn lamps(c: &mut Criterion) {
     let mut group = c.benchmark_group("lamps of a place");
     for count in [4, 300, 4000] {
