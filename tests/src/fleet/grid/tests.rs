@@ -8,7 +8,7 @@ use std::path::Path;
 fn snapped_scenes_have_every_feature() {
     let scenes: Vec<Scene> = (1..=100).map(|number| parse(&scene([1, number, 0], 16, false))).collect();
     let has = |what: &str, test: &dyn Fn(&Scene) -> bool| {
-        assert!(scenes.iter().any(|scene| test(scene)), "no scene with {what}");
+        assert!(scenes.iter().any(&test), "no scene with {what}");
     };
     has("300 lamps, or nearly", &|scene| scene.lights.len() > 100);
     has("one lamp", &|scene| scene.lights.len() == 1);
