@@ -15,7 +15,11 @@ const LAYOUT: GridLayout =
     GridLayout { min: Vec3::new(-1.0, -2.0, 0.5), max: Vec3::new(3.0, 1.0, 2.5), cells: [40, 30, 20] };
 const LONGEST: f64 = 0.174;
 
-/// A medium whose channels differ: mean scattering .6 and extinction .8.
+/// Of the channels of [`coloured`].
+const SCATTERING: DVec3 = DVec3::new(0.3, 0.6, 0.9);
+const EXTINCTION: DVec3 = DVec3::new(0.7, 0.8, 0.9);
+
+/// A medium whose channels differ.
 fn coloured() -> Medium<'static> {
     Medium {
         scattering: Vec3::new(0.3, 0.6, 0.9),
@@ -66,7 +70,6 @@ fn segments(outside: bool) -> Vec<(Vec3, Vec3, f32)> {
 #[test]
 fn deposits_are_the_integral_of_the_transmittance() {
     let medium = coloured();
-    let (scattering, extinction) = (0.6, 0.8);
     for (origin, direction, length) in segments(true) {
         let weight = 3.0;
         let mut cells = vec![NOTHING; LAYOUT.cell_count()];
@@ -76,22 +79,21 @@ fn deposits_are_the_integral_of_the_transmittance() {
         let [mut found, mut exact] = [0.0; 2];
         for (index, cell) in cells.iter().enumerate() {
             let range = stretch(&LAYOUT, index, origin.as_dvec3(), direction.as_dvec3(), f64::from(length));
-            let seen = range.map_or(0.0, |[from, to]| {
-                f64::from(weight) * ((-extinction * from).exp() - (-extinction * to).exp()) / extinction
+            let of_channels = range.map_or(DVec3::ZERO, |[from, to]| {
+                f64::from(weight) * ((-EXTINCTION * from).exp() - (-EXTINCTION * to).exp()) / EXTINCTION
             });
-            // The transmittance in a stretch's middle stands for its mean: (σh)²/24 = 8e-4 of it at most; and f32 for the stretch, 1e-6 m.
-            let error = (extinction * LONGEST).powi(2) / 24.0 * seen + 1e-5;
-            assert!(
-                (cell.seen - scattering * seen).abs() < error,
-                "{origin} {direction} {length}: {cell:?}, {seen}"
-            );
+            let (scattered, seen) =
+                ((SCATTERING * of_channels).element_sum() / 3.0, of_channels.element_sum() / 3.0);
+            // The transmittance in a stretch's middle stands for its mean: (σh)²/24 = 1e-3 of it at most; and f32 for the stretch, 1e-6 m.
+            let error = (EXTINCTION.max_element() * LONGEST).powi(2) / 24.0 * seen + 1e-5;
+            assert!((cell.seen - scattered).abs() < error, "{origin} {direction} {length}: {cell:?}, {seen}");
             assert!(
                 (cell.scattered - 2.0 * seen).abs() < 2.0 * error,
                 "{origin} {direction}: {cell:?}, {seen}"
             );
             assert_eq!(cell.surface, 0.0);
             found += cell.seen;
-            exact += scattering * seen;
+            exact += scattered;
         }
         assert!((found / exact - 1.0).abs() < 1e-3 || exact == 0.0 && found == 0.0, "{found} {exact}");
     }
@@ -101,7 +103,6 @@ fn deposits_are_the_integral_of_the_transmittance() {
 fn deposits_in_thinning_air_are_quadrature() {
     let air = ExponentialDensity { origin: Vec3::new(0.0, -1.0, 0.0), up: Vec3::Y, scale_height: 0.7 };
     let medium = Medium { density: Density::Exponential(air), ..coloured() };
-    let (scattering, extinction) = (0.6, 0.8);
     let density = |p: DVec3| (-(p.y + 1.0) / 0.7).exp();
     for (origin, direction, length) in segments(false) {
         let mut cells = vec![NOTHING; LAYOUT.cell_count()];
@@ -115,13 +116,13 @@ fn deposits_in_thinning_air_are_quadrature() {
         let end = ((low - origin) / direction).max((high - origin) / direction).min_element();
         let end = end.min(f64::from(length));
         // Midpoint rule, 1 mm or less.
-        let (steps, mut depth, mut exact) = (8000, 0.0, [0.0; 2]);
+        let (steps, mut column, mut exact) = (8000, 0.0, [0.0; 2]);
         let step = end / f64::from(steps);
         for k in 0..steps {
             let here = density(origin + (f64::from(k) + 0.5) * step * direction);
-            let passes = (-depth - 0.5 * extinction * here * step).exp() * step;
-            exact = [exact[0] + scattering * here * passes, exact[1] + passes];
-            depth += extinction * here * step;
+            let passes = (-EXTINCTION * (column + 0.5 * here * step)).exp() * step / 3.0;
+            exact = [exact[0] + here * SCATTERING.dot(passes), exact[1] + passes.element_sum()];
+            column += here * step;
         }
         // The density in a stretch's middle stands for its mean, to (h/H)²/24 = 2.6e-3 at most; the transmittance as above, to 1.4e-2 where
         // the air is 4.2 times as dense. Few stretches are so long and so low.
@@ -337,17 +338,17 @@ fn a_segment_is_worth_what_quadrature_says() {
                 })
                 .collect();
             crossed.sort_by(|(_, a), (_, b)| a[0].total_cmp(&b[0]));
-            let mut depth = crossed.first().map_or(0.0, |(_, [from, _])| 0.8 * from);
+            let mut column = crossed.first().map_or(0.0, |(_, [from, _])| *from);
             let [mut beam, mut scattered] = [0.0; 2];
             for (index, [from, to]) in &crossed {
                 let steps = 50;
                 let step = (to - from) / f64::from(steps);
                 for k in 0..steps {
                     let here = at(origin + (from + (f64::from(k) + 0.5) * step) * direction);
-                    let passes = (-(depth + 0.4 * here * step)).exp() * step;
-                    beam += f64::from(cells[*index].beam) * passes;
-                    scattered += f64::from(cells[*index].scattered) * 0.6 * here * passes;
-                    depth += 0.8 * here * step;
+                    let passes = (-EXTINCTION * (column + 0.5 * here * step)).exp() * step / 3.0;
+                    beam += f64::from(cells[*index].beam) * passes.element_sum();
+                    scattered += f64::from(cells[*index].scattered) * here * SCATTERING.dot(passes);
+                    column += here * step;
                 }
             }
             // As for the deposits; the density is 2.1 at most and falls over 2 m.
@@ -355,8 +356,8 @@ fn a_segment_is_worth_what_quadrature_says() {
             assert!(near(found.beam, beam), "{origin} {direction} {length}: {found:?} {beam}");
             assert!(near(found.scattered, scattered), "{origin} {direction} {length}: {found:?} {scattered}");
             assert!(
-                near(found.transmittance, (-depth).exp()),
-                "{origin} {direction} {length}: {found:?} {depth}"
+                near(found.transmittance, (-EXTINCTION * column).exp().element_sum() / 3.0),
+                "{origin} {direction} {length}: {found:?} {column}"
             );
         }
         // Beside the box there is nothing to lose or to gain.

@@ -8,7 +8,7 @@ use covbeam::{
 };
 use glam::DVec3;
 
-use super::spectrum::{LAYOUT, across, assert_close, cells, fog, inside, slice, views};
+use super::spectrum::{LAYOUT, across, assert_close, cells, inside, slice, views};
 
 /// Steps of the quadrature in f64.
 const STEPS: usize = 2000;
@@ -96,7 +96,11 @@ impl Twin<'_> {
     fn core(&self, ray: &EyeRay, steps: &[PixelStep; 2], density: &Density) -> ImageSpectrum {
         let cells = cells(self.flux, |_| self.spectrum);
         let grid = FluenceGrid::new(LAYOUT, &cells).unwrap();
-        let medium = Medium { density: *density, ..fog(self.extinction as f32) };
+        // Structure is that of the mean extinction.
+        let medium = Medium {
+            density: *density,
+            ..Medium::homogeneous(0.5 * self.extinction as f32, 0.5 * self.extinction as f32)
+        };
         let mut knots = Vec::new();
         medium.tabulate(ray.origin, ray.direction, ray.length, &mut |knot| knots.push(knot));
         let column = density.column(ray.origin, ray.direction, &knots);
