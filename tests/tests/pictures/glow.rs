@@ -173,7 +173,7 @@ fn pictures_have_the_means_of_light_paths_connected_with_the_camera() {
         };
         (0..4).map(of).collect()
     };
-    let seeds = 10;
+    let seeds = 16;
     let connected: Vec<Vec<f64>> =
         (1..=seeds).map(|seed| quarters(&by(Method::LightTrace, &scene, 30_000, seed, 1))).collect();
     let found: Vec<Vec<f64>> = (1..=seeds).map(|seed| quarters(&picture(&scene, seed, 3, |_| {}))).collect();
