@@ -534,6 +534,8 @@ impl<'a> PhotonTracer<'a> {
                 }
                 let before = photon.power;
                 let weights = photon.weights() / self.limits.at(hit.position, photon.events);
+                // What is below the limit is no reason to lose light here: what is lost here is what the surface takes.
+                let weights = weights / weights.max_element().clamp(f32::MIN_POSITIVE, 1.0);
                 let way = met.draw(weights, sampler.uniform(), sampler.uniform_pair());
                 let way = way.filter(|way| is_lit || way.lobe == Lobe::Transparent);
                 let Some(way) = way else {
