@@ -9,7 +9,7 @@ import harness
 import numpy as np
 
 #: Seeds, passes and photons of covbeam's pictures; samples a pixel of Cycles'.
-SEEDS, PASSES, PHOTONS, SAMPLES = 4, 6, 5000, 128
+SEEDS, PASSES, PHOTONS, SAMPLES = 4, 9, 5000, 128
 
 
 class Calibration(unittest.TestCase):
