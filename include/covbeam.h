@@ -1674,7 +1674,7 @@ covbeam_status covbeam_grid_clear(struct covbeam_grid *grid);
  * Stopped, the grid keeps what it has of the first segments: covbeam_grid_clear forgets that.
  *
  * @param grid the grid.
- * @param medium what the segments run through; the mean extinction of the channels counts.
+ * @param medium what the segments run through; what it leaves of light is the channels' mean.
  * @param count number of segments; with 0 nothing is done.
  * @param segments, segment_stride the segments.
  * @param poll may be NULL; asked at least every few milliseconds. Not 0 ends the call with COVBEAM_CANCELLED.

@@ -17,7 +17,7 @@ use crate::optics::Interior;
 use crate::passage::clear;
 use crate::scene::{Material, Scene};
 use covbeam::{
-    Column, EmissionGuide, GridLayout, Importance, ImportanceCell, ImportanceGrid, ImportanceSums, Medium,
+    EmissionGuide, GridLayout, Importance, ImportanceCell, ImportanceGrid, ImportanceSums, Medium,
 };
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
@@ -170,11 +170,6 @@ fn of_diffuse(albedo: Vec3, here: &ImportanceCell, is_straight: bool, may_bounce
 /// Of the channels.
 pub(crate) fn mean(color: Vec3) -> f32 {
     color.element_sum() / 3.0
-}
-
-/// What is left of light, the channels' mean, on the way to a surface; in a tabulated column, to 5e-4.
-fn left(fog: &Medium, column: &Column, reach: f32) -> f32 {
-    fog.mean_transmittance(column.at(reach))
 }
 
 #[cfg(test)]

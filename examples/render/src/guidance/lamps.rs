@@ -1,6 +1,6 @@
 //! How lamps emit: in proportion to what light in a direction is worth.
 
-use super::{Poll, left, mean, of_diffuse};
+use super::{Poll, mean, of_diffuse};
 use crate::geometry::MOST_BOUNDS;
 use crate::material::{Encounter, Lobe};
 use crate::media;
@@ -171,7 +171,8 @@ impl<'a> Lamp<'a> {
                 let is_seen = !ray.is_straight || is_left_to_beams(self.scene, id);
                 let scattered = if self.scene.allows(ray.bounces + 1) { found.scattered } else { 0.0 };
                 worth += ray.power * (scattered + if is_seen { found.beam } else { 0.0 });
-                ray.power *= left(fog, &media::column(fog, ray.origin, ray.direction, reach, knots), reach);
+                let column = media::column(fog, ray.origin, ray.direction, reach, knots);
+                ray.power *= fog.mean_transmittance(column.at(reach));
             }
             let Some(hit) = hit.filter(|hit| hit.distance < ray.until) else { continue };
             let is_lit = hit.distance >= ray.dark;
