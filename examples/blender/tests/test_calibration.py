@@ -9,7 +9,9 @@ import harness
 import numpy as np
 
 #: Seeds, passes and photons of covbeam's pictures; samples a pixel of Cycles'.
-SEEDS, PASSES, PHOTONS, SAMPLES = 4, 9, 5000, 128
+SEEDS, PASSES, PHOTONS, SAMPLES = 4, 6, 5000, 128
+#: Passes where six leave more than half of a percent: a picture of the cloud strays by 3 % in one pass.
+PATIENT = {"WHITE CLOUD": 24}
 
 
 class Calibration(unittest.TestCase):
@@ -28,7 +30,7 @@ class Calibration(unittest.TestCase):
     def agree(self, names):
         for name in names:
             with self.subTest(name):
-                comparison = calibration.compare(name, 32, SEEDS, SAMPLES, PASSES, PHOTONS, 2)
+                comparison = calibration.compare(name, 32, SEEDS, SAMPLES, PATIENT.get(name, PASSES), PHOTONS, 2)
                 print("figures:", comparison)
                 # Student's t of 4 + 4 runs: 3.7 is exceeded in 1 of 100 cases.
                 self.assertTrue((np.abs(comparison.mean_difference) < 0.01 + 3.7 * comparison.mean_error).all(), comparison)
