@@ -6,6 +6,7 @@
 //! importance is the same everywhere bring about as many photons in a dark pixel as in a bright one. Only
 //! probabilities follow from it: a wrong importance costs noise and never makes a picture wrong.
 
+use crate::math::exp;
 use crate::medium::{Density, Medium};
 use crate::voxels::{Dda, GridError, GridLayout, Lattice};
 use core::f64::consts::PI;
@@ -243,12 +244,12 @@ impl<'a> Importance<'a> {
     ) -> SegmentImportance {
         let mut sum = SegmentImportance { transmittance: 1.0, ..SegmentImportance::default() };
         let Some(mut walk) = Walk::new(&self.layout, medium, origin, direction, length) else { return sum };
-        while let Some(Stretch { cell, density, seen_length, left }) = walk.next(medium) {
+        while let Some(Stretch { cell, density, seen_length }) = walk.next(medium) {
             let cell = &self.cells[cell];
             sum.beam += cell.beam * mean(seen_length);
             sum.scattered += cell.scattered * density * (seen_length.dot(medium.scattering) / 3.0);
-            sum.transmittance = mean(left);
         }
+        sum.transmittance = mean(walk.left(walk.column));
         sum
     }
 }
@@ -265,8 +266,6 @@ struct Stretch {
     density: f32,
     /// ∫ transmittance ds, of each channel.
     seen_length: Vec3,
-    /// Transmittance at its end.
-    left: Vec3,
 }
 
 /// The walk of a segment through the voxels, with what is left of its light.
@@ -276,6 +275,9 @@ struct Walk {
     origin: Vec3,
     direction: Vec3,
     uniform: bool,
+    extinction: Vec3,
+    /// Whether one channel's transmittance is that of all.
+    grey: bool,
     column: f32,
 }
 
@@ -289,7 +291,8 @@ impl Walk {
         let entry = if uniform { 1.0 } else { medium.density.at(origin + before * direction) };
         let column = entry * before;
         let sound = extinction.min_element() >= 0.0 && extinction.is_finite() && column >= 0.0;
-        sound.then_some(Self { dda, layout: *layout, origin, direction, uniform, column })
+        let grey = extinction == Vec3::splat(extinction.x);
+        sound.then_some(Self { dda, layout: *layout, origin, direction, uniform, extinction, grey, column })
     }
 
     fn next(&mut self, medium: &Medium) -> Option<Stretch> {
@@ -298,10 +301,22 @@ impl Walk {
         let density =
             if self.uniform { 1.0 } else { medium.density.at(self.origin + middle * self.direction) };
         let column = density * length;
-        let seen_length = length * medium.transmittance(self.column + 0.5 * column);
+        let seen_length = length * self.left(self.column + 0.5 * column);
         self.column += column;
         let cell = self.layout.index(voxel);
-        Some(Stretch { cell, density, seen_length, left: medium.transmittance(self.column) })
+        Some(Stretch { cell, density, seen_length })
+    }
+
+    /// Transmittance of a column: one exponential in fog of one grey, which most is.
+    #[inline(always)]
+    fn left(&self, column: f32) -> Vec3 {
+        // 0 · ∞ would be NaN.
+        let depth = self.extinction * column.min(f32::MAX);
+        if self.grey {
+            Vec3::splat(exp(-depth.x))
+        } else {
+            Vec3::new(exp(-depth.x), exp(-depth.y), exp(-depth.z))
+        }
     }
 }
 

@@ -199,6 +199,14 @@ impl Camera {
     /// The picture point of a world point, with its importance: the solid angle of the pixel there is
     /// `1 / importance` sr. None outside the picture or behind the camera, and for cameras that are no pinhole ([`Camera::is_pinhole`]).
     pub fn project(&self, point: Vec3) -> Option<(f32, f32, f32)> {
+        let inside = |&(x, y, _): &(f32, f32, f32)| {
+            x >= 0.0 && y >= 0.0 && x < self.width as f32 && y < self.height as f32
+        };
+        self.image(point).filter(inside)
+    }
+
+    /// The same of what may lie beside the picture.
+    pub(crate) fn image(&self, point: Vec3) -> Option<(f32, f32, f32)> {
         if !self.is_pinhole() {
             return None;
         }
@@ -216,9 +224,8 @@ impl Camera {
             ),
             Frame::Part { left, top, .. } => ((h / depth - left) / across, (top - v / depth) / down),
         };
-        let inside = x >= 0.0 && y >= 0.0 && x < self.width as f32 && y < self.height as f32;
         let cosine = depth / offset.length();
-        inside.then(|| (x, y, 1.0 / (across * down * cosine * cosine * cosine)))
+        Some((x, y, 1.0 / (across * down * cosine * cosine * cosine)))
     }
 
     /// A pixel's width and height.

@@ -11,7 +11,7 @@ use crate::passage::{clear, passage};
 use crate::photon::{GOING_ON, LONG_PATH};
 use crate::random::{Random, mix};
 use crate::scene::{Light, Material, Scene, SceneMedium};
-use crate::shown::{Meetings, Watch};
+use crate::shown::{Meetings, SmallLamps, Watch};
 use crate::starts::{EyeStart, EyeStarts};
 use crate::surface::{SurfaceMap, flat_within};
 use covbeam::{EyeRay, Knot, Medium};
@@ -72,8 +72,8 @@ pub struct EyeTracer<'a> {
     pub surfaces: &'a SurfaceMap,
     /// Whether anything is wanted from the first surface on that is more than a bound of media.
     pub beyond: bool,
-    /// Whether lamps are wanted that are shown.
-    pub shown: bool,
+    /// Of the lamps that are shown those that are small in the picture; None: none are wanted that are shown.
+    pub shown: Option<&'a SmallLamps>,
 }
 
 /// A branch of an eye path still to be followed.
@@ -176,6 +176,9 @@ impl EyeTracer<'_> {
         let mut knots = Vec::new();
         let mut branches = smallvec::SmallVec::<[Branch; 8]>::new();
         branches.extend(start.sees.then(|| Branch::new(start)));
+        if let Some(small) = self.shown {
+            radiance[Kind::Straight as usize] += small.radiance(scene, self.fogs, &self.starts, start);
+        }
         while let Some(mut branch) = branches.pop() {
             let weight = branch.throughput.max_element();
             if weight < LIGHT_PATH {
@@ -429,7 +432,7 @@ mod tests {
             lamps: &LampTree::new(&scene),
             surfaces: &surfaces,
             beyond: true,
-            shown: true,
+            shown: Some(&SmallLamps::default()),
         };
         let seen = tracer.trace(&starts.middle(0, 0), 0, &mut Random::new([0; 4]), &mut Vec::new());
         assert_eq!(seen, ByKind::default());

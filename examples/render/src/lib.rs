@@ -78,7 +78,7 @@ pub mod scene_file;
 mod scene_files;
 #[cfg(feature = "files")]
 pub mod shard;
-mod shown;
+pub mod shown;
 pub mod sight;
 #[cfg(feature = "files")]
 mod sky_picture;

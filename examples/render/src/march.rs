@@ -11,6 +11,7 @@ use crate::plan::Plan;
 use crate::random::{Random, spread};
 use crate::samples::{PassImage, Room, Seen, SparseSample};
 use crate::scene::{Light, MediumDensity, Scene};
+use crate::shown::SmallLamps;
 use crate::starts::EyeStarts;
 use crate::surface::SurfaceMap;
 use covbeam::{Column, FluenceGrid, Knot, MARCH_KNOTS, March, MarchCell, MarchKnot, MarchSample, Medium};
@@ -97,6 +98,7 @@ pub(crate) struct Marcher<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) fogs: &'a [Medium<'a>],
     pub(crate) starts: EyeStarts<'a>,
+    pub(crate) small: &'a SmallLamps,
     pub(crate) marching: Marching,
     /// Eye rays where the plan wants them; None: one through every pixel.
     pub(crate) plan: Option<Plan>,
@@ -175,7 +177,7 @@ impl<'a> Marcher<'a> {
             lamps: &lamps,
             surfaces: &surfaces,
             beyond: self.beyond,
-            shown: true,
+            shown: Some(self.small),
         };
         let start = Instant::now();
         let spread = self.spread(&tracer);

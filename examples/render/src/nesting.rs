@@ -1,13 +1,17 @@
 //! Nested dielectrics: which of those that overlap fills a place.
 //!
-//! By priority, as in OpenPBR and the renderers of the field; of equal priority what lies inside of another one counts before that, and of
-//! two that only overlap the later one. (Schmidt and Budge 2002, *Simple nested dielectrics in ray traced images*.)
+//! By priority, as in OpenPBR and the renderers of the field; of equal priority what lies inside of another one, but for a hundredth of its size,
+//! counts before that, and of two that only overlap the later one. (Schmidt and Budge 2002, *Simple nested dielectrics in ray traced images*.)
 
 use crate::scene::{Object, Shape};
 use glam::Vec3;
 
 /// Places on a sphere that are looked at, along each of its angles.
 const STEPS: usize = 8;
+
+/// What lies inside is drawn in towards its middle by this part of its size: what stands on a floor together with its fog, and is lower than that by
+/// a hair, is inside of it all the same.
+const DRAWN_IN: f32 = 0.01;
 
 /// Notes of each closed dielectric which others lie inside of it. Two as large as each other do not.
 pub fn nest(objects: &mut [Object]) {
@@ -32,9 +36,12 @@ pub(crate) fn winner(objects: &[Object], members: &[u32]) -> Option<u32> {
     rivals.iter().rev().copied().find(|&object| !rivals.iter().any(|other| holds(object, other)))
 }
 
-/// Whether a closed shape holds all of another one, which may touch it from inside.
+/// Whether a closed shape holds all of another one, drawn in.
 fn contains(outer: &Shape, inner: &Shape) -> bool {
     let ((min, max), (low, high)) = (outer.bounds(), inner.bounds());
+    let middle = 0.5 * (low + high);
+    let drawn = |place: Vec3, share: f32| middle + share * (place - middle);
+    let [low, high] = [low, high].map(|corner| drawn(corner, 1.0 - DRAWN_IN));
     // The rounding of coordinates.
     let near = 4.0 * f32::EPSILON * min.abs().max(max.abs()).max_element();
     if !(low.cmpge(min - near).all() && high.cmple(max + near).all()) {
@@ -45,20 +52,17 @@ fn contains(outer: &Shape, inner: &Shape) -> bool {
         Shape::Rectangle { .. } => false,
         Shape::Sphere { center, radius } => match inner {
             Shape::Sphere { center: other, radius: small } => {
-                (center.as_dvec3() - other.as_dvec3()).length() + f64::from(*small)
+                (center.as_dvec3() - other.as_dvec3()).length() + f64::from((1.0 - DRAWN_IN) * *small)
                     <= f64::from(*radius + near)
             }
             inner => {
-                let far = |place: Vec3| (place - *center).length() > *radius + near;
+                let far = |place: Vec3| (drawn(place, 1.0 - DRAWN_IN) - *center).length() > *radius + near;
                 !places_on(inner).into_iter().any(far)
             }
         },
-        // Drawn in by a hair, since what touches from inside is inside.
         Shape::Mesh(_) => {
-            let middle = 0.5 * (low + high);
-            let drawn = |place: Vec3, share: f32| middle + share * (place - middle);
-            let sticks_out = |place: Vec3| !outer.contains(drawn(place, 1.0 - 1e-4));
-            let reaches_in = |place: Vec3| inner.contains(drawn(place, 1.0 + 1e-4));
+            let sticks_out = |place: Vec3| !outer.contains(drawn(place, 1.0 - DRAWN_IN));
+            let reaches_in = |place: Vec3| inner.contains(drawn(place, 1.0 + DRAWN_IN));
             !places_on(inner).into_iter().any(sticks_out) && !places_on(outer).into_iter().any(reaches_in)
         }
     }

@@ -13,6 +13,7 @@ use crate::radius::{BeamVoxels, Radii, RadiusRule};
 use crate::random::{Emission, Random};
 use crate::samples::PassImage;
 use crate::scene::Scene;
+use crate::shown::SmallLamps;
 use crate::starts::EyeStarts;
 use crate::straight::{Straight, is_left_to_beams};
 use crate::surface::{CROWD, Disks, SurfaceMap};
@@ -156,6 +157,7 @@ pub struct Renderer<'a> {
     tracer: PhotonTracer<'a>,
     fogs: Vec<Medium<'a>>,
     starts: EyeStarts<'a>,
+    small: SmallLamps,
     marching: Marching,
     surfaces: Option<Arc<FirstSurfaces>>,
     /// None: [`RadiusRule::Bias`].
@@ -202,6 +204,7 @@ impl<'a> Renderer<'a> {
             tracer: PhotonTracer::new(scene, seed, emission),
             fogs: media::all(scene),
             starts: EyeStarts::new(scene),
+            small: SmallLamps::new(scene),
             marching: Marching::default(),
             surfaces: None,
             radii: None,
@@ -617,7 +620,7 @@ impl<'a> Renderer<'a> {
             lamps: self.tracer.lamps(),
             surfaces: &surfaces,
             beyond: self.beyond,
-            shown: true,
+            shown: Some(&self.small),
         };
         let view = View {
             scene: self.scene,
@@ -730,6 +733,7 @@ impl<'a> Renderer<'a> {
             scene,
             fogs: &self.fogs,
             starts: self.starts,
+            small: &self.small,
             marching: self.marching,
             plan,
             guide: guide.as_ref(),
@@ -775,7 +779,8 @@ impl<'a> Renderer<'a> {
         let pixel = corner[1] * self.scene.camera.width + corner[0];
         let mut random = Random::new([self.seed, index, pixel, SHOWN_KEY]);
         let start = self.starts.at(corner.map(|corner| corner as f32 + random.uniform()), [0.0; 2]);
-        self.scene.shown.straight(self.scene, &self.fogs, &start)
+        self.scene.shown.straight(self.scene, &self.fogs, &self.small, &start)
+            + self.small.radiance(self.scene, &self.fogs, &self.starts, &start)
     }
 }
 

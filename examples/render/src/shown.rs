@@ -3,6 +3,10 @@
 //! Lamps hide nothing, as no shadow ray ends at one: what a ray sees of them is the sum of all whose shining sides it meets before a surface
 //! ends it. Those that shine on one side are not there from behind.
 
+mod small;
+
+pub use small::SmallLamps;
+
 use crate::geometry::intersect_box;
 use crate::kind::Kind;
 use crate::passage::passage;
@@ -97,16 +101,22 @@ impl Shown {
         self.brightest
     }
 
-    /// Where a ray meets them, at distances above the first of `ends` and up to the second; what is infinitely far away where that is infinite.
-    pub(crate) fn met(
+    /// Where a ray meets those that are `wanted`, by number, at distances above the first of `ends` and up to the second; what is infinitely far
+    /// away where that is infinite.
+    fn met(
         &self,
         lights: &[Light],
+        wanted: impl Fn(u32) -> bool,
         origin: Vec3,
         direction: Vec3,
         ends: [f64; 2],
         found: &mut Meetings,
     ) {
-        let mut meet = |lamp: u32| lights[lamp as usize].met(origin, direction, ends, found);
+        let mut meet = |lamp: u32| {
+            if wanted(lamp) {
+                lights[lamp as usize].met(origin, direction, ends, found);
+            }
+        };
         self.far.iter().copied().for_each(&mut meet);
         let (o, d) = (origin.as_dvec3(), direction.as_dvec3());
         let mut waiting = SmallVec::<[[usize; 3]; 32]>::new();
@@ -129,25 +139,41 @@ impl Shown {
         }
     }
 
-    /// Radiance of those that an eye ray meets before a surface at `end`, if nothing dims them.
-    pub(crate) fn undimmed(&self, scene: &Scene, start: &EyeStart, end: f32, surface: Option<&Hit>) -> Vec3 {
+    /// Radiance of those that an eye ray meets before a surface at `end`, or of small ones in its pixel, if nothing dims them.
+    pub(crate) fn undimmed(
+        &self,
+        scene: &Scene,
+        small: &SmallLamps,
+        start: &EyeStart,
+        end: f32,
+        surface: Option<&Hit>,
+    ) -> Vec3 {
         if self.is_empty() {
             return Vec3::ZERO;
         }
         let end = f64::from(end) + surface.map_or(0.0, |hit| slack(start.origin, start.direction, hit));
         let mut met = Meetings::new();
-        self.met(&scene.lights, start.origin, start.direction, [0.0, end], &mut met);
-        met.iter().map(|(_, radiance)| *radiance).sum()
+        let wanted = |lamp| !small.has(lamp);
+        self.met(&scene.lights, wanted, start.origin, start.direction, [0.0, end], &mut met);
+        let large: Vec3 = met.iter().map(|(_, radiance)| *radiance).sum();
+        large + small.undimmed(scene, start, end)
     }
 
-    /// Radiance of those that an eye ray sees straight, through nothing but fog, its bounds, and what is transparent.
-    pub(crate) fn straight(&self, scene: &Scene, fogs: &[Medium], start: &EyeStart) -> Vec3 {
+    /// Radiance of those that are not small and that an eye ray sees straight, through nothing but fog, its bounds, and what is transparent.
+    pub(crate) fn straight(
+        &self,
+        scene: &Scene,
+        fogs: &[Medium],
+        small: &SmallLamps,
+        start: &EyeStart,
+    ) -> Vec3 {
         if self.is_empty() || !start.sees {
             return Vec3::ZERO;
         }
         let EyeStart { origin, direction, interior, .. } = *start;
         let mut met = Meetings::new();
-        self.met(&scene.lights, origin, direction, [0.0, f64::INFINITY], &mut met);
+        let wanted = |lamp| !small.has(lamp);
+        self.met(&scene.lights, wanted, origin, direction, [0.0, f64::INFINITY], &mut met);
         // Beyond all that the scene has, for what is infinitely far away.
         let (middle, around) =
             self.far.first().map_or((origin, 0.0), |&lamp| scene.lights[lamp as usize].middle());
@@ -177,6 +203,8 @@ pub(crate) struct Watch {
     origin: Vec3,
     /// Distance from there up to which lamps were looked for.
     looked: f64,
+    /// Whether it starts at the camera: small lamps are asked for there.
+    is_first: bool,
 }
 
 /// Which lamps are seen: each way from a lamp to the camera counts once. Diffuse surfaces and fog end eye paths.
@@ -193,12 +221,12 @@ enum Sees {
 impl Watch {
     /// From the camera.
     pub(crate) fn new(origin: Vec3) -> Self {
-        Self { sees: Sees::Shown, origin, looked: 0.0 }
+        Self { sees: Sees::Shown, origin, looked: 0.0, is_first: true }
     }
 
     /// The same on another line.
     pub(crate) fn from(self, origin: Vec3) -> Self {
-        Self { origin, looked: 0.0, ..self }
+        Self { origin, looked: 0.0, is_first: false, ..self }
     }
 
     /// After rough glass.
@@ -218,11 +246,11 @@ impl Watch {
 
     /// The lamps that the next piece of the line sees up to `hit`, by their distances from its start.
     ///
-    /// - `wants_shown`: whether those are wanted that are shown.
+    /// - `small`: those that are asked for and not met; None: none are wanted that are shown.
     pub(crate) fn look(
         &mut self,
         scene: &Scene,
-        wants_shown: bool,
+        small: Option<&SmallLamps>,
         start: Vec3,
         direction: Vec3,
         hit: Option<&Hit>,
@@ -230,7 +258,7 @@ impl Watch {
         let mut met = Meetings::new();
         let is_blind = match self.sees {
             Sees::None => true,
-            Sees::Shown => !wants_shown || scene.shown.is_empty(),
+            Sees::Shown => small.is_none() || scene.shown.is_empty(),
             Sees::All => false,
         };
         if is_blind || !scene.shows_surfaces() {
@@ -243,7 +271,10 @@ impl Watch {
             Sees::All => {
                 scene.lights.iter().for_each(|light| light.met(self.origin, direction, ends, &mut met))
             }
-            _ => scene.shown.met(&scene.lights, self.origin, direction, ends, &mut met),
+            _ => {
+                let wanted = |lamp| !(self.is_first && small.is_some_and(|small| small.has(lamp)));
+                scene.shown.met(&scene.lights, wanted, self.origin, direction, ends, &mut met);
+            }
         }
         // The next surface may be nearer than what counts as lying on this one.
         self.looked = self.looked.max(ends[1]);
@@ -301,7 +332,7 @@ mod tests {
                 for parts in [vec![0.0, f64::INFINITY], vec![0.0, middle, middle + 1.0, f64::INFINITY]] {
                     let mut found = Meetings::new();
                     for ends in parts.windows(2) {
-                        shown.met(&lights, origin, direction, [ends[0], ends[1]], &mut found);
+                        shown.met(&lights, |_| true, origin, direction, [ends[0], ends[1]], &mut found);
                     }
                     assert_eq!(sorted(found), expected);
                 }

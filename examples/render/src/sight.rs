@@ -37,7 +37,7 @@ pub struct Sight {
 impl Sight {
     /// Follows a ray. Behind 64 bounds of media it counts what comes next as a surface.
     pub fn new(scene: &Scene, start: &EyeStart) -> Self {
-        let EyeStart { mut origin, direction, mut interior, sees } = *start;
+        let EyeStart { mut origin, direction, mut interior, sees, .. } = *start;
         if !sees {
             return Self { fog: None, glows: false, end: f32::INFINITY, surface: None };
         }

@@ -19,6 +19,8 @@ pub struct EyeStart {
     pub direction: Vec3,
     /// What it is inside of.
     pub interior: Interior,
+    /// The picture point that it goes through [pixels].
+    pub place: [f32; 2],
     /// Whether it is there: a picture may have dark places, see [`Camera::sees`](crate::camera::Camera::sees).
     pub sees: bool,
 }
@@ -48,7 +50,12 @@ impl<'a> EyeStarts<'a> {
         let sees = camera.sees(x, y);
         // What is too near to be seen bounds media all the same.
         let (origin, interior) = self.camera.beside(self.scene, origin, direction);
-        EyeStart { origin, direction, interior, sees }
+        EyeStart { origin, direction, interior, place: [x, y], sees }
+    }
+
+    /// Where an eye ray of a pinhole starts that goes along an offset of any length, and what it is inside of there.
+    pub(crate) fn towards(&self, offset: Vec3) -> (Vec3, Interior) {
+        self.camera.towards(self.scene, offset)
     }
 
     /// The same through the middle of a pixel and of the lens.

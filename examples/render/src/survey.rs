@@ -127,7 +127,7 @@ fn eye_pieces(scene: &Scene, fogs: &[Medium]) -> Vec<EyeSegment> {
     let surfaces = SurfaceMap::empty();
     let lamps = LampTree::new(scene);
     let tracer =
-        EyeTracer { scene, fogs, starts, lamps: &lamps, surfaces: &surfaces, beyond: true, shown: false };
+        EyeTracer { scene, fogs, starts, lamps: &lamps, surfaces: &surfaces, beyond: true, shown: None };
     let mut pieces: Vec<EyeSegment> = Vec::new();
     for node in 0..LATTICE * LATTICE {
         let at = |index: u32, count: u32| (index as f32 + 0.5) / LATTICE as f32 * count as f32;

@@ -64,6 +64,11 @@ impl Lamp {
         }
     }
 
+    /// Whether it is a sun without a size whose light goes along an axis.
+    pub(super) fn is_along_an_axis(&self) -> bool {
+        matches!(self.kind, Kind::Sun { direction, angle: 0.0 } if direction.abs().max_element() == 1.0)
+    }
+
     pub(super) fn is_sun(&self) -> bool {
         matches!(self.kind, Kind::Sun { .. })
     }

@@ -2,7 +2,8 @@
 //!
 //! It reads the file by itself, intersects in f64, and knows no beams, grids, kernels or stacks. Paths start at the camera; light is looked
 //! for at lamps by shadow rays, which glass and mirrors stop, and found at lamps by paths that came by way of these. So it misses light that
-//! lamps without a size send through glass or by way of mirrors: [`BruteForce::is_all_found`] says whether there is any.
+//! lamps without a size send through glass or by way of mirrors, but for suns square on faces of boxes, which shadow rays go on through:
+//! [`BruteForce::is_all_found`] says whether there is any.
 //!
 //! Balls, boxes and rectangles; black, matt, mirror and smooth glass; homogeneous media; lamps that are points, spots, disks, rectangles,
 //! balls and suns; pinholes and parallel rays. All else is refused.
@@ -32,7 +33,7 @@ impl BruteForce {
         file::read(text).map(Self)
     }
 
-    /// Whether it finds all light: no lamp without a size shines through glass or by way of mirrors.
+    /// Whether it finds all light: no lamp without a size shines through glass or by way of mirrors, unless it is a sun square on the faces of boxes.
     pub fn is_all_found(&self) -> bool {
         self.0.is_all_found()
     }

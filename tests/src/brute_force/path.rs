@@ -12,6 +12,9 @@ use std::f64::consts::PI;
 /// Events after which paths end by chance: of n of them the share n/(n + 1) goes on, so that fog without end and without absorption ends.
 const EVENTS: u32 = 64;
 
+/// How often a sun is looked for where faces that it shines on squarely mirror it.
+const MIRRORED: f64 = 0.1;
+
 pub(super) struct Path<'a> {
     world: &'a World,
     stream: &'a mut Stream,
@@ -168,8 +171,14 @@ impl Path<'_> {
     }
 
     /// Light of a spark that arrives at a point through nothing but fog, and the direction towards it.
-    fn light_of(&self, lamp: usize, spark: &Spark, point: DVec3) -> (DVec3, DVec3) {
+    fn light_of(&mut self, lamp: usize, spark: &Spark, point: DVec3) -> (DVec3, DVec3) {
         let lamp = &self.world.lamps[lamp];
+        if lamp.is_along_an_axis() {
+            let towards = if self.stream.uniform() < MIRRORED { -spark.place } else { spark.place };
+            let share = if towards == spark.place { 1.0 - MIRRORED } else { MIRRORED };
+            let passed = self.square_on(point, towards, spark.place);
+            return (lamp.arriving(spark, point) * passed / share, towards);
+        }
         let (towards, distance) = if lamp.is_sun() {
             (spark.place, f64::INFINITY)
         } else {
@@ -185,6 +194,26 @@ impl Path<'_> {
         let is_free = matches!(way.end, End::Nowhere);
         let passed = if is_free { way.transmittance(self.world, distance) } else { DVec3::ZERO };
         (light * passed, towards)
+    }
+
+    /// What fog leaves of a sun's light that comes to a point from `from` by way of nothing but faces that are square on it, each of which reflects
+    /// or lets through by chance.
+    fn square_on(&mut self, point: DVec3, mut from: DVec3, sun: DVec3) -> DVec3 {
+        let (mut place, mut passed) = (point, DVec3::ONE);
+        loop {
+            let way = self.world.way(place, from, f64::INFINITY);
+            passed *= way.transmittance(self.world, f64::INFINITY);
+            match way.end {
+                End::Nowhere => return if from == sun { passed } else { DVec3::ZERO },
+                End::Surface { .. } => return DVec3::ZERO,
+                End::Interface { before, beyond, .. } => {
+                    place += way.length() * from;
+                    if self.stream.uniform() < ((before - beyond) / (before + beyond)).powi(2) {
+                        from = -from;
+                    }
+                }
+            }
+        }
     }
 
     /// Where the channel that decides collides with the fog, if it does.

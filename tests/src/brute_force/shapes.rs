@@ -69,17 +69,19 @@ impl Shape {
         }
     }
 
-    /// Whether all of another shape is inside, which may touch from within.
+    /// Whether another shape is inside, but for a hundredth of its size.
     pub(super) fn holds_all(&self, other: &Self, tolerance: f64) -> bool {
+        let corners = other.corners();
+        let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
+        let corners: Vec<DVec3> = corners.iter().map(|corner| middle + 0.99 * (corner - middle)).collect();
         match (self, other) {
             (Self::Sphere { center, radius }, Self::Sphere { center: c, radius: r }) => {
-                center.distance(*c) + r <= radius + tolerance
+                center.distance(*c) + 0.99 * r <= radius + tolerance
             }
             (Self::Sphere { center, radius }, _) => {
-                other.corners().iter().all(|corner| corner.distance(*center) <= radius + tolerance)
+                corners.iter().all(|corner| corner.distance(*center) <= radius + tolerance)
             }
             (Self::Box { min, max }, _) => {
-                let corners = other.corners();
                 let inside = |corner: &DVec3| {
                     corner.cmpge(*min - tolerance).all() && corner.cmple(*max + tolerance).all()
                 };

@@ -168,6 +168,12 @@ fn fog_beside_a_lamp_is_as_bright_as_single_scattering_says() {
         let wide = 2.0 / (1.0 + (0.5 * angle).to_radians().cos());
         assert_mean(mean(&text(&sun(angle)), 0, 20), wide * sigma * 2.0 * half / (4.0 * PI), 0.01);
     }
+    // In glass what its faces let in and keep adds up to the same fluence, whatever they reflect, and so does what they let out of it, over the squared
+    // index.
+    let glass = text(&sun(0.0)).replace(CLEAR, GLASS);
+    assert!(BruteForce::parse(&glass).unwrap().is_all_found());
+    assert_mean(mean(&glass, 0, 2000), sigma * 2.0 * half / (4.0 * PI) / 2.25, 0.01);
+    assert!(!BruteForce::parse(&glass.replace("[0, 0, 1]", "[0, 0.1, 1]")).unwrap().is_all_found());
 }
 
 #[test]

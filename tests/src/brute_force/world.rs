@@ -201,14 +201,21 @@ impl World {
         Way { stretches, end: End::Nowhere }
     }
 
-    /// Whether paths from the camera find all light: lamps without a size cannot be met by way of glass or a mirror.
+    /// Whether paths from the camera find all light: lamps without a size cannot be met by way of glass or a mirror, but for suns that shine
+    /// squarely on the faces of boxes.
     pub(super) fn is_all_found(&self) -> bool {
-        let bends = |object: &Object| match object.material {
+        let bends = |object: &&Object| match object.material {
             Material::Mirror(_) => true,
             Material::Dielectric(index) => index != 1.0,
             Material::Black | Material::Lambert(_) => false,
         };
-        !self.objects.iter().any(bends) || self.lamps.iter().all(Lamp::has_size)
+        let bending: Vec<&Object> = self.objects.iter().filter(bends).collect();
+        let is_box = |object: &&Object| {
+            matches!((&object.shape, &object.material), (Shape::Box { .. }, Material::Dielectric(_)))
+        };
+        let all_boxes = bending.iter().all(is_box);
+        let is_found = |lamp: &Lamp| lamp.has_size() || (all_boxes && lamp.is_along_an_axis());
+        bending.is_empty() || self.lamps.iter().all(is_found)
     }
 
     pub(super) fn extinction(&self, medium: Option<usize>) -> DVec3 {

@@ -340,7 +340,9 @@ impl Draft {
         self.head += "outside_medium = \"sea\"\n";
         let position = DVec3::new(0.0, quarters(stream, 1.0, 2.0), self.min.z - 2.0);
         self.camera(width, &View { position, forward: DVec3::Z, parallel: None });
-        let scattering = DVec3::new(stream.between(0.02, 0.3), stream.between(0.1, 0.5), 0.5) / self.scale;
+        let (a, b) = (stream.decades(-1.5, 0.0), stream.decades(-0.7, 0.0));
+        let shares = [DVec3::new(a, b, 1.0), DVec3::new(a, 1.0, b), DVec3::new(1.0, a, b)];
+        let scattering = 0.5 / self.scale * shares[(3.0 * stream.uniform()) as usize];
         let absorption = if chance(stream, 0.5) { DVec3::ZERO } else { 0.01 * scattering };
         let _ = writeln!(
             self.head,

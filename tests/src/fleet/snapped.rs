@@ -11,8 +11,12 @@ use super::{agreement::RUNS, grid};
 use crate::brute_force::BruteForce;
 use covbeam_render::compare::luminance;
 use covbeam_render::film::{FilmError, Picture};
+use covbeam_render::photon::{PhotonRecord, PhotonTracer, Record};
+use covbeam_render::random::Emission;
 use covbeam_render::scene::Scene;
 use cpu_time::ProcessTime;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 use std::error::Error;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -124,9 +128,17 @@ impl Doubt {
     }
 }
 
-/// Part of the picture's brightness in a channel by which no run of the default may stray from the median of its runs: where the mean is right,
-/// as that of rare runs with all of what others lack is. Means of whole pictures of sound runs are within some 10 %.
+/// Part of the picture's brightness, in the channel that has most, by which no run of the default may stray in any from the median of its runs:
+/// where the mean is right, as that of rare runs with all of what others lack is. Means of whole pictures of sound runs are within some 10 %; where
+/// few passes fit they differ by more, and by this many times what is usual among them one of a thousand does.
 const STRAY: f64 = 0.5;
+const UNUSUAL: f64 = 5.0;
+
+/// A light path weighs at most so many times what it started with, in any channel, as `photon/weight.rs` of the renderer states, with rounding.
+const HEAVIEST: f32 = 24.1;
+
+/// Paths that are weighed.
+const WEIGHED: u32 = 5_000;
 
 /// What was found.
 pub struct Findings {
@@ -136,20 +148,70 @@ pub struct Findings {
     pub asked: Vec<Oracle>,
     /// Of [`RUNS`] pictures of the default, those that stray by more than half in a channel.
     pub strays: usize,
+    /// Largest weight of a light path in any channel, over what it started with and by what of it can come to where there is anything.
+    pub heaviest: f32,
+}
+
+impl Findings {
+    /// Whether the default is wrong, or may be once in many pictures.
+    pub fn fails(&self, level: f64) -> bool {
+        self.strays > 0 || self.is_too_heavy() || self.doubts.iter().any(|doubt| doubt.fails(level))
+    }
+
+    /// Whether a light path weighs more than any may.
+    pub fn is_too_heavy(&self) -> bool {
+        self.heaviest > HEAVIEST
+    }
+}
+
+fn heaviest(scene: &Scene) -> f32 {
+    let mut scene = scene.clone();
+    // What weights are bounded for.
+    scene.settings.bounces = Some(1_000);
+    let outside = scene.outside.map_or(Vec3::ZERO, |medium| {
+        let fog = &scene.media[medium as usize].medium;
+        fog.scattering + fog.absorption
+    });
+    let camera = scene.camera.position;
+    let corners = scene.objects.iter().map(|object| object.shape.bounds());
+    let corners = corners.chain(scene.lights.iter().map(|lamp| (lamp.position(), lamp.position())));
+    let (min, max) = corners.fold((camera, camera), |(min, max), (low, high)| (min.min(low), max.max(high)));
+    let tracer = PhotonTracer::new(&scene, 0, Emission::LowDiscrepancy);
+    let of_path = |index: u32| {
+        let mut record = PhotonRecord::default();
+        tracer.trace(0, index, WEIGHED, Record::Beams, &mut record);
+        let start = DVec3::from(record.energy.emitted).as_vec3();
+        let weight = |place: Vec3, power: Vec3| {
+            let arrives = (-outside * place.distance(place.clamp(min, max))).exp();
+            let weight = Vec3::select(start.cmpgt(Vec3::ZERO), power * arrives / start, Vec3::ZERO);
+            weight.max_element()
+        };
+        let beams = record.beams.iter().map(|path| weight(path.beam.origin, path.beam.power));
+        let surface = record.surface.iter().map(|photon| weight(photon.position, photon.power));
+        beams.chain(surface).fold(0.0, f32::max)
+    };
+    (0..WEIGHED).into_par_iter().map(of_path).reduce(|| 0.0, f32::max)
 }
 
 fn strays(pictures: &[Picture]) -> usize {
-    let of_channel = |channel: usize| -> Vec<bool> {
+    let middle = |numbers: &[f64]| {
+        let mut sorted = numbers.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        sorted[sorted.len() / 2]
+    };
+    let of_channel = |channel: usize| -> (f64, Vec<f64>) {
         let mean =
             |picture: &Picture| picture.radiance.iter().map(|value| f64::from(value[channel])).sum::<f64>();
         let means: Vec<f64> = pictures.iter().map(mean).collect();
-        let mut sorted = means.clone();
-        sorted.sort_by(f64::total_cmp);
-        let median = sorted[sorted.len() / 2];
-        means.iter().map(|mean| (mean - median).abs() > STRAY * median).collect()
+        let median = middle(&means);
+        (median, means.iter().map(|mean| (mean - median).abs()).collect())
     };
     let channels = [0, 1, 2].map(of_channel);
-    (0..pictures.len()).filter(|run| channels.iter().any(|strays| strays[*run])).count()
+    let brightest = channels.iter().map(|channel| channel.0).fold(0.0, f64::max);
+    let strays = |run: &usize| {
+        channels.iter().any(|(_, off)| off[*run] > STRAY * brightest && off[*run] > UNUSUAL * middle(off))
+    };
+    (0..pictures.len()).filter(strays).count()
 }
 
 /// How much is done.
@@ -174,25 +236,30 @@ pub fn examine(of: &Snapped, effort: Effort) -> Result<Findings, FilmError> {
         scene
     };
     let narrowed = narrow(&of.scene);
-    let passes = passes(&of.scene, Estimator::Default, effort)?;
-    // Step 0 suspects, step 1 judges; seeds of a method and step never meet those of another.
-    let default =
-        |scene: &Scene, first: u32| pictures(scene, Estimator::Default, first..first + RUNS, passes);
+    // Step 0 suspects, step 1 judges, by four times as much: of few passes a block may have all of its light in one run of many. Seeds of a method and
+    // step never meet those of another.
+    let efforts = [effort, Effort { seconds: 4.0 * effort.seconds, most: effort.most.saturating_mul(4) }];
+    let few = passes(&of.scene, Estimator::Default, efforts[0])?;
+    let many = few.saturating_mul(4);
+    let default = |scene: &Scene, first: u32, step: u32| {
+        pictures(scene, Estimator::Default, first..first + RUNS, if step == 0 { few } else { many })
+    };
     let runs_of = |oracle: Oracle, step: u32| -> Result<Option<Vec<Picture>>, FilmError> {
         Ok(match oracle {
-            Oracle::BruteForce => {
-                of.brute_force.as_ref().map(|scene| traced(scene, 2_000 + RUNS * step, effort))
-            }
+            Oracle::BruteForce => of
+                .brute_force
+                .as_ref()
+                .map(|scene| traced(scene, 2_000 + RUNS * step, efforts[step as usize])),
             Oracle::Light if light_tracing_sees_all(&of.scene) && of.scene.camera.is_pinhole() => {
-                let passes = self::passes(&of.scene, Estimator::Light, effort)?;
+                let passes = self::passes(&of.scene, Estimator::Light, efforts[step as usize])?;
                 let first = 3_000 + RUNS * step;
                 Some(pictures(&of.scene, Estimator::Light, first..first + RUNS, passes)?)
             }
             Oracle::Light => None,
-            Oracle::Apart => Some(default(&of.apart, 4_000 + RUNS * step)?),
+            Oracle::Apart => Some(default(&of.apart, 4_000 + RUNS * step, step)?),
         })
     };
-    let tested = default(&of.scene, 1_000)?;
+    let tested = default(&of.scene, 1_000, 0)?;
     let (mut doubts, mut asked, mut fresh) = (Vec::new(), Vec::new(), None);
     for oracle in Oracle::ALL {
         let Some(others) = runs_of(oracle, 0)? else { continue };
@@ -207,7 +274,7 @@ pub fn examine(of: &Snapped, effort: Effort) -> Result<Findings, FilmError> {
             continue;
         }
         if fresh.is_none() {
-            fresh = Some([default(&of.scene, 1_000 + RUNS)?, default(&narrowed, 5_000)?]);
+            fresh = Some([default(&of.scene, 1_000 + RUNS, 1)?, default(&narrowed, 5_000, 1)?]);
         }
         let [wide, narrow] = fresh.as_ref().expect("made above");
         let others = runs_of(oracle, 1)?.expect("was there before");
@@ -224,7 +291,7 @@ pub fn examine(of: &Snapped, effort: Effort) -> Result<Findings, FilmError> {
             }
         }));
     }
-    Ok(Findings { doubts, asked, strays: strays(&tested) })
+    Ok(Findings { doubts, asked, strays: strays(&tested), heaviest: heaviest(&of.scene) })
 }
 
 fn traced(scene: &BruteForce, first: u32, effort: Effort) -> Vec<Picture> {

@@ -10,6 +10,7 @@ use covbeam_render::media;
 use covbeam_render::photon::{PhotonRecord, PhotonTracer, Record};
 use covbeam_render::random::{Emission, Random};
 use covbeam_render::scene::Scene;
+use covbeam_render::shown::SmallLamps;
 use covbeam_render::starts::EyeStarts;
 use covbeam_render::surface::SurfaceMap;
 use glam::{DVec3, Vec3};
@@ -166,7 +167,7 @@ fn eye_segments(scene: &Scene) -> Vec<EyeSegment> {
         lamps: &lamps,
         surfaces: &surfaces,
         beyond: true,
-        shown: true,
+        shown: Some(&SmallLamps::default()),
     };
     let mut segments = Vec::new();
     for (y, x) in (0..16).flat_map(|y| (0..16).map(move |x| (y, x))) {

@@ -9,6 +9,7 @@ use crate::lamps::{LampTree, MOST_ASKED};
 use crate::media;
 use crate::optics::{Interior, facing_normal};
 use crate::scene::{MediumId, Scene};
+use crate::shown::SmallLamps;
 use crate::sight::{FirstFog, Sight};
 use crate::starts::{EyeStart, EyeStarts};
 use covbeam::{
@@ -77,12 +78,13 @@ impl FirstSurfaces {
         let camera = scene.camera;
         let [width, height] = [camera.width, camera.height];
         let (starts, fogs, lamps) = (EyeStarts::new(scene), media::all(scene), LampTree::new(scene));
+        let small = SmallLamps::new(scene);
         let looks: Option<Vec<Look>> = (0..width * height)
             .into_par_iter()
             .map(|pixel| {
                 let (x, y) = (pixel % width, pixel / width);
                 // Once a row.
-                (x > 0 || !cancelled()).then(|| Look::new(scene, &fogs, &lamps, &starts.middle(x, y)))
+                (x > 0 || !cancelled()).then(|| Look::new(scene, &fogs, &lamps, &small, &starts.middle(x, y)))
             })
             .collect();
         let seen = Seen { camera: &camera, fogs: &fogs, looks: looks? };
@@ -243,11 +245,11 @@ struct Look {
 }
 
 impl Look {
-    fn new(scene: &Scene, fogs: &[Medium], lamps: &LampTree, start: &EyeStart) -> Self {
+    fn new(scene: &Scene, fogs: &[Medium], lamps: &LampTree, small: &SmallLamps, start: &EyeStart) -> Self {
         let camera = &scene.camera;
         let Sight { fog, glows, end, surface } = Sight::new(scene, start);
         let depth = |distance: f32| camera.near + distance * camera.depth_along(start.direction);
-        let shown = scene.shown.undimmed(scene, start, end, surface.as_ref().map(|(hit, _)| hit));
+        let shown = scene.shown.undimmed(scene, small, start, end, surface.as_ref().map(|(hit, _)| hit));
         let is_black = !glows
             && shown == Vec3::ZERO
             && surface.as_ref().is_none_or(|(hit, _)| !scene.shows(scene.material(hit)));

@@ -10,6 +10,7 @@ use covbeam_render::media;
 use covbeam_render::photon::{PhotonRecord, PhotonTracer, Record};
 use covbeam_render::random::{Emission, Random};
 use covbeam_render::scene::{Lobes, Material, Scene, Sees};
+use covbeam_render::shown::SmallLamps;
 use covbeam_render::starts::{EyeStart, EyeStarts};
 use covbeam_render::surface::SurfaceMap;
 use glam::Vec3;
@@ -18,8 +19,8 @@ use glam::Vec3;
 fn seen(scene: &Scene, direction: Vec3, asked: [bool; 2], seed: u32) -> (Vec<EyeSegment>, ByKind) {
     let (fogs, surfaces) = (media::all(scene), SurfaceMap::empty());
     let starts = EyeStarts::new(scene);
-    let start =
-        EyeStart { origin: scene.camera.position, direction, interior: starts.interior(), sees: true };
+    let middle = starts.middle(0, 0);
+    let start = EyeStart { origin: scene.camera.position, direction, interior: starts.interior(), ..middle };
     let lamps = LampTree::new(scene);
     let tracer = EyeTracer {
         scene,
@@ -28,7 +29,7 @@ fn seen(scene: &Scene, direction: Vec3, asked: [bool; 2], seed: u32) -> (Vec<Eye
         lamps: &lamps,
         surfaces: &surfaces,
         beyond: true,
-        shown: true,
+        shown: Some(&SmallLamps::default()),
     };
     let mut segments = Vec::new();
     let mut random = Random::new([seed, 0, 0, 0]);

@@ -34,12 +34,15 @@ pub(crate) fn run(seed: u32, numbers: Range<u32>, width: u32, seconds: f64, out:
     display.finish();
     let suspects = rows.iter().map(|row| row.found.doubts.len()).sum();
     let level = level(suspects);
+    let heaviest = rows.iter().map(|row| row.found.heaviest).fold(0.0, f32::max);
     let spent: f64 = rows.iter().map(|row| row.seconds).sum();
     println!(
         "{count} snapped scenes of seed {seed}, from number {}, {width} x {width} pixels; {spent:.0} CPU-seconds\n",
         numbers.start
     );
-    println!("{suspects} suspects, judged at p = {level:.1e}\n");
+    println!(
+        "{suspects} suspects, judged at p = {level:.1e}; no light path weighs more than {heaviest:.1} times what it started with\n"
+    );
     println!(
         "| scene | against | failing blocks and rings | worst, default over oracle | with half the radius |\n|---|---|---|---|---|"
     );
@@ -62,16 +65,21 @@ pub(crate) fn run(seed: u32, numbers: Range<u32>, width: u32, seconds: f64, out:
                 row.number, row.found.strays
             );
         }
+        if row.found.is_too_heavy() {
+            println!(
+                "| {:03} | what paths start with | one weighs {:.0} times that | | |",
+                row.number, row.found.heaviest
+            );
+        }
     }
     println!();
     for (oracle, wrong) in Oracle::ALL.into_iter().zip(wrong) {
         let asked = rows.iter().filter(|row| row.found.asked.contains(&oracle)).count();
         println!("{oracle}: {wrong} of {asked} scenes differ");
     }
-    let fails = |row: &&Row| row.found.strays > 0 || row.found.doubts.iter().any(|doubt| doubt.fails(level));
     println!(
         "{} of {count} scenes fail; they are in {}",
-        rows.iter().filter(fails).count(),
+        rows.iter().filter(|row| row.found.fails(level)).count(),
         folder.display()
     );
     Ok(())
