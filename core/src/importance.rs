@@ -6,7 +6,6 @@
 //! importance is the same everywhere bring about as many photons in a dark pixel as in a bright one. Only
 //! probabilities follow from it: a wrong importance costs noise and never makes a picture wrong.
 
-use crate::math::exp;
 use crate::medium::{Density, Medium};
 use crate::voxels::{Dda, GridError, GridLayout, Lattice};
 use core::f64::consts::PI;
@@ -249,7 +248,7 @@ impl<'a> Importance<'a> {
             sum.beam += cell.beam * mean(seen_length);
             sum.scattered += cell.scattered * density * (seen_length.dot(medium.scattering) / 3.0);
         }
-        sum.transmittance = mean(walk.left(walk.column));
+        sum.transmittance = medium.mean_transmittance(walk.column);
         sum
     }
 }
@@ -275,9 +274,6 @@ struct Walk {
     origin: Vec3,
     direction: Vec3,
     uniform: bool,
-    extinction: Vec3,
-    /// Whether one channel's transmittance is that of all.
-    grey: bool,
     column: f32,
 }
 
@@ -291,8 +287,7 @@ impl Walk {
         let entry = if uniform { 1.0 } else { medium.density.at(origin + before * direction) };
         let column = entry * before;
         let sound = extinction.min_element() >= 0.0 && extinction.is_finite() && column >= 0.0;
-        let grey = extinction == Vec3::splat(extinction.x);
-        sound.then_some(Self { dda, layout: *layout, origin, direction, uniform, extinction, grey, column })
+        sound.then_some(Self { dda, layout: *layout, origin, direction, uniform, column })
     }
 
     fn next(&mut self, medium: &Medium) -> Option<Stretch> {
@@ -301,22 +296,10 @@ impl Walk {
         let density =
             if self.uniform { 1.0 } else { medium.density.at(self.origin + middle * self.direction) };
         let column = density * length;
-        let seen_length = length * self.left(self.column + 0.5 * column);
+        let seen_length = length * medium.transmittance(self.column + 0.5 * column);
         self.column += column;
         let cell = self.layout.index(voxel);
         Some(Stretch { cell, density, seen_length })
-    }
-
-    /// Transmittance of a column: one exponential in fog of one grey, which most is.
-    #[inline(always)]
-    fn left(&self, column: f32) -> Vec3 {
-        // 0 · ∞ would be NaN.
-        let depth = self.extinction * column.min(f32::MAX);
-        if self.grey {
-            Vec3::splat(exp(-depth.x))
-        } else {
-            Vec3::new(exp(-depth.x), exp(-depth.y), exp(-depth.z))
-        }
     }
 }
 
