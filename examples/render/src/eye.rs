@@ -74,6 +74,8 @@ pub struct EyeTracer<'a> {
     pub beyond: bool,
     /// Of the lamps that are shown those that are small in the picture; None: none are wanted that are shown.
     pub shown: Option<&'a SmallLamps>,
+    /// Whether those that are seen straight are looked for apart.
+    pub is_apart: bool,
 }
 
 /// A branch of an eye path still to be followed.
@@ -128,7 +130,7 @@ impl EyeTracer<'_> {
         }
         let scene = self.scene;
         let mut sent_out = Vec3::ZERO;
-        let mut branch = Branch::new(start);
+        let mut branch = Branch::new(start, true);
         let mut knots = Vec::new();
         for _ in 0..=MOST_BOUNDS {
             let hit = scene.intersect_flat(branch.origin, branch.direction, f32::INFINITY);
@@ -175,8 +177,8 @@ impl EyeTracer<'_> {
         let mut radiance = ByKind::default();
         let mut knots = Vec::new();
         let mut branches = smallvec::SmallVec::<[Branch; 8]>::new();
-        branches.extend(start.sees.then(|| Branch::new(start)));
-        if let Some(small) = self.shown {
+        branches.extend(start.sees.then(|| Branch::new(start, self.is_apart)));
+        if let Some(small) = self.shown.filter(|_| !self.is_apart) {
             radiance[Kind::Straight as usize] += small.radiance(scene, self.fogs, &self.starts, start);
         }
         while let Some(mut branch) = branches.pop() {
@@ -357,7 +359,7 @@ pub(crate) fn straight_irradiance(
 }
 
 impl Branch {
-    fn new(start: &EyeStart) -> Self {
+    fn new(start: &EyeStart, is_apart: bool) -> Self {
         Self {
             origin: start.origin,
             direction: start.direction,
@@ -366,7 +368,7 @@ impl Branch {
             depth: 0,
             met: 0,
             signature: FIRST,
-            watch: Watch::new(start.origin),
+            watch: Watch::new(start.origin, is_apart),
         }
     }
 
@@ -433,6 +435,7 @@ mod tests {
             surfaces: &surfaces,
             beyond: true,
             shown: Some(&SmallLamps::default()),
+            is_apart: false,
         };
         let seen = tracer.trace(&starts.middle(0, 0), 0, &mut Random::new([0; 4]), &mut Vec::new());
         assert_eq!(seen, ByKind::default());

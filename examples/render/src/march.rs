@@ -178,6 +178,7 @@ impl<'a> Marcher<'a> {
             surfaces: &surfaces,
             beyond: self.beyond,
             shown: Some(self.small),
+            is_apart: false,
         };
         let start = Instant::now();
         let spread = self.spread(&tracer);

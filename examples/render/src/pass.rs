@@ -621,6 +621,7 @@ impl<'a> Renderer<'a> {
             surfaces: &surfaces,
             beyond: self.beyond,
             shown: Some(&self.small),
+            is_apart: false,
         };
         let view = View {
             scene: self.scene,
@@ -779,8 +780,8 @@ impl<'a> Renderer<'a> {
         let pixel = corner[1] * self.scene.camera.width + corner[0];
         let mut random = Random::new([self.seed, index, pixel, SHOWN_KEY]);
         let start = self.starts.at(corner.map(|corner| corner as f32 + random.uniform()), [0.0; 2]);
-        self.scene.shown.straight(self.scene, &self.fogs, &self.small, &start)
-            + self.small.radiance(self.scene, &self.fogs, &self.starts, &start)
+        let seen = self.scene.shown.seen(self.scene, &self.small, &self.starts, &start);
+        seen.iter().map(|seen| seen.dimmed(self.scene, &self.fogs)).sum()
     }
 }
 

@@ -3,15 +3,18 @@
 //! Lamps hide nothing, as no shadow ray ends at one: what a ray sees of them is the sum of all whose shining sides it meets before a surface
 //! ends it. Those that shine on one side are not there from behind.
 
+mod border;
 mod small;
 
+pub(crate) use border::{Fill, Pixels};
 pub use small::SmallLamps;
 
 use crate::geometry::intersect_box;
 use crate::kind::Kind;
+use crate::optics::Interior;
 use crate::passage::passage;
 use crate::scene::{Light, Scene};
-use crate::starts::EyeStart;
+use crate::starts::{EyeStart, EyeStarts};
 use covbeam::Medium;
 use covbeam_geometry::hit::Hit;
 use glam::{DVec3, Vec3};
@@ -119,18 +122,25 @@ impl Shown {
         };
         self.far.iter().copied().for_each(&mut meet);
         let (o, d) = (origin.as_dvec3(), direction.as_dvec3());
+        let is_met = |min: DVec3, max: DVec3| {
+            intersect_box(min, max, o, d).is_some_and(|(near, far)| far > ends[0] && near <= ends[1])
+        };
+        self.visit(is_met, meet);
+    }
+
+    /// Lamps, by number, in boxes within larger ones that are all `wanted`, by corner.
+    fn visit(&self, wanted: impl Fn(DVec3, DVec3) -> bool, mut lamp: impl FnMut(u32)) {
         let mut waiting = SmallVec::<[[usize; 3]; 32]>::new();
         if !self.order.is_empty() {
             waiting.push([0, 0, self.order.len()]);
         }
         while let Some([node, first, count]) = waiting.pop() {
             let Node { min, max } = self.nodes[node];
-            let crossed = intersect_box(min, max, o, d);
-            if !crossed.is_some_and(|(near, far)| far > ends[0] && near <= ends[1]) {
+            if !wanted(min, max) {
                 continue;
             }
             if count == 1 {
-                meet(self.order[first]);
+                lamp(self.order[first]);
                 continue;
             }
             let half = count / 2;
@@ -159,31 +169,55 @@ impl Shown {
         large + small.undimmed(scene, start, end)
     }
 
-    /// Radiance of those that are not small and that an eye ray sees straight, through nothing but fog, its bounds, and what is transparent.
-    pub(crate) fn straight(
+    /// Of those that an eye ray sees straight, or asks for because they are small, what is seen if nothing dims or hides it.
+    pub(crate) fn seen(
         &self,
         scene: &Scene,
-        fogs: &[Medium],
         small: &SmallLamps,
+        starts: &EyeStarts,
         start: &EyeStart,
-    ) -> Vec3 {
-        if self.is_empty() || !start.sees {
-            return Vec3::ZERO;
+    ) -> Vec<Sighting> {
+        let mut seen = Vec::new();
+        if !self.is_empty() && start.sees {
+            let mut met = Meetings::new();
+            let wanted = |lamp| !small.has(lamp);
+            let ends = [0.0, f64::INFINITY];
+            self.met(&scene.lights, wanted, start.origin, start.direction, ends, &mut met);
+            self.add_seen(scene, &met, start, &mut seen);
+            small.add_seen(scene, starts, start, &mut seen);
         }
+        seen
+    }
+
+    /// What an eye ray meets, as it is seen.
+    fn add_seen(&self, scene: &Scene, met: &Meetings, start: &EyeStart, seen: &mut Vec<Sighting>) {
         let EyeStart { origin, direction, interior, .. } = *start;
-        let mut met = Meetings::new();
-        let wanted = |lamp| !small.has(lamp);
-        self.met(&scene.lights, wanted, origin, direction, [0.0, f64::INFINITY], &mut met);
         // Beyond all that the scene has, for what is infinitely far away.
         let (middle, around) =
             self.far.first().map_or((origin, 0.0), |&lamp| scene.lights[lamp as usize].middle());
         let beyond = f64::from(origin.distance(middle) + around);
-        let seen = |(distance, radiance): &(f64, Vec3)| {
-            let distance = if distance.is_finite() { *distance } else { beyond };
-            let place = origin.as_dvec3() + distance * direction.as_dvec3();
-            *radiance * passage(scene, fogs, interior, origin, place.as_vec3())
-        };
-        met.iter().map(seen).sum()
+        seen.extend(met.iter().map(|&(distance, radiance)| {
+            let distance = if distance.is_finite() { distance } else { beyond };
+            let place = (origin.as_dvec3() + distance * direction.as_dvec3()).as_vec3();
+            Sighting { radiance, eye: origin, interior, place }
+        }));
+    }
+}
+
+/// A lamp that may be seen straight.
+pub(crate) struct Sighting {
+    /// If nothing dims it.
+    radiance: Vec3,
+    /// From where, inside of what.
+    eye: Vec3,
+    interior: Interior,
+    place: Vec3,
+}
+
+impl Sighting {
+    /// Radiance of what is seen of it, through nothing but fog, its bounds, and what is transparent.
+    pub(crate) fn dimmed(&self, scene: &Scene, fogs: &[Medium]) -> Vec3 {
+        self.radiance * passage(scene, fogs, self.interior, self.eye, self.place)
     }
 }
 
@@ -205,6 +239,8 @@ pub(crate) struct Watch {
     looked: f64,
     /// Whether it starts at the camera: small lamps are asked for there.
     is_first: bool,
+    /// Whether all others are looked for apart, too, on the line that starts at the camera.
+    is_apart: bool,
 }
 
 /// Which lamps are seen: each way from a lamp to the camera counts once. Diffuse surfaces and fog end eye paths.
@@ -220,8 +256,10 @@ enum Sees {
 
 impl Watch {
     /// From the camera.
-    pub(crate) fn new(origin: Vec3) -> Self {
-        Self { sees: Sees::Shown, origin, looked: 0.0, is_first: true }
+    ///
+    /// - `is_apart`: whether other rays look for lamps there.
+    pub(crate) fn new(origin: Vec3, is_apart: bool) -> Self {
+        Self { sees: Sees::Shown, origin, looked: 0.0, is_first: true, is_apart }
     }
 
     /// The same on another line.
@@ -258,7 +296,7 @@ impl Watch {
         let mut met = Meetings::new();
         let is_blind = match self.sees {
             Sees::None => true,
-            Sees::Shown => small.is_none() || scene.shown.is_empty(),
+            Sees::Shown => small.is_none() || scene.shown.is_empty() || self.is_first && self.is_apart,
             Sees::All => false,
         };
         if is_blind || !scene.shows_surfaces() {

@@ -126,8 +126,16 @@ fn eye_pieces(scene: &Scene, fogs: &[Medium]) -> Vec<EyeSegment> {
     let starts = EyeStarts::new(scene);
     let surfaces = SurfaceMap::empty();
     let lamps = LampTree::new(scene);
-    let tracer =
-        EyeTracer { scene, fogs, starts, lamps: &lamps, surfaces: &surfaces, beyond: true, shown: None };
+    let tracer = EyeTracer {
+        scene,
+        fogs,
+        starts,
+        lamps: &lamps,
+        surfaces: &surfaces,
+        beyond: true,
+        shown: None,
+        is_apart: false,
+    };
     let mut pieces: Vec<EyeSegment> = Vec::new();
     for node in 0..LATTICE * LATTICE {
         let at = |index: u32, count: u32| (index as f32 + 0.5) / LATTICE as f32 * count as f32;

@@ -6,9 +6,10 @@ use crate::faint::{Runs, is_faint};
 use crate::geometry::intersect_box;
 use crate::kind::{Kind, MOST_LAYERS};
 use crate::plan::Plan;
-use crate::random::{Random, spread};
+use crate::random::Random;
 use crate::samples::{PassImage, Room, Seen, SparseSample};
 use crate::scene::Scene;
+use crate::shown::Pixels;
 use crate::starts::EyeStart;
 use crate::straight::Straight;
 use crate::surface::SurfaceMap;
@@ -31,6 +32,13 @@ const PLACES: u32 = 16;
 
 /// Purpose of random numbers.
 const LOOK_KEY: u32 = 0x100c_0000;
+
+/// The same, of which lamps that are seen are asked whether anything hides them.
+const LAMPS_KEY: u32 = 0x1a4b_0000;
+
+/// Sequences of places in a pixel: of a pass' eye rays, and of others beside them.
+const OFFSET_KEY: u32 = 0xca3e7a;
+const OTHERS_KEY: u32 = 0x07e5;
 
 /// Beams of a layer of light that are seen through the same kernel.
 pub(crate) struct BeamView<'a> {
@@ -74,6 +82,8 @@ struct Wanted {
     /// Rays that look for its light, itself and others beside it: for straight light only, unless it is blurred.
     looks: u32,
     is_blurred: bool,
+    /// Whether the border of a lamp crosses it: rays that look for nothing else see those straight ahead.
+    has_lamp_border: bool,
 }
 
 impl Wanted {
@@ -149,11 +159,21 @@ impl View<'_> {
             .map(move |place| (x0 + every_second_bit(place), y0 + every_second_bit(place >> 1)));
         pixels.filter(move |(x, y)| *x < width && *y < height).filter_map(|(x, y)| {
             let fog = [self.plans.is_empty(); MOST_LAYERS];
-            let mut wanted = Wanted { x, y, fog, surfaces: self.wants_rest, looks: 1, is_blurred: false };
+            let mut wanted = Wanted {
+                x,
+                y,
+                fog,
+                surfaces: self.wants_rest,
+                looks: 1,
+                is_blurred: false,
+                has_lamp_border: false,
+            };
             if let Some(plan) = self.plans.first() {
                 let surfaces = plan.surfaces();
                 wanted.surfaces &= surfaces.are_wanted(x, y, self.pass, self.seed);
                 wanted.is_blurred = surfaces.is_blurred(x, y);
+                wanted.has_lamp_border =
+                    wanted.surfaces && self.tracer.beyond && surfaces.has_lamp_border(x, y);
                 if wanted.is_blurred || self.straight.is_some() && surfaces.has_edge(x, y) {
                     wanted.looks = LOOKS;
                 }
@@ -209,12 +229,13 @@ impl View<'_> {
     fn trace(&self, index: usize, look: &Look, seen: &mut Seen, segments: &mut Vec<EyeSegment>) {
         let &Look { ref wanted, ray, number, .. } = look;
         let sample = &mut seen.rays[ray];
-        let start = self.start(wanted, sample.pixel, number);
+        let start = self.start(wanted, sample.pixel, (number, wanted.looks));
         let key = if number == 0 { 0xe7e } else { LOOK_KEY ^ number };
         let mut random = Random::new([self.seed, self.pass, sample.pixel, key]);
         let first = segments.len();
         let asked = [wanted.fog_count() > 0, wanted.surfaces];
-        let mut light = self.tracer.trace_wanted(&start, index as u32, asked, &mut random, segments);
+        let tracer = EyeTracer { is_apart: wanted.has_lamp_border, ..self.tracer };
+        let mut light = tracer.trace_wanted(&start, index as u32, asked, &mut random, segments);
         if wanted.is_blurred {
             let share = 1.0 / wanted.looks as f32;
             light.iter_mut().for_each(|light| *light *= share);
@@ -223,13 +244,25 @@ impl View<'_> {
             light[Kind::Straight as usize] /= wanted.looks as f32;
         }
         sample.light.iter_mut().zip(light).for_each(|(sum, light)| *sum += light);
+        if let Some(small) = tracer.shown.filter(|_| wanted.has_lamp_border && number == 0) {
+            let start = |look, looks| self.start(wanted, sample.pixel, (look, looks));
+            let pixels = Pixels { scene: self.scene, small, starts: &tracer.starts };
+            let shift = Random::new([self.seed, self.pass, sample.pixel, LAMPS_KEY]).uniform();
+            sample.light[Kind::Straight as usize] +=
+                pixels.radiance(self.fogs, [wanted.x, wanted.y], start, shift);
+        }
     }
 
-    /// Where one of the rays through a pixel starts.
-    fn start(&self, wanted: &Wanted, pixel: u32, look: u32) -> EyeStart {
-        let place = spread(pixel_offset(self.seed, self.pass), look as usize);
+    /// Where a look of several rays through a pixel starts.
+    fn start(&self, wanted: &Wanted, pixel: u32, (look, looks): (u32, u32)) -> EyeStart {
+        let before = u64::from(self.pass - 1);
+        let place = match u64::from(look) {
+            0 => pixel_offset(self.seed, self.pass),
+            // No look of another pass is at the same place.
+            look => pixel_point(self.seed, OTHERS_KEY, before * u64::from(looks - 1) + look),
+        };
         let starts = &self.tracer.starts;
-        let lens = starts.place_in_lens(self.seed, pixel, (self.pass - 1).wrapping_mul(wanted.looks) + look);
+        let lens = starts.place_in_lens(self.seed, pixel, (self.pass - 1).wrapping_mul(looks) + look);
         starts.at([wanted.x as f32 + place[0], wanted.y as f32 + place[1]], lens)
     }
 
@@ -356,13 +389,14 @@ impl View<'_> {
             seen.add(ray, samples[0], segment, Kind::Straight, radiance);
         }
         let no_photons = SurfaceMap::empty();
-        let tracer = EyeTracer { surfaces: &no_photons, ..self.tracer };
+        let of_light = EyeTracer { surfaces: &no_photons, ..self.tracer };
         for &Look { ref wanted, ray, samples, .. } in
             scratch.looks.iter().filter(|look| !look.wanted.is_blurred)
         {
             let pixel = seen.rays[ray].pixel;
+            let tracer = EyeTracer { is_apart: wanted.has_lamp_border, ..of_light };
             for look in 1..wanted.looks {
-                let start = self.start(wanted, pixel, look);
+                let start = self.start(wanted, pixel, (look, wanted.looks));
                 let mut random = Random::new([self.seed, self.pass, pixel, LOOK_KEY ^ look]);
                 let asked = [wanted.fog[0], wanted.surfaces];
                 let pieces = &mut scratch.pieces;
@@ -400,8 +434,13 @@ struct Scratch {
 
 /// Where in the pixel the eye rays of a pass start: Roberts' R2 sequence, which fills the pixel evenly over the passes.
 pub(crate) fn pixel_offset(seed: u32, index: u32) -> [f32; 2] {
-    let mut random = Random::new([seed, 0, 0, 0xca3e7a]);
-    let turn = |start: f32, step: f64| (f64::from(start) + step * f64::from(index)).fract() as f32;
+    pixel_point(seed, OFFSET_KEY, u64::from(index))
+}
+
+/// A point of such a sequence.
+fn pixel_point(seed: u32, key: u32, index: u64) -> [f32; 2] {
+    let mut random = Random::new([seed, 0, 0, key]);
+    let turn = |start: f32, step: f64| (f64::from(start) + step * index as f64).fract() as f32;
     [turn(random.uniform(), 0.754_877_666_246_692_7), turn(random.uniform(), 0.569_840_290_998_053_2)]
         .map(|offset| offset.min(1.0 - f32::EPSILON))
 }

@@ -168,6 +168,7 @@ fn eye_segments(scene: &Scene) -> Vec<EyeSegment> {
         surfaces: &surfaces,
         beyond: true,
         shown: Some(&SmallLamps::default()),
+        is_apart: false,
     };
     let mut segments = Vec::new();
     for (y, x) in (0..16).flat_map(|y| (0..16).map(move |x| (y, x))) {

@@ -36,7 +36,7 @@ impl Lens {
     }
 
     /// Farthest that a place is from the middle, at most [scene unit].
-    pub(super) fn reach(&self) -> f32 {
+    pub(crate) fn reach(&self) -> f32 {
         self.radius * self.ratio.recip().max(1.0)
     }
 }

@@ -162,7 +162,8 @@ impl<'a> Look<'a> {
         let Self { scene, fogs, starts, ref surfaces, .. } = *self;
         let lamps = self.straight.lamps;
         // Lamps have no noise that paths could be spent on, and what is dark beside them counts as much as ever.
-        let eye = EyeTracer { scene, fogs, starts, lamps, surfaces, beyond: true, shown: None };
+        let eye =
+            EyeTracer { scene, fogs, starts, lamps, surfaces, beyond: true, shown: None, is_apart: false };
         memory.segments.clear();
         let mut radiance = eye.trace(start, number, random, &mut memory.segments);
         if radiance[Kind::Straight as usize] != Vec3::ZERO {

@@ -29,7 +29,8 @@ const MOST: f32 = 64.0;
 /// Nothing goes on with less than this probability, so that what is worth more than it seems is not worth a tenfold surprise.
 const LEAST: f32 = 0.1;
 
-/// And nothing with more than so many times the power that a path has on average, in any channel, times its [`Limits`](weight::Limits).
+/// And nothing with more than so many times the power that a path has on average, in any channel, or its [`Limits`](weight::Limits) if these are more
+/// far out; of long paths as many times more as they may weigh.
 pub(super) const MOST_POWER: f32 = 20.0;
 
 /// Of a direction's expected worth, this share of the mean one's is taken for granted.
@@ -117,7 +118,8 @@ impl Tree<'_, '_> {
 
     /// One over the most power that a path may have in each channel.
     fn most(&self, place: Vec3, depth: u32) -> Vec3 {
-        inverse(MOST_POWER * self.power * self.tracer.limits.at(place, depth))
+        let near = Vec3::splat(MOST_POWER * patience(depth));
+        inverse(self.power * self.tracer.limits.at(place, depth).max(near))
     }
 
     /// One segment, what it scatters on its way, and the event at its end.

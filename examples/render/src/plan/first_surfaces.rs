@@ -9,9 +9,9 @@ use crate::lamps::{LampTree, MOST_ASKED};
 use crate::media;
 use crate::optics::{Interior, facing_normal};
 use crate::scene::{MediumId, Scene};
-use crate::shown::SmallLamps;
+use crate::shown::{Fill, Pixels, SmallLamps};
 use crate::sight::{FirstFog, Sight};
-use crate::starts::{EyeStart, EyeStarts};
+use crate::starts::EyeStarts;
 use covbeam::{
     EyeRay, FilmLattice, FluenceGrid, ImageSpectrum, Knot, Medium, PixelStep, RegionNode, film_regions,
     part_regions,
@@ -55,6 +55,8 @@ pub struct FirstSurfaces {
     black: Vec<bool>,
     /// Of each pixel: whether a silhouette, the border of a shadow on it or that of a lamp crosses it.
     edge: Vec<bool>,
+    /// Of each pixel: whether the border of a lamp that is seen crosses it, or a silhouette one that lamps fill.
+    lamp_border: Vec<bool>,
     /// Of each pixel: whether a lens blurs a silhouette into it. Empty: there is no lens, or no such pixel.
     blurred: Vec<bool>,
     regions: Arc<Vec<u32>>,
@@ -84,7 +86,7 @@ impl FirstSurfaces {
             .map(|pixel| {
                 let (x, y) = (pixel % width, pixel / width);
                 // Once a row.
-                (x > 0 || !cancelled()).then(|| Look::new(scene, &fogs, &lamps, &small, &starts.middle(x, y)))
+                (x > 0 || !cancelled()).then(|| Look::new(scene, &fogs, &lamps, &small, &starts, [x, y]))
             })
             .collect();
         let seen = Seen { camera: &camera, fogs: &fogs, looks: looks? };
@@ -102,6 +104,12 @@ impl FirstSurfaces {
             .into_par_iter()
             .map(|pixel| (pixel % width > 0 || !cancelled()).then(|| seen.is_black_or_edge(pixel, &regions)));
         let (black, edge) = marks.collect::<Option<Vec<(bool, bool)>>>()?.into_iter().unzip();
+        let border = |(look, region): (&Look, &u32)| match look.lamps {
+            Fill::Empty => false,
+            Fill::Even => *region == 0,
+            Fill::Uneven => true,
+        };
+        let lamp_border = seen.looks.iter().zip(&regions).map(border).collect();
         let has_fog = seen.looks.iter().any(|look| look.fog.is_some());
         Some(Self {
             camera,
@@ -109,6 +117,7 @@ impl FirstSurfaces {
             has_fog,
             black,
             edge,
+            lamp_border,
             blurred,
             regions: Arc::new(regions),
             lattice,
@@ -135,6 +144,7 @@ impl FirstSurfaces {
             all.has_fog |= instant.has_fog;
             all.black.iter_mut().zip(instant.black).for_each(|(all, black)| *all &= black);
             all.edge.iter_mut().zip(instant.edge).for_each(|(all, edge)| *all |= edge);
+            all.lamp_border.iter_mut().zip(instant.lamp_border).for_each(|(all, border)| *all |= border);
             if all.blurred.len() < instant.blurred.len() {
                 all.blurred.resize(pixels, false);
             }
@@ -161,6 +171,11 @@ impl FirstSurfaces {
     /// Whether a silhouette, the border of a shadow on a surface or that of a lamp crosses pixel (x, y).
     pub fn has_edge(&self, x: u32, y: u32) -> bool {
         self.edge[self.index(x, y)]
+    }
+
+    /// Whether the border of a lamp that is seen crosses pixel (x, y), or a silhouette hides a part of one.
+    pub fn has_lamp_border(&self, x: u32, y: u32) -> bool {
+        self.lamp_border[self.index(x, y)]
     }
 
     /// Whether the lens blurs a silhouette into pixel (x, y): it sees more than what is behind its middle.
@@ -242,23 +257,35 @@ struct Look {
     is_black: bool,
     /// Straight light on the surface, up to a factor, and that of lamps before it.
     lit: f32,
+    /// What lamps fill of the pixel.
+    lamps: Fill,
 }
 
 impl Look {
-    fn new(scene: &Scene, fogs: &[Medium], lamps: &LampTree, small: &SmallLamps, start: &EyeStart) -> Self {
-        let camera = &scene.camera;
+    /// - `[x, y]`: the pixel.
+    fn new(
+        scene: &Scene,
+        fogs: &[Medium],
+        lamps: &LampTree,
+        small: &SmallLamps,
+        starts: &EyeStarts,
+        [x, y]: [u32; 2],
+    ) -> Self {
+        let (camera, start) = (&scene.camera, &starts.middle(x, y));
         let Sight { fog, glows, end, surface } = Sight::new(scene, start);
+        let lamps_seen = Pixels { scene, small, starts }.fill([x, y]);
         let depth = |distance: f32| camera.near + distance * camera.depth_along(start.direction);
         let shown = scene.shown.undimmed(scene, small, start, end, surface.as_ref().map(|(hit, _)| hit));
         let is_black = !glows
             && shown == Vec3::ZERO
+            && lamps_seen != Fill::Uneven
             && surface.as_ref().is_none_or(|(hit, _)| !scene.shows(scene.material(hit)));
         let surface = surface.filter(|_| scene.shows_surfaces());
         let of_surface =
             surface.map_or(0.0, |(hit, interior)| lit(scene, fogs, lamps, interior, start.direction, &hit));
         let lit = of_surface + PI * shown.element_sum();
         let begins = fog.map_or(f32::INFINITY, |fog| depth(fog.from));
-        Self { fog, depth: depth(end), start: begins, is_black, lit }
+        Self { fog, depth: depth(end), start: begins, is_black, lit, lamps: lamps_seen }
     }
 }
 

@@ -3,7 +3,7 @@
 //! A ray somewhere through a pixel meets what fills a hundredth of it once in a hundred passes, and sees a hundred times what the pixel has then:
 //! white dots. A point of the lamp has all of its light, or where its pixel is another one none.
 
-use crate::passage::passage;
+use super::Sighting;
 use crate::scene::{Light, Scene};
 use crate::starts::{EyeStart, EyeStarts};
 use covbeam::Medium;
@@ -74,7 +74,7 @@ impl SmallLamps {
         self.lamps.binary_search(&lamp).is_ok()
     }
 
-    fn in_pixel(&self, scene: &Scene, start: &EyeStart) -> &[(u32, u32)] {
+    pub(super) fn in_pixel(&self, scene: &Scene, start: &EyeStart) -> &[(u32, u32)] {
         if self.places.is_empty() {
             return &[];
         }
@@ -84,8 +84,27 @@ impl SmallLamps {
         &self.places[first..first + count]
     }
 
-    /// Mean radiance, over the pixel that an eye ray goes through, of those that are seen there through nothing but fog, its bounds, and what is
-    /// transparent.
+    /// Those of the pixel that an eye ray goes through, each of the mean radiance that it has there.
+    pub(super) fn add_seen(
+        &self,
+        scene: &Scene,
+        starts: &EyeStarts,
+        start: &EyeStart,
+        found: &mut Vec<Sighting>,
+    ) {
+        let of_lamp = |&(place, lamp): &(u32, u32)| {
+            // Where in their pixels the rays of a pass lie, which is the same for all of them: so they ask for one point of the lamp, that has its
+            // light in one of the pixels.
+            let turn = |number: f32, step: f32| (number.fract() + (lamp as f32 * step).fract()).fract();
+            let xi = [turn(start.place[0], TURNS[0]), turn(start.place[1], TURNS[1])];
+            let (radiance, from, at) = seen(&scene.lights[lamp as usize], scene, xi)?;
+            let (eye, interior) = starts.towards(from - scene.camera.position);
+            (pixel(scene, at) == place).then_some(Sighting { radiance, eye, interior, place: from })
+        };
+        found.extend(self.in_pixel(scene, start).iter().filter_map(of_lamp));
+    }
+
+    /// Their light, after what dims and hides it.
     pub(crate) fn radiance(
         &self,
         scene: &Scene,
@@ -93,24 +112,12 @@ impl SmallLamps {
         starts: &EyeStarts,
         start: &EyeStart,
     ) -> Vec3 {
-        let of_lamp = |&(place, lamp): &(u32, u32)| {
-            // Where in their pixels the rays of a pass lie, which is the same for all of them: so they ask for one point of the lamp, that has its
-            // light in one of the pixels.
-            let turn = |number: f32, step: f32| (number.fract() + (lamp as f32 * step).fract()).fract();
-            let xi = [turn(start.place[0], TURNS[0]), turn(start.place[1], TURNS[1])];
-            let Some((radiance, from, at)) = seen(&scene.lights[lamp as usize], scene, xi) else {
-                return Vec3::ZERO;
-            };
-            if pixel(scene, at) != place {
-                return Vec3::ZERO;
-            }
-            let (eye, interior) = starts.towards(from - scene.camera.position);
-            radiance * passage(scene, fogs, interior, eye, from)
-        };
-        self.in_pixel(scene, start).iter().map(of_lamp).sum()
+        let mut seen = Vec::new();
+        self.add_seen(scene, starts, start, &mut seen);
+        seen.iter().map(|seen| seen.dimmed(scene, fogs)).sum()
     }
 
-    /// About the same of those nearer than `end`, if nothing dims them and they lie in no other pixel.
+    /// Of those nearer than `end`, if nothing dims them and they lie in no other pixel.
     pub(super) fn undimmed(&self, scene: &Scene, start: &EyeStart, end: f64) -> Vec3 {
         let of_lamp = |&(_, lamp): &(u32, u32)| match seen(&scene.lights[lamp as usize], scene, [0.5; 2]) {
             Some((radiance, from, _)) if f64::from(from.distance(scene.camera.position)) <= end => radiance,

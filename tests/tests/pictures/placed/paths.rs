@@ -30,6 +30,7 @@ fn seen(scene: &Scene, direction: Vec3, asked: [bool; 2], seed: u32) -> (Vec<Eye
         surfaces: &surfaces,
         beyond: true,
         shown: Some(&SmallLamps::default()),
+        is_apart: false,
     };
     let mut segments = Vec::new();
     let mut random = Random::new([seed, 0, 0, 0]);
