@@ -55,7 +55,7 @@ pub struct FirstSurfaces {
     black: Vec<bool>,
     /// Of each pixel: whether a silhouette, the border of a shadow on it or that of a lamp crosses it.
     edge: Vec<bool>,
-    /// Of each pixel: whether the border of a lamp that is seen crosses it, or a silhouette one that lamps fill.
+    /// Of each pixel: whether the border of a lamp that is seen crosses it, or an edge what lamps fill.
     lamp_border: Vec<bool>,
     /// Of each pixel: whether a lens blurs a silhouette into it. Empty: there is no lens, or no such pixel.
     blurred: Vec<bool>,
@@ -103,13 +103,14 @@ impl FirstSurfaces {
         let marks = (0..width * height)
             .into_par_iter()
             .map(|pixel| (pixel % width > 0 || !cancelled()).then(|| seen.is_black_or_edge(pixel, &regions)));
-        let (black, edge) = marks.collect::<Option<Vec<(bool, bool)>>>()?.into_iter().unzip();
-        let border = |(look, region): (&Look, &u32)| match look.lamps {
+        let (black, edge): (Vec<bool>, Vec<bool>) =
+            marks.collect::<Option<Vec<(bool, bool)>>>()?.into_iter().unzip();
+        let border = |(look, edge): (&Look, &bool)| match look.lamps {
             Fill::Empty => false,
-            Fill::Even => *region == 0,
+            Fill::Even => *edge,
             Fill::Uneven => true,
         };
-        let lamp_border = seen.looks.iter().zip(&regions).map(border).collect();
+        let lamp_border = seen.looks.iter().zip(&edge).map(border).collect();
         let has_fog = seen.looks.iter().any(|look| look.fog.is_some());
         Some(Self {
             camera,
