@@ -328,7 +328,17 @@ impl Seen<'_> {
             (0, _) | (_, 0) => 0,
             pair => *labels.entry((pair, kind(look))).or_insert(number),
         });
-        Some(labelled.collect())
+        let mut labelled: Vec<u32> = labelled.collect();
+        // Fogs side by side start and end as far away as each other, and where one begins pixels see both.
+        let width = self.camera.width;
+        for (pixel, label) in (0..).zip(&mut labelled) {
+            let mut around = around(self.camera, pixel % width, pixel / width);
+            let own = kind(&self.looks[pixel as usize]);
+            if around.any(|other| kind(&self.looks[other]) != own) {
+                *label = 0;
+            }
+        }
+        Some(labelled)
     }
 
     /// Which pixels the lens blurs a border into; empty: none.
@@ -483,6 +493,40 @@ mod tests {
         // At the first, no silhouette is where the last has one.
         assert!((0..regions.len()).any(|pixel| at(pixel)[0] != 0 && regions[pixel] == 0));
         assert_eq!(all.fog.len(), 3);
+    }
+
+    /// Two fogs in one box of four metres, the border between them within a pixel, next to one or on its side: what sees both is in no region.
+    #[test]
+    fn fogs_side_by_side_have_a_border_between_them() {
+        for (border, seen) in [(0.13_f32, [8, 9]), (0.01, [7, 8]), (0.0, [7, 8])] {
+            let text = format!(
+                "[camera]\nposition = [0, 0, -6]\nlook_at = [0, 0, 0]\nprojection = \"orthographic\"\n\
+                 vertical_size = 2\nwidth = 16\nheight = 8\n\
+                 [[medium]]\nname = \"upper\"\nscattering = 1\nabsorption = 0\n\
+                 [[medium]]\nname = \"lower\"\nscattering = 0.1\nabsorption = 0\n\
+                 [[object]]\nshape = \"box\"\nmin = [-9, -9, 0]\nmax = [{x}, 9, 4]\nmaterial = {{ dielectric = {{ index = 1 }} }}\n\
+                 inside = \"upper\"\n\
+                 [[object]]\nshape = \"box\"\nmin = [{x}, -9, 0]\nmax = [9, 9, 4]\nmaterial = {{ dielectric = {{ index = 1 }} }}\n\
+                 inside = \"lower\"\n\
+                 [[light]]\nkind = \"point\"\nposition = [0, 4, 0]\nintensity = 1\n",
+                // The camera's right hand is at -x.
+                x = -border,
+            );
+            let scene = Scene::parse(&text, "two fogs", Path::new("")).expect("a valid scene");
+            let found = FirstSurfaces::new(&scene, &|| false).expect("never cancelled");
+            for row in found.regions.chunks(16) {
+                let (left, right) = (row[0], row[15]);
+                assert!(left != 0 && right != 0 && left != right, "{border}: {row:?}");
+                for (column, &region) in row.iter().enumerate() {
+                    let expected = if column < seen[0] { left } else { right };
+                    let is_border = seen.contains(&column) && region == 0;
+                    assert!(region == expected || is_border, "{border}, {column}: {row:?}");
+                }
+                // What a pixel sees on both sides of its middle.
+                let split = (8.0 + 4.0 * border).floor() as usize;
+                assert!(border == 0.0 || row[split] == 0, "{border}: {row:?}");
+            }
+        }
     }
 
     #[test]
