@@ -6,7 +6,7 @@ use crate::faint::{Runs, is_faint};
 use crate::geometry::intersect_box;
 use crate::kind::{Kind, MOST_LAYERS};
 use crate::plan::Plan;
-use crate::random::Random;
+use crate::random::{Random, spread};
 use crate::samples::{PassImage, Room, Seen, SparseSample};
 use crate::scene::Scene;
 use crate::shown::Pixels;
@@ -440,9 +440,7 @@ pub(crate) fn pixel_offset(seed: u32, index: u32) -> [f32; 2] {
 /// A point of such a sequence.
 fn pixel_point(seed: u32, key: u32, index: u64) -> [f32; 2] {
     let mut random = Random::new([seed, 0, 0, key]);
-    let turn = |start: f32, step: f64| (f64::from(start) + step * index as f64).fract() as f32;
-    [turn(random.uniform(), 0.754_877_666_246_692_7), turn(random.uniform(), 0.569_840_290_998_053_2)]
-        .map(|offset| offset.min(1.0 - f32::EPSILON))
+    spread([random.uniform(), random.uniform()], index as usize)
 }
 
 #[cfg(test)]

@@ -98,8 +98,10 @@ impl SmallLamps {
             let turn = |number: f32, step: f32| (number.fract() + (lamp as f32 * step).fract()).fract();
             let xi = [turn(start.place[0], TURNS[0]), turn(start.place[1], TURNS[1])];
             let (radiance, from, at) = seen(&scene.lights[lamp as usize], scene, xi)?;
-            let (eye, interior) = starts.towards(from - scene.camera.position);
-            (pixel(scene, at) == place).then_some(Sighting { radiance, eye, interior, place: from })
+            (pixel(scene, at) == place).then(|| {
+                let (eye, interior) = starts.towards(from - scene.camera.position);
+                Sighting { radiance, eye, interior, place: from }
+            })
         };
         found.extend(self.in_pixel(scene, start).iter().filter_map(of_lamp));
     }
@@ -117,7 +119,7 @@ impl SmallLamps {
         seen.iter().map(|seen| seen.dimmed(scene, fogs)).sum()
     }
 
-    /// Of those nearer than `end`, if nothing dims them and they lie in no other pixel.
+    /// About the radiance of those nearer than `end`, if nothing dims them and they lie in no other pixel.
     pub(super) fn undimmed(&self, scene: &Scene, start: &EyeStart, end: f64) -> Vec3 {
         let of_lamp = |&(_, lamp): &(u32, u32)| match seen(&scene.lights[lamp as usize], scene, [0.5; 2]) {
             Some((radiance, from, _)) if f64::from(from.distance(scene.camera.position)) <= end => radiance,
