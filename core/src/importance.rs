@@ -290,6 +290,7 @@ impl Walk {
         sound.then_some(Self { dda, layout: *layout, origin, direction, uniform, column })
     }
 
+    #[inline(always)]
     fn next(&mut self, medium: &Medium) -> Option<Stretch> {
         let (voxel, from, to) = self.dda.next_cell()?;
         let (middle, length) = ((0.5 * (from + to)) as f32, (to - from) as f32);

@@ -92,7 +92,7 @@ impl Medium<'_> {
     /// ```
     // Eight-wide twin: beam_map/eight.rs.
     #[doc(alias = "Beer-Lambert")]
-    #[inline]
+    #[inline(always)]
     pub fn transmittance(&self, column: f32) -> Vec3 {
         let extinction = self.extinction();
         let red = attenuation(extinction.x, column);

@@ -21,6 +21,11 @@ const ALONG: f64 = 256.0;
 /// Surfaces of which one is met.
 pub(crate) type Faces = SmallVec<[Hit; 2]>;
 
+/// Surfaces farther than this from a hit, along the ray, are not at its place \[m\].
+pub(crate) fn reach(hit: &Hit) -> f64 {
+    4.0 * ALONG * APART * f64::from(hit.offset)
+}
+
 impl Scene {
     /// Of the surfaces where a ray along `direction` meets `hit` the one that decides: one that is more than a bound or glass; else the
     /// dielectric that wins where all of them overlap; else `hit`.
@@ -107,7 +112,7 @@ impl Scene {
             for root in [Some(near), Some(far).filter(|far| *far != near)].into_iter().flatten() {
                 let gap = root - own;
                 // False where there is none.
-                if gap.abs() <= 4.0 * window {
+                if gap.abs() <= reach(hit) {
                     let face = describe(object, number, place + root * along, 0.0, None);
                     faces.extend(is_there(&face, gap).then_some(face));
                 }

@@ -9,6 +9,7 @@ use covbeam_geometry::instances::{InstanceHit, Instances};
 use covbeam_geometry::triangles::TriangleHit;
 use glam::{DVec3, Vec3};
 
+use crate::coincident::reach;
 use crate::placed::hair;
 use crate::scene::{Material, Object, Placed, Scene, Shape};
 
@@ -35,19 +36,22 @@ impl Scene {
         max_distance: f32,
         describe_placed: impl Fn(&Instances, &InstanceHit) -> Hit,
     ) -> Option<Hit> {
-        let hit = self.first(origin, direction, max_distance, &describe_placed)?;
-        Some(self.deciding(hit, direction, &describe_placed))
+        let (hit, is_alone) = self.first(origin, direction, max_distance, &describe_placed)?;
+        Some(if is_alone { hit } else { self.deciding(hit, direction, &describe_placed) })
     }
 
+    /// The nearest hit, and whether it is certain that no other object is at its place.
     fn first(
         &self,
         origin: Vec3,
         direction: Vec3,
         max_distance: f32,
         describe_placed: &impl Fn(&Instances, &InstanceHit) -> Hit,
-    ) -> Option<Hit> {
+    ) -> Option<(Hit, bool)> {
         let (from, along) = (origin.as_dvec3(), direction.as_dvec3());
         let mut nearest = f64::from(max_distance);
+        // Where the line meets the first of the other shapes.
+        let mut next = f64::INFINITY;
         let mut found = None;
         for (object, index) in self.objects.iter().zip(0u32..) {
             let (distance, mesh_hit) = match &object.shape {
@@ -55,25 +59,40 @@ impl Scene {
                     Some(hit) => (hit.distance, Some(hit)),
                     None => continue,
                 },
-                shape => match intersect_simple(shape, from, along, nearest) {
+                shape => match ahead(shape, from, along) {
                     Some(distance) => (distance, None),
                     None => continue,
                 },
             };
             if distance < nearest {
+                if found.is_some() {
+                    next = nearest;
+                }
                 nearest = distance;
                 found = Some((object, index, mesh_hit));
+            } else {
+                next = next.min(distance);
             }
         }
         if let Some(placed) = &self.placed
             && let Some(hit) = placed.instances().intersect(from, along, nearest)
         {
             let hit = describe_placed(placed.instances(), &hit);
-            return Some(Hit { object: self.objects.len() as u32 + hit.object, ..hit });
+            return Some((Hit { object: self.objects.len() as u32 + hit.object, ..hit }, false));
         }
-        found.map(|(object, index, mesh_hit)| {
-            describe(object, index, from + along * nearest, nearest, mesh_hit)
-        })
+        let (object, index, mesh_hit) = found?;
+        let hit = describe(object, index, from + along * nearest, nearest, mesh_hit);
+        let reach = reach(&hit);
+        let may_touch = |(other, number): (&Object, u32)| {
+            number != index
+                && matches!(other.shape, Shape::Mesh(_))
+                && other.shape.is_near(hit.position, reach)
+        };
+        let is_alone = nearest > reach
+            && next - nearest > reach
+            && self.placed.is_none()
+            && !self.objects.iter().zip(0u32..).any(may_touch);
+        Some((hit, is_alone))
     }
 
     /// True if anything lies strictly between the two points (shadow ray). A start on a surface should be moved off it with
@@ -90,7 +109,7 @@ impl Scene {
         let direction = along.as_vec3();
         let is_met = |object: &Object| match &object.shape {
             Shape::Mesh(mesh) => mesh.occluded(start, direction, distance),
-            shape => intersect_simple(shape, start, along, distance).is_some(),
+            shape => ahead(shape, start, along).is_some_and(|met| met < distance),
         };
         self.objects.iter().any(is_met)
             || self.placed.as_ref().is_some_and(|placed| placed.instances().occluded(start, along, distance))
@@ -183,6 +202,23 @@ impl Shape {
     }
 }
 
+impl Shape {
+    /// False if no part of the surface is within `reach` of `point`.
+    pub(crate) fn is_near(&self, point: Vec3, reach: f64) -> bool {
+        let point = point.as_dvec3();
+        let (min, max) = self.bounds();
+        let (min, max) = (min.as_dvec3(), max.as_dvec3());
+        let is_within = |margin: f64| point.cmpge(min - margin).all() && point.cmple(max + margin).all();
+        match self {
+            Self::Sphere { center, radius } => {
+                ((point - center.as_dvec3()).length() - f64::from(*radius)).abs() <= reach
+            }
+            Self::Box { .. } => is_within(reach) && !is_within(-reach),
+            Self::Rectangle { .. } | Self::Mesh(_) => is_within(reach),
+        }
+    }
+}
+
 /// Distances, of any sign, at which a line enters and leaves a shape that is not a mesh.
 pub(crate) fn line_through(shape: &Shape, origin: DVec3, direction: DVec3) -> Option<(f64, f64)> {
     match shape {
@@ -199,11 +235,11 @@ pub(crate) fn line_through(shape: &Shape, origin: DVec3, direction: DVec3) -> Op
     }
 }
 
-/// Distance in (0, max_distance) to a shape that is not a mesh.
-fn intersect_simple(shape: &Shape, origin: DVec3, direction: DVec3, max_distance: f64) -> Option<f64> {
+/// Distance > 0 to a shape that is not a mesh.
+fn ahead(shape: &Shape, origin: DVec3, direction: DVec3) -> Option<f64> {
     let (near, far) = line_through(shape, origin, direction)?;
     let distance = if near > 0.0 { near } else { far };
-    (distance > 0.0 && distance < max_distance).then_some(distance)
+    (distance > 0.0).then_some(distance)
 }
 
 /// The box around two boxes.

@@ -33,6 +33,10 @@ impl Faces {
         let mut faces = Self::default();
         // Along the edges of a cube around the place: at an edge of a shape each of its faces crosses some.
         let half = 4.0 * hair(point) as f32;
+        let reach = 2.0 * f64::from(half);
+        if scene.placed.is_none() && !scene.objects.iter().any(|object| object.shape.is_near(point, reach)) {
+            return faces;
+        }
         let sides = [-half, half];
         for (axis, along) in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().enumerate() {
             for (one, other) in sides.into_iter().flat_map(|one| sides.map(|other| (one, other))) {

@@ -14,17 +14,28 @@ struct Clock {
     share: u32,
     /// How long it took the last time.
     took: Duration,
+    /// Passes in what was saved; 0: nothing was.
+    passes: u32,
 }
 
 impl Clock {
     /// Saved after the first pass for the first time.
     fn new(every: Duration, share: u32) -> Self {
-        Self { next: Instant::now(), every, share, took: Duration::ZERO }
+        Self { next: Instant::now(), every, share, took: Duration::ZERO, passes: 0 }
     }
 
-    fn save(&mut self, save: impl FnOnce() -> Result<(), OutputError>) -> Result<(), OutputError> {
+    /// Does nothing if the film has no other passes than were saved: who asks for the end while it is saved waits once.
+    fn save(
+        &mut self,
+        film: &Film,
+        save: impl FnOnce() -> Result<(), OutputError>,
+    ) -> Result<(), OutputError> {
+        if film.passes() == self.passes {
+            return Ok(());
+        }
         let start = Instant::now();
         save()?;
+        self.passes = film.passes();
         self.took = start.elapsed();
         self.next = Instant::now() + self.every.max(self.took * self.share);
         Ok(())
@@ -70,7 +81,7 @@ impl<'a> Saving<'a> {
             return Ok(None);
         }
         if let (true, Target::Picture(files)) = (picture, &self.job.target) {
-            self.picture.save(|| files.save(film))?;
+            self.picture.save(film, || files.save(film))?;
         }
         if shard {
             self.save_shard(film)?;
@@ -83,13 +94,13 @@ impl<'a> Saving<'a> {
         // The work first: a picture can be made of it again.
         self.save_shard(film)?;
         match &self.job.target {
-            Target::Picture(files) => self.picture.save(|| files.save(film)),
+            Target::Picture(files) => self.picture.save(film, || files.save(film)),
             Target::Piece(_) => Ok(()),
         }
     }
 
     fn save_shard(&mut self, film: &Film) -> Result<(), OutputError> {
-        self.shard.save(|| self.job.save_shard(film, self.stored))?;
+        self.shard.save(film, || self.job.save_shard(film, self.stored))?;
         self.stored = Some(film.passes());
         Ok(())
     }
