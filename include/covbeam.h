@@ -7,7 +7,7 @@
  *   covbeam_schedule_kernel(&schedule, pass, &kernel);      radius and accepted error of this pass, counted from 1
  *   covbeam_beam_map_clear(map);                            one map for each medium
  *
- *   For each photon path of the host's tracer (a tenth of the paths also carry a light field):
+ *   For each photon path of the host's tracer (a tenth of the paths, by a sequence of their own, also carry a light field):
  *       covbeam_light_field_point(direction, COVBEAM_EVEN_LAMP, &field);    at the lamp
  *       each straight piece through a medium is a covbeam_beam, and with a light field a covbeam_segment too
  *       covbeam_find_edges(direction, &hit, probe, user, segment.edges, &segment.edge_count);     what casts shadows
@@ -25,6 +25,26 @@
  *       pixel += weight of the piece x gathered.radiance;   the mean over the passes is the picture
  *
  * examples/c is a whole host. What those with hierarchies, kernels or grids of their own need is in covbeam_extra.h.
+ *
+ * The numbers
+ *
+ * Of a host's own, or, where it knows nothing better, what serves in most scenes:
+ *
+ *   Grid's box: what the camera sees of lit media, not the whole scene: of each eye ray all but the 2.5 % of its light that
+ *       comes nearest and the 2.5 % that comes from farthest away. Beyond the box kernels have min_radius.
+ *   Grid's cells: about cubes, 14,000 in all (24 x 24 x 24).
+ *   covbeam_schedule: radius 1/160 of the side of a cube as large as the scene, but 1/80 to 1/45 of the picture's side where
+ *       the light is; alpha 0.8; max_radius 0.15 of a cell's shortest side, wider ones leak past what the cells know;
+ *       error 0.01.
+ *   Photons a pass: as many as let an eye ray meet some 64 beams, within 1,000 and 10,000: few paths and many passes
+ *       smooth silhouettes.
+ *   Light fields: a tenth of the paths. Every tenth point of one sequence of covbeam_path_number is not one: even indices
+ *       lie in one half of its first dimension, and half of the lamp would have none. Give them a sequence number of their own.
+ *   Passes with light fields: all of the first eight, then one in eight; the grid keeps what it has.
+ *
+ * A grid costs light fields and, at each pair of beam and ray, a look-up. Where the light is rough everywhere (caustics that
+ * fill the picture, kernels that are hardly wider than min_radius: see covbeam_gathered.radius) it costs more than it gives;
+ * gather with NULL for the grid then.
  *
  * Few eye rays where the picture is smooth: covbeam_film_*. Few shadow rays for light scattered once: covbeam_march_*.
  * Photons where the picture needs them: covbeam_importance_*, covbeam_weight_window, covbeam_emission_guide_*.
@@ -521,8 +541,9 @@ typedef struct covbeam_probe_hit {
      */
     float normal[3];
     /**
-     * How far off this surface rays start that leave it [m], finite and >= 0; no farther than rounding asks
-     * for. Nearer than 4096 times that, it is the surface which the ray itself left, and no edge.
+     * How far off this surface rays start that leave it [m], finite and >= 0: what the host's rays are moved by
+     * so as not to meet it again. A hit nearer than 4096 times that is on the surface which the ray itself left,
+     * and no edge, if the ray starts within twice the offset of the hit's tangent plane.
      */
     float offset;
 } covbeam_probe_hit;

@@ -11,7 +11,7 @@ names="$(git grep -l '^ *proptest! {' -- '*.rs' | xargs awk '
     $0 == end { end = "" }
     end != "" && /^ *fn [a-z0-9_]+\(/ { sub(/^ *fn /, ""); sub(/\(.*/, ""); print }')"
 echo "seed $seed, $times times as many cases, $(wc -w <<< "$names") tests"
-# 256 is what proptest tries by itself, and tests that try more say so in multiples of that.
+# 256 is what proptest tries by itself, and tests that try more say so in multiples of that; 1024 of all cases may be refused.
 # shellcheck disable=SC2086
-PROPTEST_RNG_SEED="$seed" PROPTEST_CASES=$((256 * times)) PROPTEST_DISABLE_FAILURE_PERSISTENCE=1 \
-    cargo test -p covbeam-tests -p covbeam-render --lib --tests -- $names
+PROPTEST_RNG_SEED="$seed" PROPTEST_CASES=$((256 * times)) PROPTEST_MAX_GLOBAL_REJECTS=$((1024 * times)) PROPTEST_DISABLE_FAILURE_PERSISTENCE=1 \
+    cargo test -p covbeam-tests -p covbeam-render --lib --tests --no-fail-fast -- $names

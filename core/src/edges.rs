@@ -44,10 +44,14 @@ const STEP: f32 = 0.02;
 /// mask the light before the other does.
 const BEFORE: f32 = 0.7;
 
-/// A surface hit nearer than this many times the offset of rays that leave it is the one the ray left: with
+/// A surface hit nearer than this many times the offset of rays that leave it can be the one the ray left: with
 /// the largest radius R that single precision tells from flat, its horizon lies at sqrt(2 R offset), 3000
 /// offsets away.
 const LEAVING: f32 = 4096.0;
+
+/// And it is if the ray starts no higher above the tangent plane at the hit than this many offsets: one above
+/// what is flat, less above what bulges; the other half is for rounding.
+const ABOVE: f32 = 2.0;
 
 /// Most edges of a search: two pairs across each other describe a hole.
 pub const MOST_EDGES: usize = 4;
@@ -76,8 +80,9 @@ pub struct ProbeHit {
     pub distance: f32,
     /// Geometric normal, any length, either side.
     pub normal: Vec3,
-    /// How far off this surface rays start that leave it \[m\] >= 0, no farther than rounding asks for.
-    /// Nearer than 4096 times that, it is the surface which the ray itself left, and its horizon no edge.
+    /// How far off this surface rays start that leave it \[m\] >= 0. A hit nearer than 4096 times that, from an
+    /// origin within twice that of the tangent plane at the hit, is on the surface which the ray itself left,
+    /// and its horizon no edge.
     pub offset: f32,
 }
 
@@ -360,12 +365,14 @@ impl<P: FnMut(Vec3) -> Option<ProbeHit>> Prober<P> {
 fn sample(direction: Vec3, tangent: f32, hit: Option<ProbeHit>) -> Sample {
     let miss = Sample { tangent, inverse: 0.0, gradient: Vec3::ZERO, leaving: false };
     let Some(hit) = hit.filter(|hit| hit.distance > f32::MIN_POSITIVE) else { return miss };
-    let gradient = hit.normal / hit.normal.dot(hit.distance * direction);
+    let above = hit.normal.dot(hit.distance * direction);
+    let gradient = hit.normal / above;
     Sample {
         tangent,
         inverse: sqrtf(1.0 + tangent * tangent) / hit.distance,
         gradient: if gradient.is_finite() { gradient } else { Vec3::ZERO },
-        leaving: hit.distance < LEAVING * hit.offset,
+        leaving: hit.distance < LEAVING * hit.offset
+            && above.abs() <= ABOVE * hit.offset * hit.normal.length(),
     }
 }
 

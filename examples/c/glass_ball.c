@@ -2,13 +2,13 @@
  * A glass ball in fog: the least that a renderer has to do for covbeam.
  *
  * In a pass, photons leave the lamp, and every straight piece of their paths through the fog is a beam. A tenth
- * of them also carry a light field, which says how quickly the light around them varies. Then eye rays gather the
+ * of them, by a sequence of their own, also carry a light field, which says how quickly the light around them varies. Then eye rays gather the
  * beams, each as wide as the light there allows. The picture is the mean of the passes.
  */
 #include "renderer.h"
 #include <covbeam.h>
 
-enum { PHOTONS, PIXELS }; /* sequences of decisions */
+enum { PHOTONS, PIXELS, FIELDS }; /* sequences of decisions */
 
 static const float INTENSITY = 25.0f; /* W/sr; all is grey here: one number for three channels */
 static const covbeam_medium FOG = { .struct_size = sizeof FOG, /* without end */
@@ -107,16 +107,19 @@ static void trace_photon(path p, float power, covbeam_light_field *field, decisi
     }
 }
 
-static void trace_photons(uint32_t pass, const options *o, covbeam_beam_map *map, covbeam_grid *grid)
+/* Those of a pass that make their decisions by one sequence. Of a sequence that fills the lamp evenly every tenth point does
+ * not: so those with light fields have a sequence of their own. */
+static void trace_photons(uint32_t sequence, uint32_t count, uint32_t pass, const options *o, covbeam_beam_map *map,
+    covbeam_grid *grid)
 {
-    for (uint64_t i = (uint64_t)(pass - 1) * o->photons; i < (uint64_t)pass * o->photons; i++) {
-        decisions chance = { o->seed, PHOTONS, (uint32_t)i, 0 };
+    for (uint64_t i = (uint64_t)(pass - 1) * count; i < (uint64_t)pass * count; i++) {
+        decisions chance = { o->seed, sequence, (uint32_t)i, 0 };
         float u = decide(&chance), v = decide(&chance);
         path p = leave_lamp(u, v);
         covbeam_light_field field; /* the light of a point falls off as 1/d^2: COVBEAM_EVEN_LAMP */
         TRY(covbeam_light_field_point(p.direction, COVBEAM_EVEN_LAMP, &field));
         float power = 12.566371f * INTENSITY / (float)o->photons;
-        trace_photon(p, power, grid && i % 10 == 0 ? &field : NULL, &chance, map, grid);
+        trace_photon(p, power, grid ? &field : NULL, &chance, map, grid);
     }
 }
 
@@ -156,13 +159,15 @@ static void render(float (*picture)[3], const options *o)
     uint64_t pairs = 0;
     double tracing = 0, committing = 0, gathering = 0;
     clock_t last = clock();
+    const uint32_t fields = (o->photons + 9) / 10; /* photons with light fields: enough for the grid */
     for (uint32_t pass = 1; pass <= o->passes; pass++) {
         covbeam_kernel kernel = { .struct_size = sizeof kernel };
         TRY(covbeam_schedule_kernel(&SCHEDULE, pass, &kernel));
         if (o->plain)
             kernel.max_radius = kernel.min_radius;
         TRY(covbeam_beam_map_clear(map));
-        trace_photons(pass, o, map, grid);
+        trace_photons(FIELDS, fields, pass, o, map, grid);
+        trace_photons(PHOTONS, o->photons - fields, pass, o, map, NULL);
         lap(&last, &tracing);
         if (grid)
             TRY(covbeam_grid_resolve(grid));

@@ -26,7 +26,7 @@ bool go_on() { return !stopped; }
 
 struct Options {
     unsigned threads = std::max(1u, std::thread::hardware_concurrency());
-    int passes = 32, photons = 4000;
+    int passes = 32, photons = 4000, seed = 1, size = 256;
     bool own_medium = false;
     std::string out = "shaft.pfm";
 };
@@ -47,6 +47,8 @@ Options parse(int argc, char** argv) {
         else if (name == "--threads") options.threads = unsigned(number);
         else if (name == "--passes") options.passes = number;
         else if (name == "--photons") options.photons = number;
+        else if (name == "--seed") options.seed = number;
+        else if (name == "--size" && number <= 4096) options.size = number;
         else throw std::invalid_argument(name + ": unknown");
     }
     return options;
@@ -69,7 +71,7 @@ struct OwnFog {
 class Renderer {
 public:
     explicit Renderer(const Options& options)
-        : options_(options), fog_(make_fog()), grid_(layout()), map_(fog_), scratch_(options.threads),
+        : options_(options), camera_{options.size, options.size}, fog_(make_fog()), grid_(layout()), map_(fog_), scratch_(options.threads),
           film_(size_t(camera_.width * camera_.height), Vec3{0, 0, 0}) {
         for (int i = 0; i < SHARES; ++i) shares_.emplace_back(layout());
     }
@@ -126,13 +128,16 @@ private:
     void trace_share(uint32_t pass, int i) {
         Share& share = shares_[size_t(i)];
         share.beams.clear(), share.segments.clear(), share.grid.clear();
-        const int first = options_.photons * i / SHARES, last = options_.photons * (i + 1) / SHARES;
-        for (int path = first; path < last; ++path) {
-            if (stopped) throw covbeam::Cancelled("while tracing photons");
-            // A tenth of the paths say how fast the light varies, which is enough.
-            const Random random(0, (pass - 1) * uint32_t(options_.photons) + uint32_t(path));
-            trace(scene_, lamp_, fog_, random, 1 / float(options_.photons), path % 10 == 0, share);
-        }
+        // A tenth of the paths say how fast the light varies, which is enough. They have a sequence of their own: of one that fills
+        // the lamp evenly every tenth point does not.
+        const int fields = (options_.photons + 9) / 10;
+        const struct { uint32_t sequence; int count; bool bandwidth; } kinds[] = {{FIELDS, fields, true}, {PHOTONS, options_.photons - fields, false}};
+        for (const auto& kind : kinds)
+            for (int path = kind.count * i / SHARES; path < kind.count * (i + 1) / SHARES; ++path) {
+                if (stopped) throw covbeam::Cancelled("while tracing photons");
+                const Random random(uint32_t(options_.seed), kind.sequence, (pass - 1) * uint32_t(kind.count) + uint32_t(path));
+                trace(scene_, lamp_, fog_, random, 1 / float(options_.photons), kind.bandwidth, share);
+            }
         share.grid.deposit(fog_, share.segments);
     }
 
@@ -144,7 +149,7 @@ private:
         for (int y = y0; y < std::min(y0 + TILE, camera_.height); ++y)
             for (int x = x0; x < std::min(x0 + TILE, camera_.width); ++x) {
                 const size_t pixel = size_t(y * camera_.width + x);
-                Random random(1 + uint32_t(pixel), pass);
+                Random random(uint32_t(options_.seed), PIXELS + uint32_t(pixel), pass);
                 const Vec3 direction = camera_.direction(float(x) + random.uniform(), float(y) + random.uniform());
                 const Hit hit = scene_.intersect(camera_.position, direction);
                 picture[pixel] = direct_light(direction, hit);
@@ -236,7 +241,7 @@ int main(int argc, char** argv) {
     try {
         return run(parse(argc, argv));
     } catch (const std::invalid_argument& error) {
-        std::fprintf(stderr, "%s\nusage: covbeam-shaft [--threads N] [--passes N] [--photons N] [--own-medium] [--out FILE.pfm]\n",
+        std::fprintf(stderr, "%s\nusage: covbeam-shaft [--threads N] [--passes N] [--photons N] [--seed N]\n                     [--size N] [--own-medium] [--out FILE.pfm]\n",
                      error.what());
         return 2;
     } catch (const std::exception& error) {

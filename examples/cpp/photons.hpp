@@ -5,15 +5,18 @@
 #include <covbeam.hpp>
 #include <vector>
 
+// Sequences of decisions: each pixel has one, from PIXELS on.
+enum : uint32_t { PHOTONS, FIELDS, PIXELS };
+
 // The decisions of a path, a function of its place alone: which thread asks, and when, does not matter. The first ones of many
 // paths in a row are spread evenly.
 class Random {
 public:
-    Random(uint32_t sequence, uint32_t path) : sequence_(sequence), path_(path) {}
-    float uniform() { return covbeam::path_number(1, sequence_, path_, next_++); }
+    Random(uint32_t seed, uint32_t sequence, uint32_t path) : seed_(seed), sequence_(sequence), path_(path) {}
+    float uniform() { return covbeam::path_number(seed_, sequence_, path_, next_++); }
 
 private:
-    uint32_t sequence_, path_, next_ = 0;
+    uint32_t seed_, sequence_, path_, next_ = 0;
 };
 
 // A fixed part of a pass' photons. It has its own beams and its own grid, so that threads share nothing, and it is merged in its

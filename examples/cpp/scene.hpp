@@ -93,8 +93,8 @@ struct Camera {
     float half = 0.2962f; // tan(33 degrees / 2)
 
     Vec3 direction(float x, float y) const {
-        const Vec3 forward = normalize(target - position), right = normalize(cross({0, 1, 0}, forward));
-        const Vec3 up = cross(forward, right);
+        const Vec3 forward = normalize(target - position), right = normalize(cross(forward, {0, 1, 0}));
+        const Vec3 up = cross(right, forward);
         const float u = (2 * x - float(width)) / float(height) * half, v = (1 - 2 * y / float(height)) * half;
         return normalize(forward + u * right + v * up);
     }

@@ -69,10 +69,14 @@ class Ball:
 BALL = Ball()
 
 
-def emit(count, first, seed):
-    """Origins and directions of photons, evenly all around: numbers `first` and on of a sequence that fills the sphere evenly."""
-    index = np.arange(first, first + count, dtype=np.uint32)
-    u, v = (cb.path_numbers(seed, 0, index, dimension) for dimension in (0, 1))
+#: Sequences of random numbers.
+PHOTONS, PIXELS, FIELDS = 0, 1, 2
+
+
+def emit(sequence, count, number, seed):
+    """Origins and directions of the photons of a pass, evenly all around: the next `count` of a sequence that fills the sphere evenly."""
+    index = np.arange((number - 1) * count, number * count, dtype=np.uint32)
+    u, v = (cb.path_numbers(seed, sequence, index, dimension) for dimension in (0, 1))
     cosine, turn = 1 - 2 * u, np.float32(2 * np.pi) * v
     sine = np.sqrt(np.maximum(1 - cosine**2, 0))
     directions = np.stack([sine * np.cos(turn), cosine, sine * np.sin(turn)], axis=1)
@@ -120,16 +124,19 @@ def render(size, passes, photons, seed=0):
     grid, beam_map = cb.Grid(LAYOUT), cb.BeamMap(FOG)
     picture, weights, radii = np.zeros((3, size * size))
     power = 4 * np.pi * INTENSITY / photons
+    # A tenth of the photons is enough for spectra. They have a sequence of their own: of one that fills the sphere evenly every tenth
+    # point does not.
+    fields = (photons + 9) // 10
     for number in range(1, passes + 1):
-        origins, directions = emit(photons, (number - 1) * photons, seed)
-        # A tenth of the photons is enough for spectra.
-        deposit(grid, origins[::10], directions[::10], power)
+        carriers, others = emit(FIELDS, fields, number, seed), emit(PHOTONS, photons - fields, number, seed)
+        origins, directions = (np.concatenate(both) for both in zip(carriers, others))
+        deposit(grid, *carriers, power)
         grid.resolve()
         kernel = schedule.kernel(number)
         beam_map.clear()
         beam_map.add(beams(origins, directions, power))
         beam_map.commit(kernel.max_radius)
-        place = [cb.path_numbers(seed, 1, np.array([number], np.uint32), axis)[0] for axis in (0, 1)]
+        place = [cb.path_numbers(seed, PIXELS, np.array([number], np.uint32), axis)[0] for axis in (0, 1)]
         gathered = beam_map.gather(kernel, grid, eye_rays(size, place))
         picture += gathered["radiance"][:, 0]
         weights += gathered["weight"]

@@ -45,7 +45,7 @@ pub(crate) fn random(e: Element<f32>) -> Result<f32, Failure> {
     if (0.0..=1.0).contains(&e.value) {
         Ok(e.value.min(LARGEST))
     } else {
-        Err(e.is(format_args!("{} is not in [0, 1)", e.value)))
+        Err(e.is(format_args!("{} is not in [0, 1): a uniform random number", e.value)))
     }
 }
 
@@ -60,7 +60,7 @@ pub(crate) fn cosine(e: Element<f32>) -> Result<f32, Failure> {
     if e.value.abs() <= 1.0 + UNIT {
         Ok(e.value)
     } else {
-        Err(e.is(format_args!("{} is not in [-1, 1]", e.value)))
+        Err(e.is(format_args!("{} is not in [-1, 1]: the cosine between unit vectors", e.value)))
     }
 }
 
@@ -83,7 +83,7 @@ pub(crate) fn unit(e: Element<[f32; 3]>) -> Result<Vec3, Failure> {
     if (vector.length_squared() - 1.0).abs() <= UNIT {
         Ok(vector)
     } else {
-        Err(e.is(format_args!("{:?} does not have length 1", e.value)))
+        Err(e.is(format_args!("{:?} does not have length 1; normalise it", e.value)))
     }
 }
 

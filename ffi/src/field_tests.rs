@@ -93,6 +93,13 @@ fn fields_of_fields_and_elements_of_arrays_are_named() {
     wrong.edge_count = 5;
     assert_eq!(said(wrong, "segments", whole), "segments[1].edge_count: 5 is more than 4");
     let beams = covbeam_beam { direction: [0.0; 3], ..BEAM };
-    let message = "beams[1].direction: [0.0, 0.0, 0.0] does not have length 1";
+    let message = "beams[1].direction: [0.0, 0.0, 0.0] does not have length 1; normalise it";
     assert_eq!(said(beams, "beams", beam), message);
+}
+
+#[test]
+fn a_beam_without_end_is_told_where_to_end() {
+    let endless = covbeam_beam { length: f32::INFINITY, ..BEAM };
+    let message = "beams[1].length: inf; end it where nothing is left to see, at covbeam_medium_reach";
+    assert_eq!(said(endless, "beams", beam), message);
 }

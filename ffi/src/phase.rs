@@ -215,6 +215,6 @@ mod tests {
         };
         assert_eq!((status, out), (COVBEAM_INVALID_VALUE, [UNTOUCHED; 3]));
         let message = unsafe { core::ffi::CStr::from_ptr(crate::status::covbeam_last_error()) };
-        assert_eq!(message.to_str(), Ok("cosines[2]: 2 is not in [-1, 1]"));
+        assert_eq!(message.to_str(), Ok("cosines[2]: 2 is not in [-1, 1]: the cosine between unit vectors"));
     }
 }

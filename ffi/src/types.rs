@@ -114,8 +114,9 @@ pub struct covbeam_probe_hit {
     pub distance: f32,
     /// Geometric normal, any length but 0, either side; not looked at where nothing is met.
     pub normal: [f32; 3],
-    /// How far off this surface rays start that leave it [m], finite and >= 0; no farther than rounding asks
-    /// for. Nearer than 4096 times that, it is the surface which the ray itself left, and no edge.
+    /// How far off this surface rays start that leave it [m], finite and >= 0: what the host's rays are moved by
+    /// so as not to meet it again. A hit nearer than 4096 times that is on the surface which the ray itself left,
+    /// and no edge, if the ray starts within twice the offset of the hit's tangent plane.
     pub offset: f32,
 }
 
@@ -508,11 +509,18 @@ impl From<core_types::Derivatives> for covbeam_derivatives {
     }
 }
 
+fn beam_length(e: Element<f32>) -> Result<f32, Failure> {
+    if e.value == f32::INFINITY {
+        return Err(e.is(format_args!("inf; end it where nothing is left to see, at covbeam_medium_reach")));
+    }
+    finite_not_negative(e)
+}
+
 pub(crate) fn beam(e: Element<covbeam_beam>) -> Result<core_types::Beam, Failure> {
     Ok(core_types::Beam {
         origin: vector(field!(e, origin))?,
         direction: unit(field!(e, direction))?,
-        length: finite_not_negative(field!(e, length))?,
+        length: beam_length(field!(e, length))?,
         power: vector(field!(e, power))?,
         start_normal: unit_or_zero(field!(e, start_normal))?,
         end_normal: unit_or_zero(field!(e, end_normal))?,

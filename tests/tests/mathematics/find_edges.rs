@@ -78,6 +78,29 @@ fn the_surface_that_a_ray_leaves_has_no_edge() {
     }
 }
 
+/// Hosts move rays by some 1e-4 off what they leave.
+#[test]
+fn what_is_near_has_an_edge_however_far_off_surfaces_rays_start() {
+    for offset in [0.0, 1e-6, 1e-4, 1e-3] {
+        // From a floor, past a post 5 cm away; the floor goes on behind it.
+        let origin = Vec3::Y * offset;
+        let cast = |towards: Vec3| {
+            let floor = -origin.y / towards.y;
+            let floor = ProbeHit { distance: floor, normal: Vec3::Y, offset };
+            let post = 0.05 / towards.z;
+            let post = ProbeHit { distance: post, normal: -Vec3::Z, offset };
+            let is_post = post.distance > 0.0 && post.distance * towards.x > 0.005;
+            let is_floor = floor.distance > 0.0 && !(is_post && post.distance < floor.distance);
+            if is_floor { Some(floor) } else { is_post.then_some(post) }
+        };
+        let edges = find_edges(Vec3::new(0.0, 0.05, 1.0).normalize(), None, cast);
+        assert_eq!(edges.len(), 1, "{offset}: {edges:?}");
+        let [edge] = edges[..] else { unreachable!() };
+        assert!((edge.depth / 0.05 - 1.0).abs() < 0.01, "{offset}: {edge:?}");
+        assert!((edge.distance / 0.005 - 1.0).abs() < 0.05 && edge.towards.x > 0.98, "{offset}: {edge:?}");
+    }
+}
+
 fn is_sound(edges: &Edges) -> bool {
     edges.iter().all(|edge| {
         edge.depth > 0.0
