@@ -1,9 +1,10 @@
 //! The balance of a pass' light paths: what is emitted is absorbed, escapes, or is taken by chance.
 
 use crate::statistics::Sample;
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::pass::Renderer;
 use covbeam_render::photon::Energy;
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::{Method, Settings};
 
 /// Traces 20,000 paths with each of `seeds` seeds in a closed room, asserts that every balance closes, and returns the share that
 /// chance took, per channel.
@@ -13,7 +14,7 @@ use covbeam_render::scene::Scene;
 pub fn taken_by_chance(scene: &Scene, seeds: u32) -> [Sample; 3] {
     let shares: Vec<[f64; 3]> = (1..=seeds)
         .map(|seed| {
-            let mut renderer = Renderer::new(scene, Method::Ppb, 20_000, seed);
+            let mut renderer = Renderer::new(scene, Settings::of(Method::Plain, 20_000, seed));
             renderer.pass(1, &|| false).expect("not cancelled");
             let Energy { emitted, medium, surfaces, escaped, spent, roulette } = renderer.energy();
             std::array::from_fn(|c| {

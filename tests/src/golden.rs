@@ -6,8 +6,9 @@
 use crate::header::repository;
 use crate::vectors::fnv;
 use covbeam_render::film::Film;
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::pass::Renderer;
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::{Method, Settings};
 use std::error::Error;
 
 /// Glass and a caustic, density in closed form with edges, density in voxels.
@@ -28,9 +29,7 @@ pub fn text() -> Result<String, Box<dyn Error>> {
     for name in SCENES {
         let mut scene = Scene::load(&repository().join(format!("examples/scenes/{name}.toml")))?;
         (scene.camera.width, scene.camera.height) = (WIDTH, WIDTH);
-        let mut renderer = Renderer::new(&scene, Method::Adaptive, PHOTONS, 1);
-        renderer.light_by_kind();
-        renderer.plan_eye_rays();
+        let mut renderer = Renderer::new(&scene, Settings::of(Method::Covbeam, PHOTONS, 1));
         let mut film = Film::of_scene(&scene);
         for pass in 1..=PASSES {
             film.add(&renderer.pass(pass, &|| false).expect("never cancelled").0)?;

@@ -2,8 +2,9 @@
 
 use crate::statistics::Sample;
 use covbeam_render::film::Film;
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::pass::Renderer;
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::{Method, Settings};
 use glam::Vec3;
 
 /// Light paths of a pass.
@@ -15,7 +16,7 @@ pub fn runs(scene: &Scene, method: Method, passes: u32) -> Vec<Vec<Vec3>> {
         .map(|run| {
             let mut film = Film::of_scene(scene);
             for seed in 0..passes {
-                let mut renderer = Renderer::new(scene, method, PATHS, passes * run + seed);
+                let mut renderer = Renderer::new(scene, Settings::of(method, PATHS, passes * run + seed));
                 let (image, _) = renderer.pass(1, &|| false).expect("not cancelled");
                 film.add(&image).expect("finite");
             }

@@ -1,17 +1,10 @@
 //! How far a picture is from a reference.
 
+use crate::color::luminance;
 use crate::film::Picture;
 use glam::Vec3;
 use std::fmt;
 use std::str::FromStr;
-
-/// Weights of Rec. 709's luminance.
-const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
-
-/// Luminance of a linear colour with Rec. 709 primaries.
-pub fn luminance(color: Vec3) -> f32 {
-    color.dot(LUMINANCE)
-}
 
 /// What [`compare`] found, on linear luminance, over the pixels asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -174,11 +167,5 @@ mod tests {
         for text in ["3,0,3,4", "4,0,3,4", "0,4,3,4"] {
             assert!(text.parse::<Region>().unwrap_err().contains("empty"), "{text}");
         }
-    }
-
-    #[test]
-    fn luminance_of_white_is_one() {
-        // f32 rounding of three products and two sums.
-        assert!((luminance(Vec3::ONE) - 1.0).abs() < 2e-7);
     }
 }

@@ -4,6 +4,7 @@
 //! gives the same picture everywhere. Scaled with the scene's unit of length (and the media's coefficients with its inverse), all lengths
 //! scale alike and the counts stay. The grid's box is the survey's.
 
+use crate::geometry::divide;
 use crate::scene::{Scene, Settings};
 use crate::survey::Survey;
 use covbeam::{GridLayout, KernelShape, Schedule};
@@ -47,24 +48,6 @@ const MOST: f64 = 200_000.0;
 
 /// Pixels from which on a pass gets more light paths: below, it is the photons that it spends its time on.
 const LARGE: f64 = 256.0 * 256.0;
-
-/// Numbers of about cubic cells in a box of this size, at most about `budget` together: the spectra of light know no axes.
-pub(crate) fn divide(size: Vec3, budget: u32) -> [u32; 3] {
-    let size = size.as_dvec3();
-    let mut order = [0, 1, 2];
-    order.sort_by(|&a, &b| size[a].total_cmp(&size[b]));
-    let mut cells = [1; 3];
-    let mut left = f64::from(budget);
-    for (place, &axis) in order.iter().enumerate() {
-        // A side shorter than a cell has one, and leaves its share to the others.
-        let volume: f64 = order[place..].iter().map(|&axis| size[axis]).product();
-        let side = (volume / left).powf(1.0 / (3 - place) as f64);
-        let count = (size[axis] / side).round().max(1.0);
-        cells[axis] = count as u32;
-        left /= count;
-    }
-    cells
-}
 
 /// Radius of the first pass' kernels. The larger the space that the light fills, the wider the gaps between its beams; but a kernel is never
 /// small or large in the picture.

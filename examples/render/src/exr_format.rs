@@ -3,7 +3,6 @@
 use crate::film::{LayerMaps, Layers, Maps, Picture};
 use crate::kind::Kind;
 use crate::memory::available;
-use crate::output::RenderInfo;
 use covbeam::ImageFilter;
 use exr::block::lines::LineRefMut;
 use exr::image::Blocks;
@@ -18,6 +17,22 @@ use exr::prelude::{
 };
 use glam::Vec3;
 use std::io::{self, BufRead, BufReader, Cursor, Read, Seek, SeekFrom, Write};
+
+/// What is written beside the pixels of an EXR, as attributes `method`, `passes`, `photons`, `seed`, `scene`;
+/// `software` says which version of covbeam wrote it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RenderInfo {
+    /// `ppb`, `adaptive` or `light-trace`.
+    pub method: String,
+    /// Passes in the picture.
+    pub passes: u32,
+    /// Light paths a pass.
+    pub photons: u32,
+    /// Seed.
+    pub seed: u32,
+    /// Name of the scene.
+    pub scene: String,
+}
 
 /// Names of the channels of [`Layers`]: layer.channel, as Blender, Nuke and the OpenEXR tools understand it.
 const LAYER_CHANNELS: [&str; 3] = ["radius.Y", "sigma.Y", "samples.Y"];

@@ -1,6 +1,8 @@
 //! Eye paths: from the camera through media, which may send out light, and specular surfaces to the first diffuse or black one.
 
-use crate::clearance::Clearance;
+pub mod segment;
+
+use crate::eye::segment::{EyeSegment, FIRST};
 use crate::geometry::MOST_BOUNDS;
 use crate::kind::{ByKind, Kind};
 use crate::lamps::LampTree;
@@ -13,6 +15,7 @@ use crate::random::{Random, mix};
 use crate::scene::{Light, Material, Scene, SceneMedium};
 use crate::shown::{Meetings, SmallLamps, Watch};
 use crate::starts::{EyeStart, EyeStarts};
+use crate::surface::clearance::Clearance;
 use crate::surface::{SurfaceMap, flat_within};
 use covbeam::{EyeRay, Knot, Medium};
 use covbeam_geometry::hit::Hit;
@@ -24,38 +27,6 @@ const SPLITS: u32 = 4;
 
 /// Paths lighter than this play roulette.
 const LIGHT_PATH: f32 = 0.02;
-
-/// Signature of paths that have met no surface.
-const FIRST: u64 = 0;
-
-/// A straight piece of an eye path inside a medium.
-#[derive(Clone, Copy, Debug)]
-pub struct EyeSegment {
-    /// The piece.
-    pub ray: EyeRay,
-    /// Its medium.
-    pub medium: u32,
-    /// What the camera sees of radiance that arrives at the piece's start.
-    pub throughput: Vec3,
-    /// The pixel it belongs to, as the caller numbers them.
-    pub pixel: u32,
-    /// What it is inside of.
-    pub interior: Interior,
-    /// Equal for paths that have met the same surfaces in the same way; those that only bound media do not count.
-    pub signature: u64,
-}
-
-impl EyeSegment {
-    /// Whether it lies before the first surface that is more than a bound of media.
-    pub fn is_first(&self) -> bool {
-        self.signature == FIRST
-    }
-
-    /// Equal for pieces in one medium that have met the same surfaces in the same way: what lies around them is alike.
-    pub(crate) fn path(&self) -> (u32, u64) {
-        (self.medium, self.signature)
-    }
-}
 
 /// Follows eye paths of one scene.
 #[derive(Clone, Copy)]

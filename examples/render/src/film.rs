@@ -128,7 +128,7 @@ impl Film {
         }
     }
 
-    /// Keeps the kinds of light apart from now on, for passes of a renderer that does ([`crate::pass::Renderer::keep_kinds`]). Call it before
+    /// Keeps the kinds of light apart from now on, for passes of a renderer that does ([`crate::settings::Layers::EachKind`]). Call it before
     /// the first pass.
     pub fn keep_kinds(&mut self, split: Split) {
         self.split = Some(split);

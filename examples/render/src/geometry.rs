@@ -11,7 +11,7 @@ use glam::{DVec3, Vec3};
 
 use crate::coincident::reach;
 use crate::placed::hair;
-use crate::scene::{Material, Object, Placed, Scene, Shape};
+use crate::scene::{Light, Material, Object, Placed, Scene, Shape};
 
 /// Bounds of fog that a straight way crosses at most.
 pub(crate) const MOST_BOUNDS: u32 = 64;
@@ -245,6 +245,32 @@ fn ahead(shape: &Shape, origin: DVec3, direction: DVec3) -> Option<f64> {
 /// The box around two boxes.
 pub(crate) fn unite((a, b): (Vec3, Vec3), (c, d): (Vec3, Vec3)) -> (Vec3, Vec3) {
     (a.min(c), b.max(d))
+}
+
+/// The box around all objects and lamps of a scene.
+pub(crate) fn bounds_of_scene(scene: &Scene) -> (Vec3, Vec3) {
+    let placed = scene.placed.as_ref().and_then(Placed::bounds);
+    let objects = scene.objects.iter().map(|object| object.shape.bounds()).chain(placed);
+    let lamps = scene.lights.iter().map(Light::bounds);
+    objects.chain(lamps).reduce(unite).expect("a scene has a light")
+}
+
+/// Numbers of about cubic cells in a box of this size, at most about `budget` together: the spectra of light know no axes.
+pub(crate) fn divide(size: Vec3, budget: u32) -> [u32; 3] {
+    let size = size.as_dvec3();
+    let mut order = [0, 1, 2];
+    order.sort_by(|&a, &b| size[a].total_cmp(&size[b]));
+    let mut cells = [1; 3];
+    let mut left = f64::from(budget);
+    for (place, &axis) in order.iter().enumerate() {
+        // A side shorter than a cell has one, and leaves its share to the others.
+        let volume: f64 = order[place..].iter().map(|&axis| size[axis]).product();
+        let side = (volume / left).powf(1.0 / (3 - place) as f64);
+        let count = (size[axis] / side).round().max(1.0);
+        cells[axis] = count as u32;
+        left /= count;
+    }
+    cells
 }
 
 /// Distances at which a line enters and leaves a sphere.

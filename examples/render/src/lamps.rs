@@ -2,23 +2,24 @@
 //! place on a surface.
 
 mod four;
+mod node;
+mod stretch;
 
-use crate::guidance::mean;
+pub(crate) use stretch::Stretch;
+
+use crate::color::mean;
 use crate::light::Shine;
-use crate::near::Near;
+use crate::photon::near::Near;
 use crate::random::spread;
 use crate::scene::{Light, Scene};
 use four::{Below, Four};
 use glam::{Vec3, Vec4};
+use node::Node;
 use smallvec::SmallVec;
 use std::f32::consts::PI;
 
 /// Lamps that a place on a surface asks; of more, as many are drawn.
 pub const MOST_ASKED: usize = 32;
-
-/// This share of light is taken to be left where fog seems to let nothing through: fog may end on the way, and other places of a ray than the one
-/// that stands for it may be lit.
-const DIMMED: f32 = 0.05;
 
 /// Lamps far away, and all others, have at least this share of the draws: how much they are worth is estimated in unlike ways.
 const LEAST_OF_KIND: f64 = 0.1;
@@ -28,9 +29,6 @@ const EVERYWHERE: f32 = 1e9;
 
 /// Looks at a lamp far away that tell its strength.
 const TRIES: usize = 16;
-
-/// Places of a stretch at which it is known how much light is left, and steps between them.
-const KNOTS: usize = 17;
 
 /// A tree over lamps, four to a node, with those far away beside it.
 ///
@@ -49,29 +47,6 @@ pub struct LampTree {
     lights: usize,
     /// How far along a ray there is something for lamps far away to shine on, at most.
     reach: f32,
-}
-
-/// All lamps of a group.
-#[derive(Clone, Copy)]
-struct Node {
-    /// Where the lamps are in the mean, and how far from it: of one lamp, of a ball that holds it; of more, the root of the mean square.
-    center: Vec3,
-    radius: f32,
-    /// Flux into a steradian where all of them shine most.
-    most: f32,
-    /// What they send all around of it.
-    around: f32,
-    /// What they send along the axis besides, in a cone, dimmed by a cosine if it is flat.
-    strength: f32,
-    axis: Vec3,
-    angle: f32,
-    is_flat: bool,
-    /// Whether directions from anywhere in the ball count as those from its middle and not as the best of them.
-    is_mean: bool,
-    /// Squared length by which their size softens 1/d², a mean.
-    softening2: f32,
-    /// Of a single lamp, how far its light is left to beams, squared: a ray that passes nearer gets little of it, not all.
-    gap2: f32,
 }
 
 /// The draws that fell on a lamp.
@@ -95,46 +70,6 @@ impl Drawn {
     pub(crate) fn rest(&self, draw: u32) -> f32 {
         let number = f64::from(draw) + f64::from(self.shift);
         ((number - self.from) / (self.to - self.from)).clamp(0.0, 1.0) as f32
-    }
-}
-
-/// A stretch of an eye ray.
-pub(crate) struct Stretch {
-    origin: Vec3,
-    direction: Vec3,
-    from: f32,
-    to: f32,
-    /// Share of light that is left on its way from a place to the origin, or taken to be.
-    left: [f32; KNOTS],
-    /// Places to a metre.
-    knots: f32,
-}
-
-impl Stretch {
-    /// - `reach`: nothing changes farther along a stretch.
-    /// - `left`: share of light that is left on its way from a place to the origin, by the distance of that.
-    pub(crate) fn new(
-        [origin, direction]: [Vec3; 2],
-        [from, to]: [f32; 2],
-        reach: f32,
-        left: impl Fn(f32) -> f32,
-    ) -> Self {
-        let step = (to - from).min(reach).max(f32::MIN_POSITIVE) / (KNOTS - 1) as f32;
-        let at = |knot: usize| DIMMED + (1.0 - DIMMED) * left(from + knot as f32 * step);
-        Self { origin, direction, from, to, left: std::array::from_fn(at), knots: step.recip().min(f32::MAX) }
-    }
-
-    fn left(&self, distance: f32) -> f32 {
-        let place = ((distance - self.from) * self.knots).clamp(0.0, (KNOTS - 1) as f32);
-        let knot = (place as usize).min(KNOTS - 2);
-        let share = place - knot as f32;
-        (1.0 - share) * self.left[knot] + share * self.left[knot + 1]
-    }
-
-    /// Of what lamps far away send to a metre, as many metres.
-    fn length(&self) -> f32 {
-        let ends = 0.5 * (self.left[0] + self.left[KNOTS - 1]);
-        (self.left.iter().sum::<f32>() - ends) / self.knots
     }
 }
 

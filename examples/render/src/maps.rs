@@ -1,7 +1,7 @@
 //! Pictures of where the eye rays were and how their light was filtered, after the thesis' Figure 5.20.
 
 use crate::film::{Maps, Picture};
-use crate::output::preview;
+use crate::preview::preview;
 use covbeam::ImageFilter;
 use std::f32::consts::TAU;
 

@@ -1,10 +1,13 @@
 //! Light scattered once, by shadow rays from places along the eye rays, and the ways to choose these places.
 
-use crate::compare::luminance;
-use crate::eye::{EyeSegment, EyeTracer};
-use crate::first_hits::FirstHits;
+mod first_hits;
+
+use crate::color::luminance;
+use crate::eye::EyeTracer;
+use crate::eye::segment::EyeSegment;
 use crate::kind::{ByKind, Kind};
 use crate::lamps::LampTree;
+use crate::march::first_hits::FirstHits;
 use crate::media;
 use crate::passage::passage;
 use crate::plan::Plan;

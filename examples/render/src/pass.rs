@@ -2,17 +2,17 @@
 
 use crate::eye::EyeTracer;
 use crate::grids::Grids;
-use crate::guidance::{self, Guidance, Spread};
 use crate::kind::{Kind, Split};
-use crate::march::{Guide, Marcher, Marching, Placement};
+use crate::march::{Guide, Marcher, Placement};
 use crate::media;
-use crate::operators::Operator;
 use crate::photon::{Energy, PathBeam, PhotonRecord, PhotonTracer, Record};
+use crate::pilot::{self, Spread};
 use crate::plan::{FirstSurfaces, Plan};
 use crate::radius::{BeamVoxels, Radii, RadiusRule};
-use crate::random::{Emission, Random};
+use crate::random::Random;
 use crate::samples::PassImage;
 use crate::scene::Scene;
+use crate::settings::{Gather, Settings};
 use crate::shown::SmallLamps;
 use crate::starts::EyeStarts;
 use crate::straight::{Straight, is_left_to_beams};
@@ -40,6 +40,7 @@ const CHUNK: u32 = 64;
 /// Of methods without spectra.
 const NO_GRID: GridLayout = GridLayout { min: Vec3::ZERO, max: Vec3::ONE, cells: [1; 3] };
 
+const NEVER: &str = "never cancelled";
 const FITS: &str = "as many cells as the grid has";
 
 /// Sequences of light paths: without a light field, with one, for connections.
@@ -64,36 +65,6 @@ const FOCUSED_SHARE: f32 = 0.25;
 
 /// Photons that a disk of a caustic holds at least: its own says nothing of how far others are.
 const FEWEST: usize = 2;
-
-/// How the picture is made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// Plain progressive photon beams.
-    Ppb,
-    /// The thesis: the kernel is as wide as the covariance allows.
-    Adaptive,
-    /// Unbiased connections of every path segment and diffuse vertex with the camera; blind to what is seen through glass. For pinholes
-    /// ([`crate::camera::Camera::is_pinhole`]): pictures of other cameras are black.
-    LightTrace,
-    /// Light scattered once, by shadow rays from places along the eye rays.
-    March,
-}
-
-/// The parts of [`Renderer::light_by_kind`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Parts {
-    /// Straight light from shadow rays.
-    pub straight: bool,
-    /// Light paths that go where the picture needs them.
-    pub guided: bool,
-    /// Spectra, eye rays and filters of its own for straight light.
-    pub apart: bool,
-}
-
-impl Parts {
-    /// What a render gets. A layer of its own for straight light costs a tenth of a pass, and has .7 to 1.3 times the error.
-    pub const DEFAULT: Self = Self { straight: true, guided: true, apart: false };
-}
 
 /// Core-seconds by part, and what they bought.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -151,219 +122,140 @@ pub struct FieldState {
 /// threads and any order of passes. Work runs on rayon's current pool.
 pub struct Renderer<'a> {
     scene: &'a Scene,
-    method: Method,
-    photons: u32,
-    seed: u32,
+    settings: Settings,
     tracer: PhotonTracer<'a>,
     fogs: Vec<Medium<'a>>,
     starts: EyeStarts<'a>,
     small: SmallLamps,
-    marching: Marching,
+    /// What is first behind each pixel; None: no eye rays are planned.
     surfaces: Option<Arc<FirstSurfaces>>,
     /// None: [`RadiusRule::Bias`].
     radii: Option<Radii>,
     grids: Grids,
     energy: Energy,
-    /// Whether straight light comes from shadow rays.
-    has_shadow_rays: bool,
     /// Some: kinds of light are told apart, in these layers.
     split: Option<Split>,
     /// What the branches of guided paths are decided by.
     spread: Option<Spread>,
     /// Core-seconds of the pilot, not yet said.
     pilot: f64,
-    /// Whether anything is wanted from the first surface on.
-    beyond: bool,
-    /// Whether the fog before the first surface is kept apart where no eye rays need planning.
-    is_first_apart: bool,
-    /// Whether each pass looks through all pixels.
+    /// Whether each pass looks through all pixels: of few passes a pixel would see some instants only, others than the pixels around.
     is_everywhere: bool,
 }
 
 impl<'a> Renderer<'a> {
-    /// `photons` = light paths a pass.
-    pub fn new(scene: &'a Scene, method: Method, photons: u32, seed: u32) -> Self {
-        Self::with_emission(scene, method, photons, seed, Emission::LowDiscrepancy)
+    /// Gets ready, with a pilot if light paths are guided.
+    pub fn new(scene: &'a Scene, settings: Settings) -> Self {
+        let surfaces = settings.planned.then(|| FirstSurfaces::new(scene, &|| false).expect(NEVER));
+        let made = Self::of_instants([scene], settings, surfaces.map(Arc::new), &|| false);
+        made.and_then(|mut made| made.pop()).expect(NEVER)
     }
 
-    /// Like [`Renderer::new`] with a choice of how light paths are drawn.
-    pub fn with_emission(
-        scene: &'a Scene,
-        method: Method,
-        photons: u32,
-        seed: u32,
-        emission: Emission,
-    ) -> Self {
-        let has_grid = matches!(method, Method::Adaptive | Method::March);
-        let layout = if has_grid { scene.grid } else { NO_GRID };
-        Self {
-            scene,
-            method,
-            photons,
-            seed,
-            tracer: PhotonTracer::new(scene, seed, emission),
-            fogs: media::all(scene),
-            starts: EyeStarts::new(scene),
-            small: SmallLamps::new(scene),
-            marching: Marching::default(),
-            surfaces: None,
-            radii: None,
-            grids: Grids::new(layout, Split::TOGETHER),
-            energy: Energy::default(),
-            has_shadow_rays: false,
-            split: None,
-            spread: None,
-            pilot: 0.0,
-            beyond: true,
-            is_first_apart: false,
-            is_everywhere: false,
-        }
-    }
-
-    /// Leaves an operator out of all light fields, to see what it buys. For the first pass to see it, call it before.
-    pub fn leave_out(&mut self, operator: Operator) {
-        self.tracer.leave_out(operator);
-    }
-
-    /// From now on traces few eye rays where the covariance grid says that the picture is smooth, with filters between them (thesis
-    /// 5.3.2), and looks kernel radii up only in passes where spectra may make them three times as wide as the pass' own; layer σ is 0 in the
-    /// others. Call it before the first pass. Methods without a grid, and scenes without fog before the first surface that is more than a bound of
-    /// fog, go on with an eye ray through every pixel.
-    pub fn plan_eye_rays(&mut self) {
-        self.plan_by(FirstSurfaces::new(self.scene, &|| false).expect("never cancelled"));
-    }
-
-    /// The same, with what is first behind each pixel of this scene as it was found before.
-    pub fn plan_by(&mut self, surfaces: impl Into<Arc<FirstSurfaces>>) {
-        self.surfaces = Some(surfaces.into());
-    }
-
-    /// From now on passes with planned eye rays keep the fog before the first surface apart always: where no pixel's middle sees any, with an eye
-    /// ray through each pixel; and tell its layer σ where kernels look nothing up, too. Call it before the first pass.
-    pub fn keep_first_apart(&mut self) {
-        self.is_first_apart = true;
-    }
-
-    /// From now on leaves out all light from the first surface on that is more than a bound of fog; what the fog before it sends out stays. Call it before the first pass.
-    pub fn leave_out_beyond(&mut self) {
-        self.beyond = false;
-    }
-
-    /// From now on each kind of light comes from what is best for it: light straight from the lamps from shadow rays, but for media of voxels;
-    /// all other light from light paths that go where the picture needs them, after a pilot
-    /// that depends on scene and seed alone. Call it before the first pass. For the method adaptive.
-    pub fn light_by_kind(&mut self) {
-        self.light_by_parts(Parts::DEFAULT);
-    }
-
-    /// The same with some parts only, to see what each buys.
-    pub fn light_by_parts(&mut self, parts: Parts) {
-        Self::light_instants_by_parts(std::slice::from_mut(self), parts, &|| false).expect("never cancelled");
-    }
-
-    /// The same of renderers of one scene at several instants while a shutter is open, all with the same grid: with one pilot for all of them.
-    /// The first has their light fields; see [`Renderer::go_on_from`].
+    /// Renderers of one scene at several instants while a shutter is open, all with the same grid: with one pilot for all of them. The first has
+    /// their light fields; see [`Renderer::go_on_from`].
     ///
-    /// `cancelled` is polled all the time, and says yes for good once it did; None = it has, and the renderers are of no use.
-    pub fn light_instants_by_parts(
-        instants: &mut [Self],
-        parts: Parts,
+    /// - `surfaces`: what is first behind each pixel at all instants, where eye rays are planned.
+    /// - `cancelled` is polled all the time, and says yes for good once it did; None = it has.
+    pub fn of_instants(
+        scenes: impl IntoIterator<Item = &'a Scene>,
+        settings: Settings,
+        surfaces: Option<Arc<FirstSurfaces>>,
         cancelled: &(dyn Fn() -> bool + Sync),
-    ) -> Option<()> {
-        let start = Instant::now();
-        if parts.guided {
-            let scenes: Vec<_> =
-                instants.iter().map(|at| guidance::Instant { scene: at.scene, fogs: &at.fogs }).collect();
-            let found = Guidance::of(&scenes, cancelled);
-            let mut spread = None;
-            for (made, guidance) in instants.iter_mut().zip(found) {
-                let Some(guidance) = guidance else { continue };
-                made.tracer.guide(guidance);
-                // What it says of one holds for the others: only their noise depends on it.
-                made.spread = *spread.get_or_insert_with(|| Spread::of(&made.tracer, &made.fogs, cancelled));
-                match made.spread {
-                    Some(_) => made.decide_branches(),
-                    None => made.tracer.guide_no_more(),
-                }
+    ) -> Option<Vec<Self>> {
+        let make = |scene| Self::without_light(scene, settings, surfaces.clone());
+        let mut instants: Vec<Self> = scenes.into_iter().map(make).collect();
+        if settings.gather == Gather::Adaptive && settings.guided {
+            let start = Instant::now();
+            Self::guide(&mut instants, cancelled);
+            if let Some(first) = instants.first_mut() {
+                first.pilot = start.elapsed().as_secs_f64();
             }
         }
         if cancelled() {
             return None;
         }
-        let split = if parts.apart { Split::STRAIGHT_APART } else { Split::TOGETHER };
-        for made in &mut *instants {
-            made.has_shadow_rays = parts.straight;
-            made.split = Some(split);
-            made.give_up_fields();
-        }
+        let is_everywhere = instants.len() > 1;
+        instants.iter_mut().for_each(|made| made.is_everywhere = is_everywhere);
+        // Grids may take most of the memory, and one is enough.
         if let Some(first) = instants.first_mut() {
-            first.split_into(split);
-            first.pilot = start.elapsed().as_secs_f64();
+            first.grids = first.new_grids();
         }
-        Some(())
+        Some(instants)
+    }
+
+    /// One that has neither guides nor a grid yet.
+    fn without_light(scene: &'a Scene, settings: Settings, surfaces: Option<Arc<FirstSurfaces>>) -> Self {
+        let mut tracer = PhotonTracer::new(scene, settings.seed, settings.emission);
+        if let Some(operator) = settings.left_out {
+            tracer.leave_out(operator);
+        }
+        let rule = settings.radius_rule;
+        Self {
+            scene,
+            settings,
+            tracer,
+            fogs: media::all(scene),
+            starts: EyeStarts::new(scene),
+            small: SmallLamps::new(scene),
+            surfaces,
+            radii: (rule != RadiusRule::Bias).then(|| Radii::new(rule, scene.grid)),
+            grids: Grids::new(NO_GRID, Split::TOGETHER),
+            energy: Energy::default(),
+            split: settings.layers.split(scene),
+            spread: None,
+            pilot: 0.0,
+            is_everywhere: false,
+        }
+    }
+
+    /// Learns where light paths are needed at all instants.
+    fn guide(instants: &mut [Self], cancelled: &(dyn Fn() -> bool + Sync)) {
+        let scenes: Vec<_> =
+            instants.iter().map(|at| pilot::Instant { scene: at.scene, fogs: &at.fogs }).collect();
+        let found = pilot::guidance(&scenes, cancelled);
+        let mut spread = None;
+        for (made, guidance) in instants.iter_mut().zip(found) {
+            let Some(guidance) = guidance else { continue };
+            made.tracer.guide(guidance);
+            // What it says of one holds for the others: only their noise depends on it.
+            made.spread = *spread.get_or_insert_with(|| Spread::of(&made.tracer, &made.fogs, cancelled));
+            match made.spread {
+                Some(_) => made.decide_branches(),
+                None => made.tracer.guide_no_more(),
+            }
+        }
+    }
+
+    fn new_grids(&self) -> Grids {
+        let layout = if self.settings.has_grid() { self.scene.grid } else { NO_GRID };
+        Grids::new(layout, self.split.unwrap_or(Split::TOGETHER))
     }
 
     fn decide_branches(&mut self) {
         if let Some(spread) = &self.spread {
-            self.tracer.scale_branches(spread.share_of_branches(self.photons, &self.scene.camera));
+            let share = spread.share_of_branches(self.settings.photons, &self.scene.camera);
+            self.tracer.scale_branches(share);
         }
     }
 
     /// Starts anew with so many light paths a pass: from now on it is as one that was made with them, and has nothing to look at again.
     pub fn restart(&mut self, photons: u32) {
-        self.photons = photons;
+        self.settings.photons = photons;
         self.grids.clear();
         self.energy = Energy::default();
         self.decide_branches();
-    }
-
-    /// From now on passes with planned eye rays look through all pixels for the fog, for pictures of a scene that moves: of few passes a pixel
-    /// would see some instants only, others than the pixels around. Call it before the first pass.
-    pub fn look_everywhere(&mut self) {
-        self.is_everywhere = true;
     }
 
     /// Goes on from the light fields of another renderer, which has none then: one of the same scene at another instant, with the same grid. In
     /// spectra that are the mean over the instants all of them may have a part, and the pictures of all be filtered as one.
     pub fn go_on_from(&mut self, other: &mut Self) {
         std::mem::swap(&mut self.grids, &mut other.grids);
-        other.give_up_fields();
-    }
-
-    /// Gives the memory of the light fields up, for those of another renderer: [`Renderer::go_on_from`].
-    pub fn give_up_fields(&mut self) {
-        self.grids = Grids::new(NO_GRID, Split::TOGETHER);
-    }
-
-    /// From now on each kind of light that the scene can have has spectra, eye rays and filters of its own, for a film that keeps them apart.
-    /// Call it before the first pass, after [`Renderer::light_by_kind`].
-    pub fn keep_kinds(&mut self) -> Split {
-        let split = Split::of_each_kind(self.scene);
-        self.split_into(split);
-        split
+        other.grids = Grids::new(NO_GRID, Split::TOGETHER);
     }
 
     /// Whether eye rays are asked for more than the light that the fog before the first surface scatters.
     fn wants_rest(&self) -> bool {
-        self.beyond || self.scene.glows()
-    }
-
-    fn split_into(&mut self, split: Split) {
-        self.grids = Grids::new(self.scene.grid, split);
-        self.split = Some(split);
-    }
-
-    /// What the adaptive method's kernel radii come from; other methods go on as they are. Call it before the first pass.
-    ///
-    /// With a rule other than [`RadiusRule::Bias`] the layer σ of the picture is the one that gives the same radii by that rule. Asked for
-    /// out of order, a pass traces all light paths of the earlier ones that it has not seen.
-    pub fn widen_by(&mut self, rule: RadiusRule) {
-        self.radii = (rule != RadiusRule::Bias).then(|| Radii::new(rule, self.scene.grid));
-    }
-
-    /// How the method `march` chooses places. Call it before the first pass.
-    pub fn march_as(&mut self, marching: Marching) {
-        self.marching = marching;
+        self.settings.beyond || self.scene.glows()
     }
 
     /// Where the power of the latest pass' light paths went.
@@ -380,16 +272,17 @@ impl<'a> Renderer<'a> {
         index: u32,
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Option<(PassImage, PassTimes)> {
-        match self.method {
-            Method::LightTrace => self.light_trace(index, cancelled),
-            Method::March => self.march(index, cancelled),
-            Method::Ppb | Method::Adaptive => self.beams(index, cancelled),
+        match self.settings.gather {
+            Gather::LightTrace => self.light_trace(index, cancelled),
+            Gather::March => self.march(index, cancelled),
+            Gather::Plain | Gather::Adaptive => self.beams(index, cancelled),
         }
     }
 
     /// How many of a pass' paths carry a light field.
     fn field_photons(&self) -> u32 {
-        ((self.photons as f32 * self.scene.settings.light_field_share).round() as u32).clamp(1, self.photons)
+        let photons = self.settings.photons;
+        ((photons as f32 * self.scene.settings.light_field_share).round() as u32).clamp(1, photons)
     }
 
     /// Traces paths `0..count` of a pass of one sequence, in order. Also returns the core-seconds spent.
@@ -412,7 +305,13 @@ impl<'a> Renderer<'a> {
                     if cancelled() {
                         return None;
                     }
-                    self.tracer.trace(sequence, first.wrapping_add(i), self.photons, record, &mut out);
+                    self.tracer.trace(
+                        sequence,
+                        first.wrapping_add(i),
+                        self.settings.photons,
+                        record,
+                        &mut out,
+                    );
                 }
                 Some((out, start.elapsed().as_secs_f64()))
             })
@@ -476,7 +375,7 @@ impl<'a> Renderer<'a> {
         }
         while beams.passes() + 1 < index {
             let (earlier, fields) = (beams.passes() + 1, self.field_photons());
-            let sequences = [(PLAIN_SEQUENCE, self.photons - fields), (FIELD_SEQUENCE, fields)];
+            let sequences = [(PLAIN_SEQUENCE, self.settings.photons - fields), (FIELD_SEQUENCE, fields)];
             let mut record = PhotonRecord::default();
             for (sequence, count) in sequences {
                 record.append(self.trace(sequence, earlier, count, Record::Beams, cancelled)?.0);
@@ -490,7 +389,7 @@ impl<'a> Renderer<'a> {
     /// Traces and deposits the light fields of the next pass that has any.
     fn add_light_fields(&mut self, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<()> {
         let (next, count) = (next_field_pass(self.grids.deposited()), self.field_photons());
-        let record = if self.method == Method::March { Record::Direct } else { Record::Field };
+        let record = if self.settings.gather == Gather::March { Record::Direct } else { Record::Field };
         let (record, _) = self.trace(FIELD_SEQUENCE, next, count, record, cancelled)?;
         self.grids.deposit(next, &self.tracer, &record.deposits);
         Some(())
@@ -498,8 +397,7 @@ impl<'a> Renderer<'a> {
 
     /// The next pass up to `passes` whose light fields are not in the grids yet; None: they are all there, or the method has none.
     pub fn next_fields(&self, passes: u32) -> Option<u32> {
-        let has_fields = matches!(self.method, Method::Adaptive | Method::March);
-        (has_fields && self.grids.deposited() < latest_field_pass(passes))
+        (self.settings.has_grid() && self.grids.deposited() < latest_field_pass(passes))
             .then(|| next_field_pass(self.grids.deposited()))
     }
 
@@ -532,8 +430,8 @@ impl<'a> Renderer<'a> {
 
     fn beams(&mut self, index: u32, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<(PassImage, PassTimes)> {
         let mut times = PassTimes::default();
-        let settings = self.scene.settings;
-        let adaptive = self.method == Method::Adaptive;
+        let numbers = self.scene.settings;
+        let adaptive = self.settings.gather == Gather::Adaptive;
         let counts_only = self.radii.as_ref().is_some_and(|radii| radii.rule == RadiusRule::BeamDensity);
         // Planning needs spectra whatever the radii come from.
         let has_spectra = adaptive && (!counts_only || self.surfaces.is_some()) && !self.is_all_behind();
@@ -544,7 +442,7 @@ impl<'a> Renderer<'a> {
         let (fields, seconds) = self.trace(FIELD_SEQUENCE, index, field_photons, field_record, cancelled)?;
         times.light_fields = fields.field_time.as_secs_f64();
         times.trace = seconds - times.light_fields;
-        let plain_photons = self.photons - field_photons;
+        let plain_photons = self.settings.photons - field_photons;
         let (mut record, seconds) =
             self.trace(PLAIN_SEQUENCE, index, plain_photons, Record::Beams, cancelled)?;
         times.trace += seconds;
@@ -559,10 +457,10 @@ impl<'a> Renderer<'a> {
         }
         times.grid = start.elapsed().as_secs_f64();
         self.energy = record.energy;
-        let kernel = settings.schedule.kernel(index, None);
+        let kernel = numbers.schedule.kernel(index, None);
         let start = Instant::now();
         let plans = match has_spectra {
-            true => self.plans(index, kernel.error, self.photons, cancelled)?,
+            true => self.plans(index, kernel.error, self.settings.photons, cancelled)?,
             false => Vec::new(),
         };
         times.plan = start.elapsed().as_secs_f64() + std::mem::take(&mut self.pilot);
@@ -576,7 +474,7 @@ impl<'a> Renderer<'a> {
         let mut beams = vec![[(); 2].map(|()| vec![Vec::new(); self.scene.region_count()]); split.count()];
         let mut next_to_lamps = vec![Vec::new(); self.scene.region_count()];
         for PathBeam { medium, kind, near, beam } in record.beams.drain(..) {
-            let is_marched = self.has_shadow_rays && kind == Kind::Straight;
+            let is_marched = self.settings.shadow_rays && kind == Kind::Straight;
             if is_marched && !is_left_to_beams(self.scene, medium) {
                 next_to_lamps[medium as usize].extend(first_part(beam, near));
             } else {
@@ -593,8 +491,8 @@ impl<'a> Renderer<'a> {
             })
         };
         // A photon's disk shrinks in area as a beam's kernel shrinks in width: r² ~ 1D schedule.
-        let area = kernel(0).min_radius / settings.schedule.radius;
-        let radius_on_surfaces = settings.schedule.radius * area.sqrt();
+        let area = kernel(0).min_radius / numbers.schedule.radius;
+        let radius_on_surfaces = numbers.schedule.radius * area.sqrt();
         let disks = Disks {
             diffuse: DIFFUSE_RADIUS_FACTOR * radius_on_surfaces,
             caustic: CAUSTIC_RADIUS_FACTOR * radius_on_surfaces,
@@ -619,7 +517,7 @@ impl<'a> Renderer<'a> {
             starts,
             lamps: self.tracer.lamps(),
             surfaces: &surfaces,
-            beyond: self.beyond,
+            beyond: self.settings.beyond,
             shown: Some(&self.small),
             is_apart: false,
         };
@@ -628,19 +526,19 @@ impl<'a> Renderer<'a> {
             fogs: &self.fogs,
             tracer,
             beams: &beams,
-            seed: self.seed,
+            seed: self.settings.seed,
             pass: index,
             plans,
-            straight: self.has_shadow_rays.then(|| Straight {
+            straight: self.settings.shadow_rays.then(|| Straight {
                 scene: self.scene,
                 fogs: &self.fogs,
                 lamps: self.tracer.lamps(),
-                seed: self.seed,
+                seed: self.settings.seed,
                 pass: index,
                 near: Some(self.tracer.near()),
             }),
             wants_rest: self.wants_rest(),
-            spectra: (has_spectra && self.is_first_apart).then(|| self.grids.look_up(0)),
+            spectra: (has_spectra && self.settings.first_apart).then(|| self.grids.look_up(0)),
         };
         let (image, cost) = view.image(cancelled)?;
         (times.gather, times.pairs) = (cost.seconds, cost.pairs);
@@ -666,7 +564,7 @@ impl<'a> Renderer<'a> {
 
     /// Whether eye rays may see fog before the first surface, as far as that is known.
     fn sees_fog_first(&self) -> bool {
-        self.is_first_apart || self.surfaces.as_ref().is_none_or(|surfaces| surfaces.has_fog())
+        self.settings.first_apart || self.surfaces.as_ref().is_none_or(|surfaces| surfaces.has_fog())
     }
 
     /// Whether all fog lies behind glass, where no filter thins rays out: wide kernels cost more than they are worth there, and spectra are of no
@@ -710,7 +608,7 @@ impl<'a> Renderer<'a> {
 
     fn march(&mut self, index: u32, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<(PassImage, PassTimes)> {
         let mut times = PassTimes::default();
-        let adaptive = self.marching.placement == Placement::Adaptive;
+        let adaptive = self.settings.marching.placement == Placement::Adaptive;
         if adaptive {
             let count = self.field_photons();
             let mut fields = PhotonRecord::default();
@@ -723,11 +621,12 @@ impl<'a> Renderer<'a> {
             times.grid = start.elapsed().as_secs_f64();
         }
         let scene = self.scene;
-        let key = [self.seed, index];
+        let key = [self.settings.seed, index];
         let start = Instant::now();
         let error = error_bound(scene.settings.schedule.error, index);
         let plan = if adaptive { self.plans(index, error, 0, cancelled)?.pop() } else { None };
-        let guide = || Guide::new(scene, self.grids.look_up(0), self.marching.samples, key, cancelled);
+        let guide =
+            || Guide::new(scene, self.grids.look_up(0), self.settings.marching.samples, key, cancelled);
         let guide = if adaptive { Some(guide()?) } else { None };
         times.plan = start.elapsed().as_secs_f64();
         let marcher = Marcher {
@@ -735,12 +634,16 @@ impl<'a> Renderer<'a> {
             fogs: &self.fogs,
             starts: self.starts,
             small: &self.small,
-            marching: self.marching,
+            marching: self.settings.marching,
             plan,
             guide: guide.as_ref(),
             key,
-            offset: if self.marching.centred { [0.5; 2] } else { pixel_offset(self.seed, index) },
-            beyond: self.beyond,
+            offset: if self.settings.marching.centred {
+                [0.5; 2]
+            } else {
+                pixel_offset(self.settings.seed, index)
+            },
+            beyond: self.settings.beyond,
             wants_rest: self.wants_rest(),
         };
         let (image, seconds, shadow_rays) = marcher.image(cancelled)?;
@@ -755,7 +658,7 @@ impl<'a> Renderer<'a> {
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Option<(PassImage, PassTimes)> {
         let (record, mut seconds) =
-            self.trace(CONNECTION_SEQUENCE, index, self.photons, Record::Connections, cancelled)?;
+            self.trace(CONNECTION_SEQUENCE, index, self.settings.photons, Record::Connections, cancelled)?;
         self.energy = record.energy;
         let (width, height) = (self.scene.camera.width, self.scene.camera.height);
         let mut radiance = vec![Vec3::ZERO; (width * height) as usize];
@@ -778,7 +681,7 @@ impl<'a> Renderer<'a> {
     /// Lamps that an eye ray somewhere through a pixel sees straight.
     fn shown(&self, index: u32, corner: [u32; 2]) -> Vec3 {
         let pixel = corner[1] * self.scene.camera.width + corner[0];
-        let mut random = Random::new([self.seed, index, pixel, SHOWN_KEY]);
+        let mut random = Random::new([self.settings.seed, index, pixel, SHOWN_KEY]);
         let start = self.starts.at(corner.map(|corner| corner as f32 + random.uniform()), [0.0; 2]);
         let seen = self.scene.shown.seen(self.scene, &self.small, &self.starts, &start);
         seen.iter().map(|seen| seen.dimmed(self.scene, &self.fogs)).sum()

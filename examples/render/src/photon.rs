@@ -2,6 +2,7 @@
 
 mod guided;
 mod lit;
+pub(crate) mod near;
 mod weight;
 
 use crate::guidance::Guidance;
@@ -10,11 +11,11 @@ use crate::lamps::LampTree;
 use crate::light::{EmittedPhoton, cosine_direction};
 use crate::material::{Encounter, Lobe};
 use crate::media;
-use crate::near::Near;
 use crate::operators::Operator;
 use crate::optics::{Boundary, Interior, curvature_towards, facing_normal, reflect};
 use crate::origin::Origin;
 use crate::passage::passage;
+use crate::photon::near::Near;
 use crate::random::{Emission, PathSampler};
 use crate::record::add;
 pub use crate::record::{Energy, FieldSegment, PathBeam, PhotonRecord, Record, Splat};

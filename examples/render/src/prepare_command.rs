@@ -3,12 +3,13 @@
 use crate::cli::PrepareArgs;
 use crate::failure::Usage;
 use crate::render_command::job::{check_ending, subject};
-use crate::render_command::{check_method, renderer};
+use crate::render_command::{check_method, settings};
 use crate::stop::{Stop, Watch};
 use covbeam_render::output::check_writable;
-use covbeam_render::pass::field_passes;
+use covbeam_render::pass::{Renderer, field_passes};
 use covbeam_render::prepared::write_prepared;
 use covbeam_render::progress::{Display, Listener, Standing, seconds};
+use covbeam_render::settings::Settings;
 use serde_json::json;
 use std::error::Error;
 use std::path::PathBuf;
@@ -55,7 +56,8 @@ pub(crate) fn run(args: &PrepareArgs) -> Result<ExitCode, Box<dyn Error>> {
         });
     };
     let written = pool.install(|| {
-        let mut renderer = renderer(&scene, &origin, &args.picture);
+        let settings = Settings { planned: false, ..settings(&origin, &args.picture) };
+        let mut renderer = Renderer::new(&scene, settings);
         watch.end();
         write_prepared(&out, &origin, &mut renderer, passes, &|| stop.is_asked(), report)
     });

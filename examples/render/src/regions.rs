@@ -1,6 +1,6 @@
 //! Regions of pictures in which errors are reported.
 
-use crate::compare::luminance;
+use crate::color::luminance;
 use crate::film::Picture;
 
 /// Pixels darker than this share of the picture's mean are neither sharp nor smooth: their changes are noise.

@@ -8,7 +8,6 @@ use crate::cli::{MethodName, PassesArgument, PictureArgs, RenderArgs};
 use crate::failure::{self, Refused, Usage};
 use crate::stop::{Ended, Stop, Watch};
 use covbeam_render::kind::Split;
-use covbeam_render::march::Marching;
 use covbeam_render::memory;
 use covbeam_render::output::check_writable;
 use covbeam_render::pass::Renderer;
@@ -16,6 +15,7 @@ use covbeam_render::prepared::read_prepared;
 use covbeam_render::progress::{Display, Listener, Standing, say, seconds};
 use covbeam_render::render::{End, Goal, Progress, RenderError, render};
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::{Layers, Settings};
 use covbeam_render::shard::Origin;
 use cpu_time::ProcessTime;
 use job::{Begun, Job, Target};
@@ -25,10 +25,6 @@ use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
-
-/// What is rendered when no scene is named.
-pub(crate) const DEFAULT_SCENE: &str = include_str!("../../scenes/glass-ball.toml");
-pub(crate) const DEFAULT_NAME: &str = "glass-ball";
 
 pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
     let start = Instant::now();
@@ -52,10 +48,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads as usize).build()?;
     job.scene.notes.iter().for_each(say);
     say(job.title(pool.current_num_threads(), film.passes()));
-    let mut renderer = pool.install(|| renderer(&job.scene, &job.origin, &args.picture));
-    if args.picture.method.plans_eye_rays() && !args.picture.every_pixel {
-        pool.install(|| renderer.plan_eye_rays());
-    }
+    let mut renderer = pool.install(|| Renderer::new(&job.scene, settings(&job.origin, &args.picture)));
     if args.picture.light_passes && film.passes() == 0 {
         film.keep_kinds(Split::of_each_kind(&job.scene));
     }
@@ -140,18 +133,15 @@ fn stopped_early(listener: Listener, passes: [u32; 2]) {
     listener.stopped(text, json!({ "files": [], "passes": passes }));
 }
 
-/// What makes the passes of a picture; eye rays are not planned yet.
-pub(crate) fn renderer<'a>(scene: &'a Scene, origin: &Origin, args: &PictureArgs) -> Renderer<'a> {
-    let mut renderer = Renderer::new(scene, args.method.method(), origin.photons, origin.seed);
-    if matches!(args.method, MethodName::Adaptive) {
-        renderer.light_by_kind();
-    }
+/// How the passes of a picture are made.
+pub(crate) fn settings(origin: &Origin, args: &PictureArgs) -> Settings {
+    let mut settings = Settings::of(args.method.method(), origin.photons, origin.seed);
+    settings.planned = args.method.plans_eye_rays() && !args.every_pixel;
     if args.light_passes {
-        renderer.keep_kinds();
+        settings.layers = Layers::EachKind;
     }
-    let marching = Marching::default();
-    renderer.march_as(Marching { samples: origin.samples.unwrap_or(marching.samples), ..marching });
-    renderer
+    settings.marching.samples = origin.samples.unwrap_or(settings.marching.samples);
+    settings
 }
 
 /// The light fields of the passes before the first one that is missing.

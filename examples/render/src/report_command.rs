@@ -2,7 +2,7 @@
 
 use crate::cli::ReportArgs;
 use crate::failure::{Refused, Usage};
-use crate::render_command::{DEFAULT_NAME, DEFAULT_SCENE};
+use crate::render_command::job::{DEFAULT_NAME, DEFAULT_SCENE};
 use crate::stop::Stop;
 use covbeam_render::output::{check_writable, replace_file};
 use covbeam_render::progress::{Display, say, seconds};

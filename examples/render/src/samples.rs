@@ -1,6 +1,6 @@
 //! What the eye rays of one pass saw.
 
-use crate::eye::EyeSegment;
+use crate::eye::segment::EyeSegment;
 use crate::kind::{ByKind, Kind};
 use crate::plan::Plan;
 use glam::Vec3;

@@ -1,11 +1,11 @@
 //! Light that comes straight from the lamps and is scattered once on its way to the camera: shadow rays, from places along
 //! the eye rays.
 
-use crate::eye::EyeSegment;
+use crate::eye::segment::EyeSegment;
 use crate::lamps::{Drawn, LampTree, MOST_ASKED, Stretch};
 use crate::media;
-use crate::near::Near;
 use crate::passage::passage;
+use crate::photon::near::Near;
 use crate::random::{Random, spread};
 use crate::scene::{Light, MediumDensity, Scene};
 use covbeam::{Column, EyeRay, Knot, Medium};

@@ -1,36 +1,20 @@
 //! Photons on diffuse surfaces and the radiance that they make visible. Light straight from a lamp is looked
 //! up by shadow rays; lamps themselves are invisible.
 
+pub(crate) mod clearance;
 mod crowd;
+mod photon;
 
 pub(crate) use crowd::CROWD;
+pub use photon::SurfacePhoton;
 
-use crate::clearance::Clearance;
 use crate::kind::{ByKind, Kind};
+use crate::surface::clearance::{Clearance, FLAT};
 use covbeam::Curvature;
-use glam::{Vec3, Vec3A};
-use obvhs::aabb::Aabb;
+use glam::Vec3;
 use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2;
-use obvhs::{Boundable, BvhBuildParams};
+use photon::hierarchy;
 use std::f32::consts::PI;
-use std::time::Duration;
-
-/// A photon that arrived on a diffuse surface other than straight from a light.
-#[derive(Clone, Copy, Debug)]
-pub struct SurfacePhoton {
-    /// Where.
-    pub position: Vec3,
-    /// Surface normal on the side of arrival.
-    pub normal: Vec3,
-    /// Flux per channel \[W\].
-    pub power: Vec3,
-    /// True if it came through specular surfaces only: its light may be a caustic and gets the narrow kernel.
-    pub caustic: bool,
-}
-
-/// Photons count where the normal differs by less than this cosine: others lie on another surface.
-pub const FLAT: f32 = 0.9;
 
 /// How wide the kernels of a pass' surface photons are \[m\].
 #[derive(Clone, Copy, Debug)]
@@ -45,28 +29,6 @@ pub struct Disks {
     pub crowd: Option<usize>,
     /// Whether light that arrives diffusely is divided by the share of its disk that lies on the surface.
     pub within: bool,
-}
-
-/// Where a photon counts at most.
-struct Extent {
-    center: Vec3A,
-    radius: f32,
-}
-
-impl Boundable for Extent {
-    fn aabb(&self) -> Aabb {
-        Aabb::new(self.center - self.radius, self.center + self.radius)
-    }
-}
-
-/// Over balls, by their centers and radii.
-fn hierarchy(balls: impl Iterator<Item = (Vec3, f32)>) -> Bvh2 {
-    let extents: Vec<Extent> =
-        balls.map(|(center, radius)| Extent { center: center.into(), radius }).collect();
-    if extents.is_empty() {
-        return Bvh2::default();
-    }
-    build_bvh2(&extents, BvhBuildParams::fastest_build(), &mut Duration::default())
 }
 
 /// The surface photons of a pass.

@@ -1,14 +1,14 @@
 //! What the camera of a scene sees of its light: a few light paths, met by a few eye rays.
 
-use crate::defaults::divide;
-use crate::eye::{EyeSegment, EyeTracer};
-use crate::geometry::unite;
+use crate::eye::EyeTracer;
+use crate::eye::segment::EyeSegment;
+use crate::geometry::{bounds_of_scene, divide, unite};
 use crate::lamps::LampTree;
 use crate::media;
 use crate::photon::{PhotonRecord, PhotonTracer, Record};
 use crate::radius::BeamVoxels;
 use crate::random::{Emission, Random};
-use crate::scene::{Light, Placed, Scene};
+use crate::scene::Scene;
 use crate::starts::EyeStarts;
 use crate::surface::SurfaceMap;
 use covbeam::{GridLayout, Medium};
@@ -240,14 +240,6 @@ fn middle(values: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
         sum >= 0.5 * total
     });
     found.map(|(value, _)| *value)
-}
-
-/// Of all objects and lamps.
-pub(crate) fn bounds_of_scene(scene: &Scene) -> (Vec3, Vec3) {
-    let placed = scene.placed.as_ref().and_then(Placed::bounds);
-    let objects = scene.objects.iter().map(|object| object.shape.bounds()).chain(placed);
-    let lamps = scene.lights.iter().map(Light::bounds);
-    objects.chain(lamps).reduce(unite).expect("a scene has a light")
 }
 
 /// How far eye rays are followed.

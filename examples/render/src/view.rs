@@ -1,8 +1,10 @@
 //! The eye rays of one pass: through which pixels, and what they see.
 
-use crate::compare::luminance;
-use crate::eye::{EyeSegment, EyeTracer};
-use crate::faint::{Runs, is_faint};
+mod faint;
+
+use crate::color::luminance;
+use crate::eye::EyeTracer;
+use crate::eye::segment::EyeSegment;
 use crate::geometry::intersect_box;
 use crate::kind::{Kind, MOST_LAYERS};
 use crate::plan::Plan;
@@ -13,6 +15,7 @@ use crate::shown::Pixels;
 use crate::starts::EyeStart;
 use crate::straight::Straight;
 use crate::surface::SurfaceMap;
+use crate::view::faint::{Runs, is_faint};
 use covbeam::{BeamMap, EyeRay, FluenceGrid, GatherScratch, Gathered, GridLayout, Kernel, Medium};
 use glam::Vec3;
 use rayon::prelude::*;

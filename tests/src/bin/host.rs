@@ -7,9 +7,10 @@
 
 use covbeam::{GridLayout, Schedule};
 use covbeam_render::film::Film;
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::pass::Renderer;
 use covbeam_render::render::{Goal, render};
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::{Method, Settings};
 use covbeam_tests::statistics::{Sample, sidak, welch};
 use glam::Vec3;
 use std::convert::Infallible;
@@ -205,7 +206,7 @@ fn errors(host: &[Grey], rust: &[Grey], pixels: &[usize]) -> [f64; 2] {
 }
 
 fn picture(scene: &Scene, passes: u32, photons: u32, seed: u32) -> Result<Grey, Box<dyn Error>> {
-    let mut renderer = Renderer::new(scene, Method::Adaptive, photons, seed);
+    let mut renderer = Renderer::new(scene, Settings::of(Method::Thesis, photons, seed));
     let mut film = Film::of_scene(scene);
     let pass = |index, cancelled: &(dyn Fn() -> bool + Sync)| renderer.pass(index, cancelled);
     let goal = Goal { passes: Some(passes), ..Goal::default() };

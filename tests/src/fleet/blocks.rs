@@ -13,7 +13,7 @@
 
 use super::rings;
 use crate::statistics::{Sample, welch};
-use covbeam_render::compare::luminance;
+use covbeam_render::color::luminance;
 use covbeam_render::film::Picture;
 
 /// Pixels across and down a block; less at the right and lower edge of a picture that is no multiple.

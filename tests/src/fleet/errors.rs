@@ -6,7 +6,7 @@
 
 use super::blocks;
 use super::rings::Ratio;
-use covbeam_render::compare::luminance;
+use covbeam_render::color::luminance;
 use covbeam_render::film::Picture;
 
 /// Relative squared error of a picture by block of pixels, as sums.

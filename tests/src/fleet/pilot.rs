@@ -1,9 +1,10 @@
 //! A cheap look at a candidate: is there anything to see?
 
-use covbeam_render::compare::luminance;
+use covbeam_render::color::luminance;
 use covbeam_render::film::Film;
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::pass::Renderer;
 use covbeam_render::scene::{Material, Scene};
+use covbeam_render::settings::{Method, Settings};
 use std::f64::consts::PI;
 
 /// Pixels across and down.
@@ -48,7 +49,7 @@ fn fog_share(mut scene: Scene, whole: f64) -> f64 {
 }
 
 fn picture(scene: &Scene, seed: u32) -> Vec<f64> {
-    let mut renderer = Renderer::new(scene, Method::Ppb, PHOTONS, seed);
+    let mut renderer = Renderer::new(scene, Settings::of(Method::Plain, PHOTONS, seed));
     let mut film = Film::new(SIDE, SIDE);
     for pass in 1..=PASSES {
         let (image, _) = renderer.pass(pass, &|| false).expect("never cancelled");

@@ -1,7 +1,7 @@
 //! Brightness by distance from the brightest part of a picture: what a filter that reaches too far gives away.
 
 use crate::statistics::Sample;
-use covbeam_render::compare::luminance;
+use covbeam_render::color::luminance;
 use covbeam_render::film::Picture;
 
 /// Ends of the rings \[pixels\].

@@ -1,8 +1,9 @@
 //! Independent runs of the methods that are held against each other.
 
 use covbeam_render::film::{Film, FilmError, Picture};
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::pass::Renderer;
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::{Method, Settings};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -36,18 +37,12 @@ impl Estimator {
     /// A renderer of this kind; for [`Estimator::Reference`] the scene must be the narrowed one.
     pub fn renderer(self, scene: &Scene, seed: u32) -> Renderer<'_> {
         let method = match self {
-            Self::Default | Self::EveryPixel => Method::Adaptive,
-            Self::Plain | Self::Reference => Method::Ppb,
+            Self::Default | Self::EveryPixel => Method::Covbeam,
+            Self::Plain | Self::Reference => Method::Plain,
             Self::Light => Method::LightTrace,
         };
-        let mut renderer = Renderer::new(scene, method, self.photons(scene), seed);
-        if method == Method::Adaptive {
-            renderer.light_by_kind();
-        }
-        if self == Self::Default {
-            renderer.plan_eye_rays();
-        }
-        renderer
+        let planned = self == Self::Default;
+        Renderer::new(scene, Settings { planned, ..Settings::of(method, self.photons(scene), seed) })
     }
 }
 

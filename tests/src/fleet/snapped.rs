@@ -9,7 +9,7 @@ use super::rings::rings;
 use super::runs::{Estimator, light_tracing_sees_all, mean, pictures};
 use super::{agreement::RUNS, grid};
 use crate::brute_force::BruteForce;
-use covbeam_render::compare::luminance;
+use covbeam_render::color::luminance;
 use covbeam_render::film::{FilmError, Picture};
 use covbeam_render::photon::{PhotonRecord, PhotonTracer, Record};
 use covbeam_render::random::Emission;

@@ -1,6 +1,11 @@
 //! The house's own rules: what sources, headers and documents must keep to.
 
-mod core_house;
+mod circles;
+mod debts;
 mod figures;
 mod guards;
 mod header;
+mod imports;
+mod processors;
+mod rooms;
+mod sizes;

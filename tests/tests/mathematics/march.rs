@@ -2,8 +2,9 @@
 
 use covbeam::{MARCH_KNOTS, March, MarchCell, MarchError, MarchKnot, MarchSample, Vec3};
 use covbeam_render::march::{Marching, Placement};
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::pass::Renderer;
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::{Method, Settings};
 use covbeam_tests::random::Stream;
 use covbeam_tests::single_scatter::{Density, Emission, Lamp, World};
 use covbeam_tests::statistics::Sample;
@@ -425,8 +426,9 @@ fn the_picture_of_every_placement_is_that_of_the_quadrature() {
         ] {
             let runs: Vec<f64> = (1..=40)
                 .map(|seed| {
-                    let mut renderer = Renderer::new(&scene, Method::March, 200, seed);
-                    renderer.march_as(Marching { placement, samples, centred: true });
+                    let marching = Marching { placement, samples, centred: true };
+                    let settings = Settings { marching, ..Settings::of(Method::March, 200, seed) };
+                    let mut renderer = Renderer::new(&scene, settings);
                     let (image, _) = renderer.pass(1, &|| false).unwrap();
                     let sum: f64 = image.radiance.iter().map(|r| r.as_dvec3().element_sum()).sum();
                     sum / whole
@@ -450,7 +452,7 @@ fn the_marched_picture_is_the_same_bits_for_any_number_of_threads_and_any_order_
     let picture = |threads: usize, passes: [u32; 2], seed: u32| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let mut renderer = Renderer::new(&scene, Method::March, 300, seed);
+            let mut renderer = Renderer::new(&scene, Settings::of(Method::March, 300, seed));
             let mut images = passes.map(|pass| (pass, renderer.pass(pass, &|| false).unwrap().0));
             images.sort_by_key(|image| image.0);
             images
@@ -465,7 +467,7 @@ fn the_marched_picture_is_the_same_bits_for_any_number_of_threads_and_any_order_
 #[test]
 fn a_cancelled_march_returns_nothing() {
     let scene = room("kind = \"point\"\nposition = [0.9, 1.8, -0.4]\nintensity = 1.0\n");
-    assert!(Renderer::new(&scene, Method::March, 300, 1).pass(1, &|| true).is_none());
+    assert!(Renderer::new(&scene, Settings::of(Method::March, 300, 1)).pass(1, &|| true).is_none());
 }
 
 #[test]

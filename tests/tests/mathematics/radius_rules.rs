@@ -2,16 +2,17 @@
 //! that an eye ray crosses.
 
 use covbeam::{Beam, GridLayout, KernelShape};
-use covbeam_render::compare::luminance;
+use covbeam_render::color::luminance;
 use covbeam_render::film::{Film, Picture};
 use covbeam_render::kind::Kind;
 use covbeam_render::media;
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::pass::Renderer;
 use covbeam_render::photon::PathBeam;
 use covbeam_render::radius::{
     BeamVoxels, CROWD, RadiusRule, beams_a_metre, crowd_radius, least_error_radius,
 };
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::{Method, Settings};
 use covbeam_tests::random::Stream;
 use glam::Vec3;
 use std::f64::consts::{PI, TAU};
@@ -171,12 +172,10 @@ fn beams_of_unequal_power_are_as_many_as_would_be_as_noisy() {
 }
 
 fn picture(scene: &Scene, rule: Option<RadiusRule>, planned: bool, passes: &[u32]) -> Picture {
-    let method = if rule.is_some() { Method::Adaptive } else { Method::Ppb };
-    let mut renderer = Renderer::new(scene, method, 700, 3);
-    renderer.widen_by(rule.unwrap_or_default());
-    if planned {
-        renderer.plan_eye_rays();
-    }
+    let method = if rule.is_some() { Method::Thesis } else { Method::Plain };
+    let radius_rule = rule.unwrap_or_default();
+    let settings = Settings { planned, radius_rule, ..Settings::of(method, 700, 3) };
+    let mut renderer = Renderer::new(scene, settings);
     let mut film = Film::of_scene(scene);
     for index in passes {
         let (image, _) = renderer.pass(*index, &|| false).expect("not cancelled");
@@ -208,8 +207,8 @@ fn a_pass_that_was_cancelled_leaves_no_trace_in_the_radii() {
     for rule in RULES {
         let clean = picture(&scene, Some(rule), false, &[2]);
         for polls in [1, 8, 20, 40] {
-            let mut renderer = Renderer::new(&scene, Method::Adaptive, 700, 3);
-            renderer.widen_by(rule);
+            let settings = Settings { radius_rule: rule, ..Settings::of(Method::Thesis, 700, 3) };
+            let mut renderer = Renderer::new(&scene, settings);
             let left = std::sync::atomic::AtomicI32::new(polls);
             let cancelled = || left.fetch_sub(1, std::sync::atomic::Ordering::Relaxed) <= 0;
             let gave_up = renderer.pass(4, &cancelled).is_none();

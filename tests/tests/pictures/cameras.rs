@@ -2,8 +2,9 @@
 
 use covbeam_render::camera::Frame;
 use covbeam_render::film::{Film, Picture};
-use covbeam_render::pass::{Method, Parts, Renderer};
+use covbeam_render::pass::Renderer;
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::{Method, Settings};
 use covbeam_tests::single_scatter::{Density, Emission, Lamp, World, sunflower};
 use covbeam_tests::statistics::Sample;
 use glam::DVec3;
@@ -150,9 +151,8 @@ fn expected(case: &Case) -> Vec<[f64; 2]> {
 }
 
 fn render(scene: &Scene, seed: u32, passes: u32, photons: u32) -> Picture {
-    let mut renderer = Renderer::new(scene, Method::Adaptive, photons, seed);
-    renderer.light_by_parts(Parts { guided: false, ..Parts::DEFAULT });
-    renderer.plan_eye_rays();
+    let settings = Settings { guided: false, ..Settings::of(Method::Covbeam, photons, seed) };
+    let mut renderer = Renderer::new(scene, settings);
     let mut film = Film::of_scene(scene);
     for pass in 1..=passes {
         film.add(&renderer.pass(pass, &|| false).expect("not cancelled").0).expect("finite");

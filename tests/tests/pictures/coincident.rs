@@ -3,7 +3,8 @@
 //! The oracle knows no rays: which shape fills a place follows from which of them hold it. Every piece of a light or eye path must lie
 //! in the medium of the places along it.
 
-use covbeam_render::eye::{EyeSegment, EyeTracer};
+use covbeam_render::eye::EyeTracer;
+use covbeam_render::eye::segment::EyeSegment;
 use covbeam_render::kind::Kind;
 use covbeam_render::lamps::LampTree;
 use covbeam_render::media;

@@ -1,8 +1,9 @@
 //! Media that send out light, by closed forms, quadrature, a balance and another estimator.
 
 use covbeam_render::film::{Film, Picture};
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::pass::Renderer;
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::{Method, Settings};
 use covbeam_tests::energy::taken_by_chance;
 use covbeam_tests::statistics::{Sample, sidak, welch};
 use glam::{DVec3, Vec3};
@@ -14,16 +15,12 @@ fn scene(text: &str) -> Scene {
 }
 
 /// As the renderer makes pictures where nothing else is asked for.
-fn picture(scene: &Scene, seed: u32, passes: u32, change: impl Fn(&mut Renderer)) -> Picture {
-    let mut renderer = Renderer::new(scene, Method::Adaptive, scene.settings.guided_photons, seed);
-    renderer.light_by_kind();
-    renderer.plan_eye_rays();
-    change(&mut renderer);
-    of_passes(scene, &mut renderer, passes)
+fn picture(scene: &Scene, seed: u32, passes: u32) -> Picture {
+    of_passes(scene, &mut Renderer::new(scene, Settings::of_scene(Method::Covbeam, scene, seed)), passes)
 }
 
 fn by(method: Method, scene: &Scene, photons: u32, seed: u32, passes: u32) -> Picture {
-    of_passes(scene, &mut Renderer::new(scene, method, photons, seed), passes)
+    of_passes(scene, &mut Renderer::new(scene, Settings::of(method, photons, seed)), passes)
 }
 
 fn of_passes(scene: &Scene, renderer: &mut Renderer, passes: u32) -> Picture {
@@ -72,9 +69,10 @@ fn a_ball_of_gas_is_as_bright_as_the_closed_form_has_it() {
     for (more, end) in [("", f64::INFINITY), (wall, 4.5)] {
         let scene = ball(BEFORE, more);
         assert!(scene.lights_fog());
-        for change in [(|_| {}) as fn(&mut Renderer), |renderer| renderer.leave_out_beyond()] {
+        for beyond in [true, false] {
             // The filter of pixels is half a pixel wide: where the brightness bends little its mean is that of the middle.
-            let found = picture(&scene, 1, 64, change);
+            let settings = Settings { beyond, ..Settings::of_scene(Method::Covbeam, &scene, 1) };
+            let found = of_passes(&scene, &mut Renderer::new(&scene, settings), 64);
             let mut most = 0.0_f64;
             for (x, y) in (0..25).flat_map(|y| (0..25).map(move |x| (x, y))) {
                 let aside = f64::from((x - 12_i32).pow(2) + (y - 12_i32).pow(2)).sqrt();
@@ -136,7 +134,7 @@ fn light_of_thin_gas_is_scattered_by_the_fog_around_it() {
         });
         expected += seen.sum::<f64>() / f64::from(pixels * pixels);
     }
-    let runs: Vec<DVec3> = (1..=6).map(|seed| mean(&picture(&scene, seed, 4, |_| {}).radiance)).collect();
+    let runs: Vec<DVec3> = (1..=6).map(|seed| mean(&picture(&scene, seed, 4).radiance)).collect();
     for (channel, emission) in [3.0, 1.0, 0.5].into_iter().enumerate() {
         let Sample { mean, error, .. } = Sample::of(&runs.iter().map(|run| run[channel]).collect::<Vec<_>>());
         let expected = emission * expected;
@@ -176,7 +174,7 @@ fn pictures_have_the_means_of_light_paths_connected_with_the_camera() {
     let seeds = 16;
     let connected: Vec<Vec<f64>> =
         (1..=seeds).map(|seed| quarters(&by(Method::LightTrace, &scene, 30_000, seed, 1))).collect();
-    let found: Vec<Vec<f64>> = (1..=seeds).map(|seed| quarters(&picture(&scene, seed, 3, |_| {}))).collect();
+    let found: Vec<Vec<f64>> = (1..=seeds).map(|seed| quarters(&picture(&scene, seed, 3))).collect();
     for quarter in 0..4 {
         let of = |runs: &[Vec<f64>]| Sample::of(&runs.iter().map(|run| run[quarter]).collect::<Vec<_>>());
         let (a, b) = (of(&found), of(&connected));
@@ -199,7 +197,7 @@ fn mirrors_show_what_glows() {
         "position = [0, 0, 1.9]\nlook_at = [0, 0, 3]\nvertical_fov = 10\nwidth = 9\nheight = 9\n",
         mirror,
     );
-    let found = picture(&scene, 1, 16, |_| {}).radiance[40].as_dvec3();
+    let found = picture(&scene, 1, 16).radiance[40].as_dvec3();
     let expected = 0.5 * expected_of_ball(12, 12, f64::INFINITY);
     assert!((found / expected - 1.0).abs().max_element() < 5e-3, "{found} for {expected}");
 }
@@ -215,7 +213,7 @@ fn a_white_room_of_glowing_gas_is_a_furnace() {
          [[object]]\nshape = \"box\"\nmin = [-1.001, -1.001, -1.001]\nmax = [1.001, 1.001, 1.001]\n\
          material = { lambert = { albedo = 1 } }\n",
     );
-    let runs: Vec<DVec3> = (1..=4).map(|seed| mean(&picture(&scene, seed, 9, |_| {}).radiance)).collect();
+    let runs: Vec<DVec3> = (1..=4).map(|seed| mean(&picture(&scene, seed, 9).radiance)).collect();
     for (channel, expected) in [2.0, 1.0, 0.5].into_iter().enumerate() {
         let Sample { mean, error, .. } = Sample::of(&runs.iter().map(|run| run[channel]).collect::<Vec<_>>());
         println!("{mean} ± {error} for {expected}");
@@ -238,7 +236,7 @@ fn power_is_what_the_gas_sends_out_and_none_is_lost() {
     for share in taken_by_chance(&scene, 4) {
         assert!(share.mean.abs() < 5.0 * share.error + 1e-9, "{share:?}");
     }
-    let mut renderer = Renderer::new(&scene, Method::Ppb, 40_000, 1);
+    let mut renderer = Renderer::new(&scene, Settings::of(Method::Plain, 40_000, 1));
     renderer.pass(1, &|| false).expect("not cancelled");
     for (emitted, emission) in renderer.energy().emitted.into_iter().zip([2.0, 1.0, 0.5]) {
         let expected = emission * 4.0 * PI * 4.0 / 3.0 * PI * 1.5_f64.powi(3);
@@ -262,7 +260,7 @@ fn voxels_glow_as_they_are_dense() {
          [[medium]]\nname = \"gas\"\nscattering = 0\nabsorption = [0.5, 0, 1e-7]\nemission = [2, 1, 0.5]\n\
          density = { volume = { file = \"layers.vol\" } }\n";
     let scene = Scene::parse(text, "layers", folder.path()).expect("a valid scene");
-    let found = picture(&scene, 1, 4, |_| {}).radiance[4].as_dvec3();
+    let found = picture(&scene, 1, 4).radiance[4].as_dvec3();
     // The column is 4: half a metre of 1, one from 1 to 3, half of 3.
     let expected = DVec3::new(2.0 / 0.5 * (1.0 - (-2.0_f64).exp()), 4.0, 2.0);
     println!("{found} for {expected}");

@@ -2,9 +2,10 @@
 //! right by quadrature, repeatable, without a loss of energy, and sound where a scene has next to nothing in it.
 
 use covbeam_render::film::Film;
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::pass::Renderer;
 use covbeam_render::photon::Energy;
 use covbeam_render::scene::{Light, Scene};
+use covbeam_render::settings::{Method, Settings};
 use covbeam_tests::single_scatter::{Density, Emission, Lamp, World, sunflower};
 use covbeam_tests::statistics::{Sample, sidak, welch};
 use glam::{DVec3, Vec3};
@@ -46,12 +47,12 @@ enum Estimator {
 }
 
 fn renderer(scene: &Scene, estimator: Estimator, photons: u32, seed: u32) -> Renderer<'_> {
-    let method = if let Estimator::LightTrace = estimator { Method::LightTrace } else { Method::Adaptive };
-    let mut renderer = Renderer::new(scene, method, photons, seed);
-    if let Estimator::Guided = estimator {
-        renderer.light_by_kind();
-    }
-    renderer
+    let method = match estimator {
+        Estimator::Guided => Method::Covbeam,
+        Estimator::Unguided => Method::Thesis,
+        Estimator::LightTrace => Method::LightTrace,
+    };
+    Renderer::new(scene, Settings { planned: false, ..Settings::of(method, photons, seed) })
 }
 
 /// Refuses values that are not finite.

@@ -1,8 +1,9 @@
 //! Light in media whose density varies: beams against quadrature, beams against light tracing, energy.
 
 use covbeam_render::film::Film;
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::pass::Renderer;
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::{Method, Settings};
 use covbeam_tests::energy::taken_by_chance;
 use covbeam_tests::single_scatter::{Density, Emission, Lamp, World};
 use covbeam_tests::statistics::{Sample, sidak, welch};
@@ -101,7 +102,7 @@ fn world(air: Air) -> World {
 }
 
 fn picture(scene: &Scene, method: Method, photons: u32, seed: u32, passes: u32) -> Vec<Vec3> {
-    let mut renderer = Renderer::new(scene, method, photons, seed);
+    let mut renderer = Renderer::new(scene, Settings::of(method, photons, seed));
     let mut film = Film::of_scene(scene);
     for index in 1..=passes {
         let (image, _) = renderer.pass(index, &|| false).expect("not cancelled");
@@ -161,7 +162,7 @@ fn single_scattering_is_that_of_the_quadrature() {
         denser.absorption *= 1.03;
         let more = mean(&quadrature(&denser, &scene), REGIONS[0]) / mean(&truth, REGIONS[0]);
         assert!(more.x > 1.01, "{more}");
-        for method in [Method::Ppb, Method::Adaptive] {
+        for method in [Method::Plain, Method::Thesis] {
             let pictures = pictures(&scene, method, (3_000, 32), 1, 8);
             for region in REGIONS {
                 let exact = mean(&truth, region);
@@ -189,7 +190,7 @@ fn beams_and_light_tracing_agree_on_all_orders_of_scattering() {
         assert_ne!(brighter, THICK);
         // Of many runs: one in a hundred has a path that passes the camera closely.
         let control = pictures(&scene(air, &brighter, 24), Method::LightTrace, (100_000, 1), 200, 32);
-        for (method, first) in [(Method::Ppb, 300), (Method::Adaptive, 400)] {
+        for (method, first) in [(Method::Plain, 300), (Method::Thesis, 400)] {
             let beams = pictures(&room, method, (2_000, 16), first, 10);
             for region in REGIONS {
                 let sample = |pictures: &[Vec<DVec3>]| {

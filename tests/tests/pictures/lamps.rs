@@ -1,17 +1,15 @@
 //! The fog around lamps that are in the picture, by quadrature: beams lose none of it; what a kernel blurs stays beside the lamp.
 
 use covbeam_render::film::Film;
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::pass::Renderer;
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::{Method, Settings};
 use covbeam_tests::single_scatter::{Density, Emission, Lamp, World, sunflower};
 use covbeam_tests::statistics::Sample;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::path::Path;
-
-/// What a renderer is told before its first pass.
-type Prepare = fn(&mut Renderer);
 
 /// Pixels a side; the picture is 2 m wide at the lamp, which is where its four middle pixels meet.
 const SIZE: u32 = 32;
@@ -90,23 +88,16 @@ fn rings(picture: &[f64]) -> [[f64; 2]; 5] {
 
 /// Rings of pictures of four seeds, over those of `truth`. Each picture is the mean of some first passes: all kernels have the radius asked for.
 fn measured(scene: &Scene, method: Method, passes: u32, truth: [[f64; 2]; 5]) -> [[Sample; 2]; 5] {
-    measured_by(scene, method, passes, truth, |_| ())
+    measured_by(scene, Settings::of(method, 20_000, 0), passes, truth)
 }
 
-/// The same of a renderer that is prepared.
-fn measured_by(
-    scene: &Scene,
-    method: Method,
-    passes: u32,
-    truth: [[f64; 2]; 5],
-    prepare: Prepare,
-) -> [[Sample; 2]; 5] {
+/// The same by other settings; their seed does not count.
+fn measured_by(scene: &Scene, settings: Settings, passes: u32, truth: [[f64; 2]; 5]) -> [[Sample; 2]; 5] {
     let runs: Vec<[[f64; 2]; 5]> = (0..4)
         .map(|run| {
             let mut film = Film::new(SIZE, SIZE);
             for seed in 0..passes {
-                let mut renderer = Renderer::new(scene, method, 20_000, passes * run + seed);
-                prepare(&mut renderer);
+                let mut renderer = Renderer::new(scene, Settings { seed: passes * run + seed, ..settings });
                 let (image, _) = renderer.pass(1, &|| false).expect("not cancelled");
                 film.add(&image).expect("finite");
             }
@@ -174,7 +165,7 @@ fn around_a_point_beams_show_the_airlight_as_their_kernel_blurs_it_and_lose_none
         };
         let truth: Vec<f64> =
             (0..SIZE * SIZE).into_par_iter().map(|pixel| pixel_mean(&scene, pixel, &radiance)).collect();
-        for (ring, [sample, _]) in RINGS.iter().zip(measured(&scene, Method::Ppb, passes, rings(&truth))) {
+        for (ring, [sample, _]) in RINGS.iter().zip(measured(&scene, Method::Plain, passes, rings(&truth))) {
             println!("radius {radius}, ring {ring:?}: {:.4} ± {:.4}", sample.mean, sample.error);
             // The table takes eye and wall to be square to the ray: .1 m of the stretches' ends at 1 m aside, 1e-3 of the light.
             assert!((sample.mean - 1.0).abs() < 0.004 + 4.0 * sample.error, "{radius} {ring:?}: {sample:?}");
@@ -242,8 +233,7 @@ fn a_lamps_own_region_has_all_its_light() {
         let truth: Vec<f64> =
             (0..SIZE * SIZE).into_par_iter().map(|pixel| pixel_mean(&scene, pixel, &radiance)).collect();
         // How a lamp emits is the same for both methods: the kernels, which are not, are those around a point.
-        let methods =
-            if name == "point" { &[Method::Ppb, Method::Adaptive][..] } else { &[Method::Adaptive] };
+        let methods = if name == "point" { &[Method::Plain, Method::Thesis][..] } else { &[Method::Thesis] };
         for &method in methods {
             let found = measured(&scene, method, passes, rings(&truth));
             for (ring, [_, within]) in RINGS.iter().zip(found).skip(2) {
@@ -308,10 +298,9 @@ fn the_fog_in_and_around_lamps_with_a_size_has_the_light_of_the_closed_forms() {
         let truth: Vec<f64> =
             (0..SIZE * SIZE).into_par_iter().map(|pixel| pixel_mean(&scene, pixel, &radiance)).collect();
         // Beams of all light; and shadow rays for straight light, which have a quarter of their noise.
-        let ways: [(&str, Prepare, u32); 2] =
-            [("beams", |_| (), 12), ("shadow rays", |renderer| renderer.light_by_kind(), 2)];
-        for (way, prepare, passes) in ways {
-            let found = measured_by(&scene, Method::Adaptive, passes, rings(&truth), prepare);
+        for (way, method, passes) in [("beams", Method::Thesis, 12), ("shadow rays", Method::Covbeam, 2)] {
+            let settings = Settings { planned: false, ..Settings::of(method, 20_000, 0) };
+            let found = measured_by(&scene, settings, passes, rings(&truth));
             for (ring, [_, within]) in RINGS.iter().zip(found).skip(1) {
                 println!("{name}, {way}, up to {} pixels: {:.4} ± {:.4}", ring[1], within.mean, within.error);
                 // Kernels blur the lamp's light outwards: with the largest, .08 m, 1 %.
@@ -326,9 +315,7 @@ fn the_fog_in_and_around_lamps_with_a_size_has_the_light_of_the_closed_forms() {
 /// Pictures of the default after some passes, of several seeds.
 fn by_default(scene: &Scene, passes: u32, seeds: u32) -> Vec<Vec<f64>> {
     let picture = |seed| {
-        let mut renderer = Renderer::new(scene, Method::Adaptive, 2000, seed);
-        renderer.plan_eye_rays();
-        renderer.light_by_kind();
+        let mut renderer = Renderer::new(scene, Settings::of(Method::Covbeam, 2000, seed));
         let mut film = Film::new(SIZE, SIZE);
         for pass in 1..=passes {
             film.add(&renderer.pass(pass, &|| false).expect("not cancelled").0).expect("finite");

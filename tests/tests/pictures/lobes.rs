@@ -1,7 +1,7 @@
 //! Surfaces of several lobes, by closed forms and by estimators that share nothing: transparent panes, and what rough metal shows.
 
-use covbeam_render::pass::Method;
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::Method;
 use covbeam_tests::rows::{check, rows, runs};
 use covbeam_tests::statistics::Sample;
 use glam::DVec3;
@@ -43,8 +43,8 @@ fn panes_let_their_share_of_the_light_through() {
     let clear = SCATTERING / (4.0 * PI) * IRRADIANCE * 2.0;
     // Passes, and how well they must know a row.
     let methods = [
-        (Method::Ppb, 8, 0.02),
-        (Method::Adaptive, 4, 0.01),
+        (Method::Plain, 8, 0.02),
+        (Method::Thesis, 4, 0.01),
         (Method::March, 2, 0.01),
         (Method::LightTrace, 8, 0.03),
     ];
@@ -102,8 +102,8 @@ fn rough_metal_under_a_lamp_is_the_closed_form() {
         lamp.x, lamp.y, lamp.z
     ));
     for (method, passes, noise) in [
-        (Method::Ppb, 16, 0.01),
-        (Method::Adaptive, 16, 0.01),
+        (Method::Plain, 16, 0.01),
+        (Method::Thesis, 16, 0.01),
         (Method::March, 16, 0.01),
         (Method::LightTrace, 60, 0.02),
     ] {
@@ -139,7 +139,7 @@ fn lamps_are_seen_through_rough_glass() {
              [[object]]\nshape = \"box\"\nmin = [-9, -9, 0]\nmax = [9, 9, 1]\nmaterial = {{ dielectric = {{ index = 1.5, roughness = 0.1 }} }}\n\
              [[light]]\n{lamp}\n[grid]\ncells = [4, 4, 4]\n[render]\nphotons = 100\nradius = 0.1\n"
         ));
-        for method in [Method::Ppb, Method::Adaptive, Method::March] {
+        for method in [Method::Plain, Method::Thesis, Method::March] {
             let found = &rows(&runs(&scene, method, 2), 0, SIZE as usize)[0];
             // Aslant by up to a degree, spread by up to two: Fresnel's equations are flat there.
             check(&format!("{method:?}, {lamp}"), found, radiance * through, [0.002, 0.01]);
@@ -171,7 +171,7 @@ fn fog_seen_in_rough_metal_is_the_closed_form() {
     const SCATTERING: f64 = 1e-4;
     let scene = lit_fog(SCATTERING);
     let source = SCATTERING / (4.0 * PI) * IRRADIANCE;
-    for (method, passes) in [(Method::Ppb, 50), (Method::Adaptive, 50), (Method::March, 50)] {
+    for (method, passes) in [(Method::Plain, 50), (Method::Thesis, 50), (Method::March, 50)] {
         for (y, found) in rows(&runs(&scene, method, passes), 0, HALF).iter().enumerate() {
             let expected = expected(&scene, [y * HALF, (y + 1) * HALF], |place, view| {
                 // Over the hemisphere above the floor.
@@ -200,7 +200,7 @@ fn light_tracing_finds_the_same_fog_in_rough_metal() {
     let scene = lit_fog(0.3);
     let whole = |method, passes| rows(&runs(&scene, method, passes), 0, SIZE as usize)[0];
     let traced = whole(Method::LightTrace, 90);
-    for method in [Method::Ppb, Method::Adaptive] {
+    for method in [Method::Plain, Method::Thesis] {
         let found = whole(method, 22);
         let both = Sample { error: found.error.hypot(traced.error), ..found };
         check(&format!("{method:?}"), &both, traced.mean, [0.015, 0.03]);

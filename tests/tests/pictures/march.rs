@@ -1,8 +1,9 @@
 //! Marching beside plain beams: lamps of all kinds and spreads in a box of thin fog, seen from the side.
 
 use covbeam_render::film::Film;
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::pass::Renderer;
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::{Method, Settings};
 use covbeam_tests::statistics::Sample;
 use std::path::Path;
 
@@ -30,7 +31,7 @@ fn sums(scene: &Scene, method: Method, paths: u32, passes: u32) -> Sample {
         .map(|run| {
             let mut film = Film::of_scene(scene);
             for seed in 0..passes {
-                let renderer = &mut Renderer::new(scene, method, paths, passes * run + seed);
+                let renderer = &mut Renderer::new(scene, Settings::of(method, paths, passes * run + seed));
                 film.add(&renderer.pass(1, &|| false).expect("not cancelled").0).expect("finite");
             }
             film.picture().radiance.iter().map(|color| f64::from(color.x)).sum()
@@ -47,7 +48,7 @@ fn check(name: &str, light: &str) {
 /// The same by so many marching passes: few eye rays meet light that is thinner than a pixel.
 fn check_by(passes: u32, name: &str, light: &str) {
     let scene = scene(light);
-    let beams = sums(&scene, Method::Ppb, PATHS, PASSES);
+    let beams = sums(&scene, Method::Plain, PATHS, PASSES);
     let march = sums(&scene, Method::March, 500, passes);
     let ratio = march.mean / beams.mean;
     let error = march.error.hypot(beams.error) / beams.mean;

@@ -2,8 +2,10 @@
 //! with next to nothing in them.
 
 use covbeam_render::film::{Film, Picture};
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::kind::Split;
+use covbeam_render::pass::Renderer;
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::{Layers, Method, Settings};
 use covbeam_tests::regions::of_ball;
 use covbeam_tests::statistics::{Sample, sidak, welch};
 use glam::Vec3;
@@ -25,7 +27,7 @@ fn picture(
     seed: u32,
     passes: impl IntoIterator<Item = u32>,
 ) -> Picture {
-    picture_by(Method::Adaptive, scene, planned, photons, seed, passes)
+    picture_by(Method::Thesis, scene, planned, photons, seed, passes)
 }
 
 fn picture_by(
@@ -36,10 +38,7 @@ fn picture_by(
     seed: u32,
     passes: impl IntoIterator<Item = u32>,
 ) -> Picture {
-    let mut renderer = Renderer::new(scene, method, photons, seed);
-    if planned {
-        renderer.plan_eye_rays();
-    }
+    let mut renderer = Renderer::new(scene, Settings { planned, ..Settings::of(method, photons, seed) });
     let mut film = Film::of_scene(scene);
     for index in passes {
         let (image, _) = renderer.pass(index, &|| false).expect("not cancelled");
@@ -192,8 +191,8 @@ fn a_cancelled_pass_leaves_no_spectra_behind() {
     let scene = scene(GLASS, 24, 24);
     let clean = picture(&scene, true, 700, 3, [9]);
     for polls in 1..=30 {
-        let mut renderer = Renderer::new(&scene, Method::Adaptive, 700, 3);
-        renderer.plan_eye_rays();
+        let settings = Settings { planned: true, ..Settings::of(Method::Thesis, 700, 3) };
+        let mut renderer = Renderer::new(&scene, settings);
         let left = std::sync::atomic::AtomicI32::new(polls);
         let cancelled = || left.fetch_sub(1, std::sync::atomic::Ordering::Relaxed) <= 0;
         assert!(renderer.pass(20, &cancelled).is_none(), "{polls} polls are enough for a pass");
@@ -216,16 +215,15 @@ fn a_camera_outside_all_media_still_sees_what_is_inside_glass() {
     assert!(planned.maps.is_none(), "there is nothing to plan");
     // Where no filter thins rays out wide kernels cost more than they are worth: these are plain ones.
     assert!(planned != picture(&scene, false, 2000, 1, 1..=2));
-    assert!(planned == picture_by(Method::Ppb, &scene, false, 2000, 1, 1..=2));
+    assert!(planned == picture_by(Method::Plain, &scene, false, 2000, 1, 1..=2));
 }
 
 /// What is before the first surface alone is what a whole picture keeps of it, and it is kept where no eye rays need planning, too.
 #[test]
 fn what_is_beyond_the_first_surface_is_left_out_and_what_is_before_it_kept_apart() {
-    let render = |scene: &Scene, change: fn(&mut Renderer)| {
-        let mut renderer = Renderer::new(scene, Method::Adaptive, 2000, 1);
-        renderer.plan_eye_rays();
-        change(&mut renderer);
+    let settings = Settings { planned: true, ..Settings::of(Method::Thesis, 2000, 1) };
+    let render = |scene: &Scene, settings: Settings| {
+        let mut renderer = Renderer::new(scene, settings);
         let mut film = Film::of_scene(scene);
         for index in 1..=3 {
             film.add(&renderer.pass(index, &|| false).expect("not cancelled").0).expect("finite");
@@ -233,7 +231,7 @@ fn what_is_beyond_the_first_surface_is_left_out_and_what_is_before_it_kept_apart
         film.picture()
     };
     let fog = scene(GLASS, 32, 32);
-    let (whole, first) = (render(&fog, |_| {}), render(&fog, |renderer| renderer.leave_out_beyond()));
+    let (whole, first) = (render(&fog, settings), render(&fog, Settings { beyond: false, ..settings }));
     let volume = &whole.maps.as_ref().expect("planned").volume;
     assert!(first.radiance == *volume && volume[5 * 32 + 16].x > 0.0);
     assert!(whole.radiance[16 * 32 + 16].x > 1.05 * first.radiance[16 * 32 + 16].x, "glass shows more");
@@ -241,7 +239,8 @@ fn what_is_beyond_the_first_surface_is_left_out_and_what_is_before_it_kept_apart
     let inside =
         GLASS.replace("outside_medium = \"fog\"", "").replace("# inside = \"fog\"", "inside = \"fog\"");
     let inside = scene(&inside, 32, 32);
-    let (plain, apart) = (render(&inside, |_| {}), render(&inside, |renderer| renderer.keep_first_apart()));
+    let kept = Settings { first_apart: true, ..settings };
+    let (plain, apart) = (render(&inside, settings), render(&inside, kept));
     assert!(plain.maps.is_none());
     assert!(apart.maps.expect("kept").volume.iter().all(|light| *light == Vec3::ZERO));
     let mean = |picture: &[Vec3]| picture.iter().map(|light| f64::from(light.x)).sum::<f64>();
@@ -253,11 +252,11 @@ fn what_is_beyond_the_first_surface_is_left_out_and_what_is_before_it_kept_apart
 #[test]
 fn a_picture_that_was_given_up_leaves_no_trace() {
     let scene = scene(GLASS, 40, 40);
-    let mut renderer = Renderer::new(&scene, Method::Adaptive, 500, 1);
-    let split = renderer.keep_kinds();
-    renderer.plan_eye_rays();
+    let settings =
+        Settings { planned: true, layers: Layers::EachKind, ..Settings::of(Method::Thesis, 500, 1) };
+    let mut renderer = Renderer::new(&scene, settings);
     let mut film = Film::of_scene(&scene);
-    film.keep_kinds(split);
+    film.keep_kinds(Split::of_each_kind(&scene));
     for index in 1..=3 {
         film.add(&renderer.pass(index, &|| false).expect("not cancelled").0).expect("finite");
     }

@@ -3,9 +3,10 @@
 use covbeam::GridLayout;
 use covbeam_render::camera::Frame;
 use covbeam_render::film::Film;
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::pass::Renderer;
 use covbeam_render::photon::Energy;
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::{Method, Settings};
 use covbeam_tests::energy::taken_by_chance;
 use covbeam_tests::statistics::{Sample, sidak, welch};
 use glam::Vec3;
@@ -38,7 +39,7 @@ fn picture(
     seed: u32,
     passes: impl IntoIterator<Item = u32>,
 ) -> Vec<Vec3> {
-    let mut renderer = Renderer::new(scene, method, photons, seed);
+    let mut renderer = Renderer::new(scene, Settings::of(method, photons, seed));
     let mut film = Film::of_scene(scene);
     for index in passes {
         let (image, _) = renderer.pass(index, &|| false).expect("not cancelled");
@@ -63,10 +64,10 @@ fn thinning(text: &str) -> String {
 fn the_picture_is_the_same_bits_for_any_number_of_threads() {
     let (homogeneous, thinning) = (scene(GLASS, 40), scene(&thinning(GLASS), 40));
     for (method, scene) in [
-        (Method::Ppb, &homogeneous),
-        (Method::Adaptive, &homogeneous),
+        (Method::Plain, &homogeneous),
+        (Method::Thesis, &homogeneous),
         (Method::LightTrace, &homogeneous),
-        (Method::Adaptive, &thinning),
+        (Method::Thesis, &thinning),
     ] {
         let with_threads = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -82,7 +83,7 @@ fn the_picture_is_the_same_bits_for_any_number_of_threads() {
 #[test]
 fn the_picture_is_the_same_bits_for_any_order_of_passes() {
     let scene = scene(GLASS, 40);
-    for method in [Method::Ppb, Method::Adaptive, Method::LightTrace] {
+    for method in [Method::Plain, Method::Thesis, Method::LightTrace] {
         let in_order = bits(&picture(&scene, method, 700, 3, 1..=4));
         assert!(in_order == bits(&picture(&scene, method, 700, 3, [3, 1, 4, 2])), "{method:?}");
     }
@@ -91,8 +92,8 @@ fn the_picture_is_the_same_bits_for_any_order_of_passes() {
 #[test]
 fn a_cancelled_pass_returns_nothing() {
     let scene = scene(GLASS, 40);
-    for method in [Method::Ppb, Method::Adaptive, Method::LightTrace] {
-        assert!(Renderer::new(&scene, method, 700, 3).pass(1, &|| true).is_none());
+    for method in [Method::Plain, Method::Thesis, Method::LightTrace] {
+        assert!(Renderer::new(&scene, Settings::of(method, 700, 3)).pass(1, &|| true).is_none());
     }
 }
 
@@ -132,7 +133,7 @@ fn paths_end_in_a_medium_that_never_does() {
         let scene = scene(&text, 8);
         let shares: Vec<f64> = (1..=12)
             .map(|seed| {
-                let mut renderer = Renderer::new(&scene, Method::Adaptive, 2000, seed);
+                let mut renderer = Renderer::new(&scene, Settings::of(Method::Thesis, 2000, seed));
                 renderer.pass(1, &|| false).expect("not cancelled");
                 let Energy { emitted, medium, surfaces, escaped, spent, roulette } = renderer.energy();
                 let balance = medium[0] + surfaces[0] + escaped[0] + spent[0] + roulette[0] - emitted[0];
@@ -190,7 +191,7 @@ fn the_airlight_of_a_point_light_is_the_closed_form() {
     scene.grid =
         GridLayout { min: Vec3::new(-4.0, -1.5, -6.0), max: Vec3::new(4.0, 4.5, 4.0), cells: [32; 3] };
     let truth = airlight(&scene, Vec3::new(0.0, 2.5, 0.0), 25.0, 0.0002, 0.22);
-    for (method, photons, passes) in [(Method::Ppb, 40_000, 16), (Method::Adaptive, 30_000, 12)] {
+    for (method, photons, passes) in [(Method::Plain, 40_000, 16), (Method::Thesis, 30_000, 12)] {
         let ratios: Vec<f64> = (1..=8)
             .map(|seed| {
                 let picture = picture(&scene, method, photons, seed, 1..=passes);
@@ -217,8 +218,8 @@ fn the_methods_agree_on_the_mean_of_the_fog() {
                 .collect();
             Sample::of(&values)
         };
-        let ppb = sample(Method::Ppb, 4_000, 8, 100);
-        let adaptive = sample(Method::Adaptive, 4_000, 8, 200);
+        let ppb = sample(Method::Plain, 4_000, 8, 100);
+        let adaptive = sample(Method::Thesis, 4_000, 8, 200);
         let light = sample(Method::LightTrace, 400_000, 1, 300);
         println!("ppb {ppb:?}\nadaptive {adaptive:?}\nlight {light:?}");
         let level = sidak(0.001, 6);
@@ -256,7 +257,7 @@ fn a_ball_of_fog_with_the_index_of_air_is_invisible() {
     // The scene's kernels have one radius: plain beams make the same picture.
     let sample = |text: &str, first| {
         let scene = part(text, 32, [11, 11], [10, 10]);
-        let picture = |seed| picture(&scene, Method::Adaptive, 10_000, seed, 1..=6);
+        let picture = |seed| picture(&scene, Method::Thesis, 10_000, seed, 1..=6);
         Sample::of(&(first..first + 10).map(|seed| mean(&picture(seed))).collect::<Vec<_>>())
     };
     let (with, without) = (sample(&ball, 500), sample(&none, 600));

@@ -1,8 +1,9 @@
 //! Lamps and skies that are seen: straight, in mirrors and through glass, against closed forms, and counted once.
 
 use covbeam_render::film::Film;
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::pass::Renderer;
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::{Method, Settings};
 use covbeam_tests::statistics::Sample;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
@@ -14,7 +15,7 @@ const RADIANCE: DVec3 = DVec3::new(3.0, 2.0, 1.0);
 const FOG: &str =
     "outside_medium = \"fog\"\n[[medium]]\nname = \"fog\"\nscattering = 1e-7\nabsorption = [0.1, 0.2, 0.4]\n";
 const EXTINCTION: DVec3 = DVec3::new(0.1, 0.2, 0.4);
-const METHODS: [Method; 4] = [Method::Ppb, Method::Adaptive, Method::March, Method::LightTrace];
+const METHODS: [Method; 4] = [Method::Plain, Method::Covbeam, Method::March, Method::LightTrace];
 
 fn parse(text: &str) -> Scene {
     Scene::parse(text, "seen lamps", Path::new("")).expect("a valid scene")
@@ -29,13 +30,8 @@ fn camera(look_at: Vec3, angle: f32) -> String {
     )
 }
 
-/// The default method is told what a render tells it.
 fn pictured(scene: &Scene, method: Method, [paths, passes]: [u32; 2], seed: u32) -> Vec<Vec3> {
-    let mut renderer = Renderer::new(scene, method, paths, seed);
-    if method == Method::Adaptive {
-        renderer.plan_eye_rays();
-        renderer.light_by_kind();
-    }
+    let mut renderer = Renderer::new(scene, Settings::of(method, paths, seed));
     // Of one unit, whatever the lamps are.
     let mut film = Film::new(SIZE, SIZE);
     for pass in 1..=passes {
@@ -258,7 +254,7 @@ fn borders_of_lamps_are_smooth_after_a_few_passes() {
                 low[0], low[1]
             );
             let seen = if is_hidden { [low, [high[0].min(0.37 * step), high[1]]] } else { [low, high] };
-            let found = pictured(&parse(&text), Method::Adaptive, [200, PASSES], 3);
+            let found = pictured(&parse(&text), Method::Covbeam, [200, PASSES], 3);
             for (pixel, (found, filled)) in found.iter().zip(filled(seen, step)).enumerate() {
                 // At the picture's corners the way is longer than in its middle by a seventh of a tenth of what the fog takes.
                 let expected = filled * RADIANCE.x * (-EXTINCTION.x * DISTANCE).exp();
@@ -370,7 +366,7 @@ fn everything_that_absorbs_nothing_is_as_bright_as_the_even_sky() {
     ]
     .concat();
     let scene = parse(&text);
-    for method in [Method::Ppb, Method::Adaptive] {
+    for method in [Method::Plain, Method::Covbeam] {
         let means: Vec<f64> = (0..8)
             .map(|seed| {
                 let radiance = pictured(&scene, method, [1000, 8], seed);

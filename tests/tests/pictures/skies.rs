@@ -1,13 +1,11 @@
 //! Fog under an even sky, whose light has a closed form with any number of scatterings.
 
 use covbeam_render::film::Film;
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::pass::Renderer;
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::{Method, Settings};
 use covbeam_tests::statistics::Sample;
 use std::path::Path;
-
-/// What a renderer is told before its first pass.
-type Prepare = fn(&mut Renderer);
 
 const SIZE: u32 = 16;
 const SCATTERING: f64 = 0.8;
@@ -30,13 +28,11 @@ fn fog_that_absorbs_nothing_is_as_bright_as_an_even_sky_but_for_what_is_seen_thr
     };
     let expected = (0..SIZE * SIZE).map(expected).sum::<f64>() / f64::from(SIZE * SIZE);
     // Beams of all light; and shadow rays for straight light.
-    let ways: [(Method, Prepare); 2] =
-        [(Method::Ppb, |_| ()), (Method::Adaptive, |renderer| renderer.light_by_kind())];
-    for (method, prepare) in ways {
+    for method in [Method::Plain, Method::Covbeam] {
         let runs: Vec<f64> = (0..4)
             .map(|seed| {
-                let mut renderer = Renderer::new(&scene, method, 10_000, seed);
-                prepare(&mut renderer);
+                let settings = Settings { planned: false, ..Settings::of(method, 10_000, seed) };
+                let mut renderer = Renderer::new(&scene, settings);
                 let mut film = Film::new(SIZE, SIZE);
                 for pass in 1..=3 {
                     let (image, _) = renderer.pass(pass, &|| false).expect("not cancelled");

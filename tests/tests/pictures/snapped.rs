@@ -1,7 +1,7 @@
 //! A few scenes whose lengths are quarters, as people's are: the default method must be as bright as brute-force path tracing, which has no
 //! beams, no grid and rules of its own for what is where. `measure fleet --grid` looks at each block of hundreds of them.
 
-use covbeam_render::compare::luminance;
+use covbeam_render::color::luminance;
 use covbeam_render::film::Picture;
 use covbeam_render::scene::Scene;
 use covbeam_tests::fleet::runs::{Estimator, pictures};

@@ -1,8 +1,8 @@
 //! Sunlight in fog, by closed forms: a box of fog, and fog that thins with height.
 
 use covbeam_render::camera::Frame;
-use covbeam_render::pass::Method;
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::Method;
 use covbeam_tests::rows::{check, rows, runs};
 use std::f64::consts::PI;
 use std::path::Path;
@@ -36,8 +36,8 @@ fn scene(outside: &str, density: &str, objects: &str, sun: &str) -> Scene {
 fn check_all(name: &str, scene: &Scene, radiance: impl Fn(f64) -> f64) {
     // Passes, and how well they must know a row.
     let methods = [
-        (Method::Ppb, 12, 0.02),
-        (Method::Adaptive, 4, 0.01),
+        (Method::Plain, 12, 0.02),
+        (Method::Thesis, 4, 0.01),
         (Method::March, 2, 0.01),
         (Method::LightTrace, 24, 0.03),
     ];

@@ -8,11 +8,12 @@ use covbeam_geometry::MAX_COORDINATE;
 use covbeam_render::defaults::{Cells, Given};
 use covbeam_render::film::Film;
 use covbeam_render::memory;
-use covbeam_render::pass::{Method, Parts, PassTimes, Renderer};
+use covbeam_render::pass::{PassTimes, Renderer};
 use covbeam_render::plan::FirstSurfaces;
 use covbeam_render::random::mix;
 use covbeam_render::samples::PassImage;
 use covbeam_render::scene::{MAX_PHOTONS, Scene};
+use covbeam_render::settings::{Method, Settings};
 use glam::Vec3;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -438,23 +439,14 @@ impl<'a> State<'a> {
         let renderers = &mut self.renderers[usize::from(plain)];
         let latest = &mut self.latest[usize::from(plain)];
         if renderers.is_empty() {
-            let make = |scene: &'a Scene| {
-                let mut made = Renderer::new(scene, Method::Adaptive, photons, scene.settings.seed);
-                made.plan_by(Arc::clone(surfaces));
-                made.keep_first_apart();
-                if scenes.len() > 1 {
-                    made.look_everywhere();
-                }
-                if !beyond {
-                    made.leave_out_beyond();
-                }
-                // Grids may take most of the memory, and one is enough.
-                made.give_up_fields();
-                made
+            let settings = Settings {
+                guided: !plain,
+                first_apart: true,
+                beyond,
+                ..Settings::of(Method::Covbeam, photons, scenes[0].settings.seed)
             };
-            let mut made: Vec<_> = scenes.iter().map(make).collect();
-            let parts = Parts { guided: !plain, ..Parts::DEFAULT };
-            Renderer::light_instants_by_parts(&mut made, parts, &|| job.is_cancelled())
+            let surfaces = Some(Arc::clone(surfaces));
+            let made = Renderer::of_instants(scenes, settings, surfaces, &|| job.is_cancelled())
                 .ok_or(Failure::Cancelled)?;
             (*renderers, *latest) = (made, 0);
         }

@@ -2,8 +2,8 @@
 
 use super::values::{PassesArgument, interval, merged_path, relative_error, seconds};
 use clap::{Args, ValueEnum};
-use covbeam_render::pass::Method;
 use covbeam_render::progress::Listener;
+use covbeam_render::settings::Method;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -161,8 +161,8 @@ pub(crate) enum MethodName {
 impl MethodName {
     pub(crate) fn method(self) -> Method {
         match self {
-            Self::Ppb => Method::Ppb,
-            Self::Adaptive => Method::Adaptive,
+            Self::Ppb => Method::Plain,
+            Self::Adaptive => Method::Covbeam,
             Self::LightTrace => Method::LightTrace,
             Self::March => Method::March,
         }

@@ -1,7 +1,7 @@
 //! What is typed after a flag: how it is read, and what was expected instead.
 
 use covbeam_render::compare::Region;
-use covbeam_render::report::{METHODS, Method as ReportMethod};
+use covbeam_render::report::{Compared, METHODS};
 use covbeam_render::shard::PassRange;
 use glam::Vec3;
 use std::path::PathBuf;
@@ -39,7 +39,7 @@ impl FromStr for PassesArgument {
 
 pub(super) fn report_method(text: &str) -> Result<&'static str, String> {
     let names = || METHODS.iter().map(|method| method.name).collect::<Vec<_>>().join(", ");
-    ReportMethod::named(text).map(|method| method.name).ok_or_else(|| format!("expected one of {}", names()))
+    Compared::named(text).map(|method| method.name).ok_or_else(|| format!("expected one of {}", names()))
 }
 
 /// `x0,y0,z0:x1,y1,z1`

@@ -3,7 +3,7 @@
 mod blocks;
 
 use super::{FITS, Film, FogLayer, UNITS};
-use crate::compare::luminance;
+use crate::color::luminance;
 use crate::kind::Kind;
 use crate::plan::LayerFilters;
 use covbeam::{

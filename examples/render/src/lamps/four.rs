@@ -1,6 +1,7 @@
 //! Lamps in groups of four, side by side: what each of four groups is worth to a ray or to a place on a surface.
 
-use super::{Node, Stretch};
+use super::node::Node;
+use super::stretch::Stretch;
 use glam::{Vec3, Vec4};
 use smallvec::SmallVec;
 use std::f32::consts::{FRAC_PI_2, PI};

@@ -5,7 +5,8 @@
 
 use super::weight::{self, channel, inverse, patience};
 use super::{Photon, PhotonTracer, choose_light};
-use crate::guidance::{Guidance, mean};
+use crate::color::mean;
+use crate::guidance::Guidance;
 use crate::light::cosine_direction;
 use crate::media;
 use crate::operators::Operator;
@@ -500,6 +501,7 @@ fn survives(photon: &mut Photon, chance: f32, sampler: &mut PathSampler, out: &m
 mod tests {
     use super::*;
     use crate::media;
+    use crate::pilot::of_still;
     use crate::random::Emission;
     use crate::scene::Scene;
     use std::path::Path;
@@ -509,7 +511,7 @@ mod tests {
     fn tracer(scene: &Scene) -> PhotonTracer<'_> {
         let fogs = media::all(scene);
         let mut tracer = PhotonTracer::new(scene, 0, Emission::LowDiscrepancy);
-        tracer.guide(Guidance::new(scene, &fogs).expect("light"));
+        tracer.guide(of_still(scene, &fogs).expect("light"));
         tracer
     }
 

@@ -85,12 +85,12 @@ impl Photon {
 
 #[cfg(test)]
 mod tests {
-    use crate::guidance::Guidance;
     use crate::kind::Kind;
     use crate::media;
     use crate::optics::Interior;
     use crate::passage::passage;
     use crate::photon::PhotonTracer;
+    use crate::pilot::of_still;
     use crate::random::{Emission, Random};
     use crate::record::{PhotonRecord, Record};
     use crate::scene::Scene;
@@ -165,7 +165,7 @@ mod tests {
             for is_guided in [false, true] {
                 let mut tracer = PhotonTracer::new(&scene, 0, Emission::LowDiscrepancy);
                 if is_guided {
-                    tracer.guide(Guidance::new(&scene, &fogs).expect("light"));
+                    tracer.guide(of_still(&scene, &fogs).expect("light"));
                 }
                 let paths = 2048;
                 let runs: Vec<[f64; 2]> = (0..16)

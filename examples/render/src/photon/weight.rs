@@ -16,9 +16,9 @@
 //!
 //! Roulette on the ratio of one event's powers instead lets channels drift apart without bound: what one channel has lost never comes back.
 
+use crate::geometry::bounds_of_scene;
 use crate::random::PathSampler;
 use crate::scene::{MediumDensity, Scene};
-use crate::survey::bounds_of_scene;
 use covbeam::Medium;
 use glam::Vec3;
 
@@ -139,10 +139,10 @@ pub(super) fn of_passage(weights: Vec3, medium: &Medium, column: f32) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::guidance::Guidance;
     use crate::kind::Kind;
     use crate::media;
     use crate::photon::{PhotonRecord, PhotonTracer, Record};
+    use crate::pilot::of_still;
     use crate::random::Emission;
     use std::path::Path;
 
@@ -210,7 +210,7 @@ mod tests {
             scene.settings.bounces = Some(ENDLESS as u32 - 1);
             let fogs = media::all(&scene);
             let mut tracer = tracer(&scene);
-            tracer.guide(Guidance::new(&scene, &fogs).expect("light"));
+            tracer.guide(of_still(&scene, &fogs).expect("light"));
             let (most, beams) = largest(&tracer, 100_000);
             println!("guided, {floor}: {most} at most, {beams} beams");
             assert!(most <= crate::photon::guided::MOST_POWER * LONG_WEIGHT * 1.001, "{floor}: {most}");
@@ -279,7 +279,7 @@ mod tests {
             let fogs = media::all(scene);
             let mut tracer = tracer(scene);
             let (_, plain) = largest(&tracer, 20_000);
-            tracer.guide(Guidance::new(scene, &fogs).expect("light"));
+            tracer.guide(of_still(scene, &fogs).expect("light"));
             let (_, guided) = largest(&tracer, 20_000);
             [plain, guided].map(|beams| beams as f32 / 20_000.0)
         };

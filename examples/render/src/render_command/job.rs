@@ -1,7 +1,6 @@
 //! What a command line asks for: a picture, or a piece of one.
 
 use super::files::{Files, quoted};
-use super::{DEFAULT_NAME, DEFAULT_SCENE};
 use crate::cli::{MethodName, PassesArgument, PictureArgs, RenderArgs};
 use crate::failure::{Refused, Usage};
 use covbeam_render::film::Film;
@@ -15,6 +14,10 @@ use covbeam_render::stored::StoredError;
 use std::error::Error;
 use std::fmt;
 use std::path::{Path, PathBuf};
+
+/// What is rendered when no scene is named.
+pub(crate) const DEFAULT_SCENE: &str = include_str!("../../../scenes/glass-ball.toml");
+pub(crate) const DEFAULT_NAME: &str = "glass-ball";
 
 pub(super) struct Job {
     pub(super) scene: Scene,

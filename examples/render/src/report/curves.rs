@@ -1,6 +1,6 @@
 //! Error curves: means over the seeds, their spread, and what is read off them.
 
-use super::methods::Method;
+use super::methods::Compared;
 use super::{SceneResult, fit};
 
 /// What a curve runs over.
@@ -37,12 +37,12 @@ pub(super) struct Value {
 
 /// A method in a region.
 pub(super) struct Curve {
-    pub(super) method: &'static Method,
+    pub(super) method: &'static Compared,
     pub(super) points: Vec<CurvePoint>,
 }
 
 impl Curve {
-    pub(super) fn new(scene: &SceneResult, method: &'static Method, region: usize) -> Self {
+    pub(super) fn new(scene: &SceneResult, method: &'static Compared, region: usize) -> Self {
         let runs = || scene.runs.iter().filter(|run| run.method == method.name);
         let longest = runs().map(|run| run.points.as_slice()).max_by_key(|points| points.len());
         let mean = |passes: u32| {
@@ -109,7 +109,7 @@ impl CurvePoint {
 
 /// All methods that were run in a scene, in the order of the table of methods.
 pub(super) fn curves(scene: &SceneResult, region: usize) -> Vec<Curve> {
-    let was_run = |method: &&Method| scene.runs.iter().any(|run| run.method == method.name);
+    let was_run = |method: &&Compared| scene.runs.iter().any(|run| run.method == method.name);
     super::METHODS.iter().filter(was_run).map(|method| Curve::new(scene, method, region)).collect()
 }
 

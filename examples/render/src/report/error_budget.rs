@@ -1,10 +1,13 @@
 //! Where the variance of a picture comes from: which kind of light, and where in the picture.
 
-use super::Method;
-use crate::compare::luminance;
+use super::methods::Compared;
+use crate::color::luminance;
 use crate::film::{Film, FilmError, Picture};
+use crate::kind::Split;
+use crate::pass::Renderer;
 use crate::plan::FirstSurfaces;
 use crate::scene::Scene;
+use crate::settings::{Layers, Settings};
 use crate::sight::Sight;
 use crate::starts::EyeStarts;
 use serde::Serialize;
@@ -46,16 +49,17 @@ pub struct KindShare {
 /// A pass that the film refuses.
 pub fn error_budget(
     scene: &Scene,
-    method: &Method,
+    method: &Compared,
     passes: u32,
     pictures: u32,
     cancelled: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<ErrorBudget>, FilmError> {
     let mut found = Vec::new();
     for seed in FIRST_SEED..FIRST_SEED + pictures {
-        let mut renderer = method.renderer(scene, seed);
+        let settings = Settings { layers: Layers::EachKind, ..method.settings(scene, seed) };
+        let mut renderer = Renderer::new(scene, settings);
         let mut film = Film::of_scene(scene);
-        film.keep_kinds(renderer.keep_kinds());
+        film.keep_kinds(Split::of_each_kind(scene));
         for pass in 1..=passes {
             let Some((image, _)) = renderer.pass(pass, cancelled) else { return Ok(None) };
             film.add(&image)?;
@@ -159,7 +163,7 @@ mod tests {
 
     #[test]
     fn kinds_of_a_scene_have_nearly_all_of_its_variance() {
-        let method = Method::named("covbeam").unwrap();
+        let method = Compared::named("covbeam").unwrap();
         let found = error_budget(&ball(), method, 2, 4, &|| false).unwrap().unwrap();
         let sum: f64 = found.kinds.iter().flat_map(|kind| kind.places).sum();
         assert_eq!(found.kinds.len(), 3);

@@ -2,10 +2,11 @@
 
 use super::measure::Parts;
 use crate::media;
-use crate::pass::{Method, Parts as LightParts, Renderer};
+use crate::pass::Renderer;
 use crate::photon::{PhotonRecord, PhotonTracer, Record};
 use crate::random::Emission;
 use crate::scene::{Material, MediumDensity, Scene};
+use crate::settings::{Layers, Method, Settings};
 use crate::volume::Volume;
 use covbeam::{
     BeamMap, ExponentialDensity, FluenceCell, GridCell, GridLayout, Medium, PhaseFunction, PhaseKind,
@@ -34,27 +35,23 @@ struct Variant {
     name: &'static str,
     about: &'static str,
     method: Method,
-    /// None: all light alike.
-    parts: Option<LightParts>,
-    planned: bool,
+    settings: fn(&mut Settings),
     change: fn(&mut Scene),
 }
 
 const PLAIN: Variant = Variant {
     name: "plain",
     about: "the glass ball with plain beams",
-    method: Method::Ppb,
-    parts: None,
-    planned: false,
+    method: Method::Plain,
+    settings: |_| {},
     change: |_| {},
 };
 
 const DEFAULT: Variant = Variant {
     name: "+ guided light paths",
     about: "light paths go where the picture needs them: what covbeam render does",
-    method: Method::Adaptive,
-    parts: Some(LightParts::DEFAULT),
-    planned: true,
+    method: Method::Covbeam,
+    settings: |_| {},
     change: |_| {},
 };
 
@@ -64,27 +61,31 @@ const VARIANTS: [Variant; 14] = [
     Variant {
         name: "+ light fields and grid",
         about: "a tenth of the light paths carry a light field into the grid; each pair looks it up, but no kernel grows",
-        method: Method::Adaptive,
+        method: Method::Thesis,
         change: |scene| scene.settings.schedule.max_radius = 0.0,
         ..PLAIN
     },
     Variant {
         name: "+ adaptive kernels",
         about: "kernels grow where the grid says that the light is smooth",
-        method: Method::Adaptive,
+        method: Method::Thesis,
         ..PLAIN
     },
     Variant {
         name: "+ planned eye rays",
         about: "few eye rays where the picture is smooth",
-        parts: None,
-        ..DEFAULT
+        method: Method::Thesis,
+        settings: |settings| settings.planned = true,
+        ..PLAIN
     },
     Variant {
         name: "+ straight light",
         about: "light that comes straight from the lamps by shadow rays, not by beams",
-        parts: Some(LightParts { guided: false, ..LightParts::DEFAULT }),
-        ..DEFAULT
+        method: Method::Thesis,
+        settings: |settings| {
+            *settings = Settings { shadow_rays: true, layers: Layers::Together, planned: true, ..*settings }
+        },
+        ..PLAIN
     },
     DEFAULT,
     Variant {
@@ -184,15 +185,9 @@ pub(super) fn features(
         for (variant, best) in VARIANTS.iter().zip(&mut best) {
             let mut scene = scene.clone();
             (variant.change)(&mut scene);
-            let guided = variant.parts.is_some_and(|parts| parts.guided);
-            let paths = scene.settings.light_paths(guided);
-            let mut renderer = Renderer::new(&scene, variant.method, paths, 1);
-            if let Some(parts) = variant.parts {
-                renderer.light_by_parts(parts);
-            }
-            if variant.planned {
-                renderer.plan_eye_rays();
-            }
+            let mut settings = Settings::of_scene(variant.method, &scene, 1);
+            (variant.settings)(&mut settings);
+            let mut renderer = Renderer::new(&scene, settings);
             let mut times = crate::pass::PassTimes::default();
             for pass in 1..=passes {
                 times += renderer.pass(pass, cancelled)?.1;

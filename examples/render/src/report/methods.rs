@@ -1,25 +1,26 @@
 //! The methods that a report compares: one table.
 
-use crate::pass::{Method as Gather, Renderer};
 use crate::radius::RadiusRule;
 use crate::scene::Scene;
+use crate::settings::{Method, Settings};
 
 /// A method as the report knows it.
 #[derive(Clone, Copy, Debug)]
-pub struct Method {
+pub struct Compared {
     /// Name, on the command line, in plots and in files.
     pub name: &'static str,
     /// What it is, for a reader.
     pub about: &'static str,
     /// Its colour everywhere, sRGB, of the palette of Okabe and Ito, which all eyes can tell apart.
     pub color: [u8; 3],
-    make: for<'a> fn(&'a Scene, u32) -> Renderer<'a>,
+    method: Method,
+    radius_rule: RadiusRule,
 }
 
-impl Method {
-    /// A renderer of `scene` with the scene's light paths a pass.
-    pub fn renderer<'a>(&self, scene: &'a Scene, seed: u32) -> Renderer<'a> {
-        (self.make)(scene, seed)
+impl Compared {
+    /// What makes a picture of `scene` by it, with the scene's light paths a pass.
+    pub fn settings(&self, scene: &Scene, seed: u32) -> Settings {
+        Settings { radius_rule: self.radius_rule, ..Settings::of_scene(self.method, scene, seed) }
     }
 
     /// The method of a name.
@@ -29,47 +30,41 @@ impl Method {
 }
 
 /// All methods. The first one is what the others are compared with.
-pub const METHODS: &[Method] = &[
-    Method {
+pub const METHODS: &[Compared] = &[
+    Compared {
         name: "plain",
         about: "plain progressive photon beams: one radius for all beams, an eye ray through every pixel in each pass",
         color: [213, 94, 0],
-        make: |scene, seed| Renderer::new(scene, Gather::Ppb, scene.settings.photons, seed),
+        method: Method::Plain,
+        radius_rule: RadiusRule::Bias,
     },
-    Method {
+    Compared {
         name: "thesis",
         about: "beams as wide as the covariance of the light allows, an eye ray through every pixel in each pass",
         color: [0, 158, 115],
-        make: |scene, seed| Renderer::new(scene, Gather::Adaptive, scene.settings.photons, seed),
+        method: Method::Thesis,
+        radius_rule: RadiusRule::Bias,
     },
-    Method {
+    Compared {
         name: "covbeam",
         about: "what covbeam render does: straight light by shadow rays, light paths where the picture needs them, few eye rays where the \
                 covariance says that the picture is smooth, and filters between them",
         color: [0, 114, 178],
-        make: |scene, seed| {
-            let mut renderer = Renderer::new(scene, Gather::Adaptive, scene.settings.guided_photons, seed);
-            renderer.light_by_kind();
-            renderer.plan_eye_rays();
-            renderer
-        },
+        method: Method::Covbeam,
+        radius_rule: RadiusRule::Bias,
     },
-    Method {
+    Compared {
         name: "least-error",
         about: "as thesis, but kernels as wide as the sum of squared bias and variance is least",
         color: [230, 159, 0],
-        make: |scene, seed| widened_by(RadiusRule::LeastError, scene, seed),
+        method: Method::Thesis,
+        radius_rule: RadiusRule::LeastError,
     },
-    Method {
+    Compared {
         name: "density",
         about: "as thesis, but kernels as wide as the beams around are sparse, without any covariance",
         color: [204, 121, 167],
-        make: |scene, seed| widened_by(RadiusRule::BeamDensity, scene, seed),
+        method: Method::Thesis,
+        radius_rule: RadiusRule::BeamDensity,
     },
 ];
-
-fn widened_by(rule: RadiusRule, scene: &Scene, seed: u32) -> Renderer<'_> {
-    let mut renderer = Renderer::new(scene, Gather::Adaptive, scene.settings.photons, seed);
-    renderer.widen_by(rule);
-    renderer
-}

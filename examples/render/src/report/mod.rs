@@ -14,17 +14,19 @@ mod pictures;
 mod plots;
 mod references;
 mod scene_section;
+mod spend;
 mod tables;
 
 pub use error_budget::{ErrorBudget, KindShare, PLACES, error_budget};
 pub use features::{Feature, Memory};
 pub use files::{csv, json};
 pub use machine::Machine;
-pub use measure::{Budget, PARTS, Parts, Point, Run, Watch};
-pub use methods::{METHODS, Method};
+pub use measure::{PARTS, Parts, Point, Run};
+pub use methods::{Compared, METHODS};
 pub use page::page;
 pub use plots::figure;
 pub use references::{Reference, ReferenceError, RegionError};
+pub use spend::{Budget, Watch};
 
 use crate::film::{FilmError, Picture};
 use crate::scene::Scene;
@@ -41,7 +43,7 @@ const BUDGET_PICTURES: u32 = 4;
 #[derive(Clone, Debug)]
 pub struct Options {
     /// In the order of the page.
-    pub methods: Vec<&'static Method>,
+    pub methods: Vec<&'static Compared>,
     /// Runs of each method, with seeds 1, 2, …
     pub seeds: u32,
     /// CPU-seconds of the first run of a method on a scene; the others make as many passes.
@@ -284,7 +286,7 @@ fn measure_scene(
         watch.begin(format!("{name}: error budget"), Budget::CpuSeconds(options.budget));
         let all = run.points.last().map_or(1, |point| point.passes);
         let passes = all.div_ceil(BUDGET_PICTURES).max(2);
-        let method = Method::named(run.method).expect("a run's method is in the table");
+        let method = Compared::named(run.method).expect("a run's method is in the table");
         error_budget =
             error_budget::error_budget(&scene, method, passes, BUDGET_PICTURES, &|| watch.is_cancelled())
                 .map_err(|source| ReportError::Pass { scene: name.clone(), method: method.name, source })?;

@@ -4,7 +4,7 @@ use super::curves::Over;
 use super::plots::{error_panel, part_bars, shown_scene};
 use super::scene_section::{inline, section};
 use super::tables::{escape, method_label};
-use super::{Method, Report, tables};
+use super::{Compared, Report, tables};
 use crate::plot::PlotError;
 use std::fmt::Write;
 
@@ -60,7 +60,7 @@ fn introduction(report: &Report) -> String {
         machine.threads,
         machine.version
     );
-    for method in report.methods.iter().filter_map(|name| Method::named(name)) {
+    for method in report.methods.iter().filter_map(|name| Compared::named(name)) {
         let _ = writeln!(html, "<li>{}: {}</li>", method_label(method.name), escape(method.about));
     }
     html += "</ul>\n<details><summary>How to read it</summary>\n\

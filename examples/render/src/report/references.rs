@@ -1,12 +1,14 @@
 //! What pictures are compared with, and the errors.
 
-use super::measure::{Budget, Watch, spend};
-use crate::compare::{CompareError, compare, luminance};
+use super::spend::{Budget, Watch, spend};
+use crate::color::luminance;
+use crate::compare::{CompareError, compare};
 use crate::film::{Film, FilmError, Picture};
 use crate::output::{OutputError, read_picture};
-use crate::pass::{Method, Renderer};
+use crate::pass::Renderer;
 use crate::regions::{Region, of_scene};
 use crate::scene::Scene;
+use crate::settings::{Method, Settings};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -248,7 +250,7 @@ impl Reference {
         let mut runs = Vec::new();
         for (number, seed) in SEEDS.into_iter().enumerate() {
             watch.begin(format!("{name}: reference, run {} of 2", number + 1), budget);
-            let mut renderer = Renderer::new(&scene, Method::Ppb, scene.settings.photons, seed);
+            let mut renderer = Renderer::new(&scene, Settings::of_scene(Method::Plain, &scene, seed));
             let mut film = Film::of_scene(&scene);
             let spent = spend(&mut renderer, &mut film, budget, 0.0, watch, |_, _, _| {})
                 .map_err(|source| ReferenceError::Pass { scene: name.to_owned(), source })?;

@@ -2,7 +2,7 @@
 
 use super::curves::{Value, common_time, curves};
 use super::palette::{PART_COLORS, hex};
-use super::{Feature, LIGHT_BY_KIND, METHODS, Method, PARTS, PLACES, Report, SceneResult};
+use super::{Compared, Feature, LIGHT_BY_KIND, METHODS, PARTS, PLACES, Report, SceneResult};
 use std::fmt::Write;
 
 /// Text as HTML shows it.
@@ -28,7 +28,7 @@ pub(super) fn number(value: f64) -> String {
 
 /// A method's name with its colour.
 pub(super) fn method_label(name: &str) -> String {
-    let color = Method::named(name).map_or([0; 3], |method| method.color);
+    let color = Compared::named(name).map_or([0; 3], |method| method.color);
     format!(
         "<span class=\"method\"><span class=\"swatch\" style=\"background:{}\"></span><b>{}</b></span>",
         hex(color),
@@ -90,7 +90,7 @@ pub(super) fn overview(report: &Report) -> String {
     for scene in &report.scenes {
         let by_region: Vec<_> = (0..scene.regions.len()).map(|region| curves(scene, region)).collect();
         let Some(time) = by_region.first().and_then(|curves| common_time(curves)) else { continue };
-        let methods: Vec<&'static Method> = by_region[0].iter().map(|curve| curve.method).collect();
+        let methods: Vec<&'static Compared> = by_region[0].iter().map(|curve| curve.method).collect();
         let Some(base) = methods.iter().position(|method| method.name == base) else { continue };
         for (place, method) in methods.iter().enumerate().filter(|(place, _)| *place != base) {
             let target = by_region[0][base].error_at(time);

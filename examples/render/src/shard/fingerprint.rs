@@ -1,6 +1,6 @@
 //! Whether two renders are of the same scene: a hash of all that its files say.
 
-use crate::fields::{SceneError, Source};
+use crate::scene_file::fields::{SceneError, Source};
 
 /// What a picture is not another one for, or what is told apart by name: they may change between two renders of a scene.
 const TOLD_ELSEWHERE: [&str; 3] = ["passes", "photons", "seed"];

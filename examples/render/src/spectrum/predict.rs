@@ -1,8 +1,9 @@
 //! What a render would use: the covariance grid after some passes.
 
 use crate::operators::Operator;
-use crate::pass::{Method, Renderer};
+use crate::pass::Renderer;
 use crate::scene::Scene;
+use crate::settings::{Method, Settings};
 use covbeam::{FluenceCell, GridLayout};
 
 /// How the predicted spectra are made, as in a render.
@@ -48,9 +49,6 @@ pub fn predict_without(
     scene.grid = *layout;
     // All paths of such a render carry a light field.
     scene.settings.light_field_share = 1.0;
-    let mut renderer = Renderer::new(&scene, Method::Adaptive, field_paths, seed);
-    if let Some(operator) = left_out {
-        renderer.leave_out(operator);
-    }
-    renderer.spectra(passes, report)
+    let settings = Settings { left_out, ..Settings::of(Method::Thesis, field_paths, seed) };
+    Renderer::new(&scene, settings).spectra(passes, report)
 }

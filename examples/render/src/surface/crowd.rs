@@ -1,6 +1,7 @@
 //! How far the photons nearest to a photon are.
 
-use super::{FLAT, SurfacePhoton, hierarchy};
+use super::photon::{SurfacePhoton, hierarchy};
+use crate::surface::clearance::FLAT;
 use glam::Vec3A;
 use obvhs::bvh2::Bvh2;
 use rayon::prelude::*;

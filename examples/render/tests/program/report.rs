@@ -5,9 +5,10 @@ use base64::Engine;
 use covbeam_render::compare::compare;
 use covbeam_render::film::{Film, Picture};
 use covbeam_render::output::{RenderInfo, read_picture, write_exr};
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::pass::Renderer;
 use covbeam_render::report::{Options, Reference, Subject};
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::{Method, Settings};
 use glam::Vec3;
 use serde_json::Value;
 use std::fs;
@@ -294,9 +295,9 @@ fn the_table_holds_the_errors_of_the_very_passes() {
     ];
     said(folder.path(), &arguments, 0);
     let table = rows(&fs::read_to_string(folder.path().join("covbeam-report/results.csv")).unwrap());
-    for (name, method) in [("plain", Method::Ppb), ("thesis", Method::Adaptive)] {
+    for (name, method) in [("plain", Method::Plain), ("thesis", Method::Thesis)] {
         for seed in [1, 2] {
-            let mut renderer = Renderer::new(&subject.scene, method, 500, seed);
+            let mut renderer = Renderer::new(&subject.scene, Settings::of(method, 500, seed));
             let mut film = Film::new(SIZE, SIZE);
             for pass in 1..=2 {
                 film.add(&renderer.pass(pass, &|| false).unwrap().0).unwrap();

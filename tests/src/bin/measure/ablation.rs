@@ -4,7 +4,7 @@ use crate::rendering::{Run, error_cells, error_heads, load, load_both, name, pri
 use crate::truth::{COLUMNS, DEFINITION, Test, microseconds};
 use crate::{Effort, Outcome, Size};
 use covbeam_render::operators::Operator;
-use covbeam_render::pass::Method;
+use covbeam_render::settings::Method;
 use std::path::Path;
 
 pub(crate) fn run(path: &Path, reference: Option<&Path>, effort: Effort, size: Size) -> Outcome<()> {
@@ -28,14 +28,14 @@ pub(crate) fn run(path: &Path, reference: Option<&Path>, effort: Effort, size: S
     heads.extend(reference.iter().flat_map(error_heads));
     heads.extend(["trace a light path", "light field on top"].map(str::to_owned));
     print_heads(&heads);
-    let mut rows = vec![("nothing", Method::Adaptive, None)];
-    rows.extend(Operator::ALL.map(|operator| (operator.name(), Method::Adaptive, Some(operator))));
-    rows.push(("all: plain beams", Method::Ppb, None));
+    let mut rows = vec![("nothing", Method::Thesis, None)];
+    rows.extend(Operator::ALL.map(|operator| (operator.name(), Method::Thesis, Some(operator))));
+    rows.push(("all: plain beams", Method::Plain, None));
     for (label, method, left_out) in rows {
         eprintln!("left out: {label}");
         let mut cells = vec![label.to_owned()];
         cells.extend(match method {
-            Method::Adaptive => test.judge(settings, passes, left_out).cells(),
+            Method::Thesis => test.judge(settings, passes, left_out).cells(),
             _ => COLUMNS.map(|_| "–".to_owned()),
         });
         let (picture, times) =

@@ -2,9 +2,9 @@
 
 use crate::rendering::{Run, in_region, load, regions};
 use crate::{Outcome, Size};
-use covbeam_render::pass::Method;
 use covbeam_render::random::Emission;
 use covbeam_render::scene::{Material, Scene, SceneMedium};
+use covbeam_render::settings::Method;
 use glam::Vec3;
 use std::path::Path;
 
@@ -31,7 +31,7 @@ pub(crate) fn run(path: &Path, passes: u32, pairs: u32, size: Size) -> Outcome<(
         if single {
             scatter_once(&mut scene);
         }
-        for (name, method) in [("ppb", Method::Ppb), ("adaptive", Method::Adaptive)] {
+        for (name, method) in [("ppb", Method::Plain), ("adaptive", Method::Thesis)] {
             let mut noise = [vec![0.0; regions.len()], vec![0.0; regions.len()]];
             for (noise, emission) in noise.iter_mut().zip([Emission::Independent, Emission::LowDiscrepancy]) {
                 for pair in 0..pairs {

@@ -3,7 +3,7 @@
 use crate::rendering::{Run, error_cells, error_heads, load_both, name, print_heads};
 use crate::truth::{COLUMNS, DEFINITION, Test};
 use crate::{Effort, Outcome, Size};
-use covbeam_render::pass::Method;
+use covbeam_render::settings::Method;
 use std::path::Path;
 
 const SHARES: [f32; 3] = [0.01, 0.1, 1.0];
@@ -35,8 +35,7 @@ pub(crate) fn run(path: &Path, reference: &Path, effort: Effort, size: Size) -> 
             scene.settings.light_field_share = share;
             let mut row = vec![format!("{cells}³"), format!("{} %", 100.0 * share)];
             row.extend(test.judge(&scene.settings, passes, None).cells());
-            let (picture, times) =
-                Run::new(&scene, Method::Adaptive, scene.settings.seed, passes).picture()?;
+            let (picture, times) = Run::new(&scene, Method::Thesis, scene.settings.seed, passes).picture()?;
             row.extend(error_cells(&reference, &picture));
             row.extend([times.total(), times.light_fields + times.grid].map(|time| format!("{time:.1}")));
             println!("| {} |", row.join(" | "));

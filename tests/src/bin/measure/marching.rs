@@ -5,9 +5,10 @@ use crate::{Outcome, Size};
 use covbeam_render::compare::compare;
 use covbeam_render::film::{Film, Picture};
 use covbeam_render::march::{Marching, Placement};
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::pass::Renderer;
 use covbeam_render::plot::{self, Plot, sheet};
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::{Method, Settings};
 use covbeam_tests::fleet::runs::mean;
 use covbeam_tests::statistics::Sample;
 use std::path::{Path, PathBuf};
@@ -44,8 +45,9 @@ struct Curve {
 
 /// The picture of one pass, its shadow rays a pixel and its core-seconds.
 fn picture(scene: &Scene, placement: Placement, samples: u32, seed: u32) -> Outcome<(Picture, f64, f64)> {
-    let mut renderer = Renderer::new(scene, Method::March, scene.settings.photons, seed);
-    renderer.march_as(Marching { placement, samples, centred: true });
+    let marching = Marching { placement, samples, centred: true };
+    let settings = Settings { marching, ..Settings::of_scene(Method::March, scene, seed) };
+    let mut renderer = Renderer::new(scene, settings);
     let (image, times) = renderer.pass(1, &|| false).expect("never cancelled");
     let mut film = Film::new(image.width, image.height);
     film.add(&image)?;

@@ -2,7 +2,7 @@
 
 use crate::rendering::{Run, in_region, load, load_both, name, regions};
 use crate::{Outcome, Size};
-use covbeam_render::pass::Method;
+use covbeam_render::settings::Method;
 use covbeam_tests::regions::is_ball;
 use covbeam_tests::statistics::{Sample, sidak, welch};
 use std::path::Path;
@@ -19,8 +19,8 @@ pub(crate) fn run(path: &Path, reference: Option<&Path>, runs: u32, size: Size) 
     let mut compared = regions(path, &scene, reference.as_ref());
     compared.retain(|region| !blind.contains(&region.name));
     let methods = [
-        ("ppb", Method::Ppb, 16, scene.settings.photons),
-        ("adaptive", Method::Adaptive, 8, scene.settings.photons),
+        ("ppb", Method::Plain, 16, scene.settings.photons),
+        ("adaptive", Method::Thesis, 8, scene.settings.photons),
         ("light-trace", Method::LightTrace, 1, 2_000_000),
     ];
     let mut values: Vec<Vec<Vec<f64>>> = Vec::new();

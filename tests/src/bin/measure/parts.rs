@@ -3,9 +3,10 @@
 use crate::budget::spend;
 use crate::rendering::{load, name, print_heads};
 use crate::{Outcome, Size};
-use covbeam_render::pass::{Method as Gather, Parts, Renderer};
-use covbeam_render::report::{LIGHT_BY_KIND, Method, PLACES, error_budget};
+use covbeam_render::pass::Renderer;
+use covbeam_render::report::{Compared, LIGHT_BY_KIND, PLACES, error_budget};
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::{Layers, Method, Settings};
 use covbeam_tests::fleet::errors::Errors;
 use covbeam_tests::fleet::runs::{Estimator, narrow};
 use std::path::{Path, PathBuf};
@@ -16,48 +17,37 @@ const REFERENCE_SEEDS: [u32; 2] = [5000, 6000];
 /// A way to make a picture.
 struct Variant {
     name: &'static str,
-    method: Gather,
-    /// None: all light alike.
-    parts: Option<Parts>,
-    planned: bool,
+    method: Method,
+    change: fn(&mut Settings),
 }
 
-const DEFAULT: Variant =
-    Variant { name: "default", method: Gather::Adaptive, parts: Some(Parts::DEFAULT), planned: true };
+const DEFAULT: Variant = Variant { name: "default", method: Method::Covbeam, change: |_| {} };
 
 const VARIANTS: [Variant; 7] = [
     DEFAULT,
-    Variant {
-        name: "straight light by beams",
-        parts: Some(Parts { straight: false, ..Parts::DEFAULT }),
-        ..DEFAULT
-    },
+    Variant { name: "straight light by beams", change: |settings| settings.shadow_rays = false, ..DEFAULT },
     Variant {
         name: "paths as power goes",
-        parts: Some(Parts { guided: false, ..Parts::DEFAULT }),
-        ..DEFAULT
+        method: Method::Thesis,
+        change: |settings| {
+            *settings = Settings { shadow_rays: true, layers: Layers::Together, planned: true, ..*settings }
+        },
     },
     Variant {
         name: "straight light in a layer of its own",
-        parts: Some(Parts { apart: true, ..Parts::DEFAULT }),
+        change: |settings| settings.layers = Layers::StraightApart,
         ..DEFAULT
     },
-    Variant { name: "an eye ray in every pixel", planned: false, ..DEFAULT },
-    Variant { name: "adaptive kernels alone (thesis)", parts: None, planned: false, ..DEFAULT },
-    Variant { name: "plain beams", method: Gather::Ppb, parts: None, planned: false },
+    Variant { name: "an eye ray in every pixel", change: |settings| settings.planned = false, ..DEFAULT },
+    Variant { name: "adaptive kernels alone (thesis)", method: Method::Thesis, ..DEFAULT },
+    Variant { name: "plain beams", method: Method::Plain, ..DEFAULT },
 ];
 
 impl Variant {
     fn renderer<'a>(&self, scene: &'a Scene, seed: u32) -> Renderer<'a> {
-        let guided = self.parts.is_some_and(|parts| parts.guided);
-        let mut renderer = Renderer::new(scene, self.method, scene.settings.light_paths(guided), seed);
-        if let Some(parts) = self.parts {
-            renderer.light_by_parts(parts);
-        }
-        if self.planned {
-            renderer.plan_eye_rays();
-        }
-        renderer
+        let mut settings = Settings::of_scene(self.method, scene, seed);
+        (self.change)(&mut settings);
+        Renderer::new(scene, settings)
     }
 }
 
@@ -126,7 +116,7 @@ fn errors(path: &Path, scene: &Scene, seconds: f64, seeds: u32, reference: f64) 
 
 fn print_budget(name: &str, scene: &Scene, passes: u32, seeds: u32) -> Outcome<()> {
     eprintln!("{name}: kinds of light");
-    let method = Method::named(LIGHT_BY_KIND).expect("a method of the table");
+    let method = Compared::named(LIGHT_BY_KIND).expect("a method of the table");
     let budget = error_budget(scene, method, passes, seeds, &|| false)?.expect("never cancelled");
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);
     for (row, kind) in budget.kinds.iter().enumerate() {

@@ -3,8 +3,9 @@
 use crate::Outcome;
 use crate::rendering::name;
 use covbeam_render::film::Film;
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::pass::Renderer;
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::{Method, Settings};
 use cpu_time::ProcessTime;
 use std::path::Path;
 
@@ -18,8 +19,8 @@ pub(crate) fn run(path: &Path, sides: &[u32], passes: u32) -> Outcome<()> {
     for side in sides {
         let mut scene = Scene::load(path)?;
         (scene.camera.width, scene.camera.height) = (*side, *side);
-        let mut renderer = Renderer::new(&scene, Method::Adaptive, scene.settings.photons, 1);
-        renderer.plan_eye_rays();
+        let settings = Settings { planned: true, ..Settings::of_scene(Method::Thesis, &scene, 1) };
+        let mut renderer = Renderer::new(&scene, settings);
         let mut film = Film::of_scene(&scene);
         let mut rays = 0;
         let start = ProcessTime::now();

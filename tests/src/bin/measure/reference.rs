@@ -3,8 +3,8 @@
 use crate::rendering::{Run, in_region, load, name};
 use crate::{Outcome, Size};
 use covbeam_render::output::{RenderInfo, check_writable, write_exr};
-use covbeam_render::pass::Method;
 use covbeam_render::progress::Display;
+use covbeam_render::settings::Method;
 use covbeam_tests::fleet::runs::mean;
 use covbeam_tests::regions::of_scene;
 use std::path::Path;
@@ -28,7 +28,7 @@ pub(crate) fn run(path: &Path, out: &Path, passes: u32, photons: u32, size: Size
     let display = Display::new();
     let mut pictures = Vec::new();
     for (number, seed) in (0..).zip(SEEDS) {
-        let run = Run { photons, ..Run::new(&scene, Method::Adaptive, seed, passes) };
+        let run = Run { photons, ..Run::new(&scene, Method::Thesis, seed, passes) };
         let (picture, times) = run.picture_telling(|pass, _| {
             let share = f64::from(number * passes + pass) / f64::from(2 * passes);
             display.show(&format!("run {} of 2: {pass} of {passes} passes", number + 1), share);

@@ -4,10 +4,11 @@ use crate::{Outcome, Size};
 use covbeam_render::compare::{Comparison, compare};
 use covbeam_render::film::{Film, Picture};
 use covbeam_render::operators::Operator;
-use covbeam_render::pass::{Method, PassTimes, Renderer};
+use covbeam_render::pass::{PassTimes, Renderer};
 use covbeam_render::random::Emission;
 use covbeam_render::report::Reference;
 use covbeam_render::scene::Scene;
+use covbeam_render::settings::{Method, Settings};
 use covbeam_tests::regions::{Region, by_sharpness, is_ball, of_ball, whole};
 use std::path::Path;
 
@@ -38,10 +39,8 @@ impl<'a> Run<'a> {
     /// Like [`Run::picture`], and tells the passes and their core-seconds after each pass.
     pub(crate) fn picture_telling(&self, tell: impl Fn(u32, f64)) -> Outcome<(Picture, PassTimes)> {
         let Self { scene, method, emission, seed, photons, passes, left_out } = *self;
-        let mut renderer = Renderer::with_emission(scene, method, photons, seed, emission);
-        if let Some(operator) = left_out {
-            renderer.leave_out(operator);
-        }
+        let settings = Settings { emission, left_out, ..Settings::of(method, photons, seed) };
+        let mut renderer = Renderer::new(scene, settings);
         let mut film = Film::of_scene(scene);
         let mut total = PassTimes::default();
         for index in 1..=passes {

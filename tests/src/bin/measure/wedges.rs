@@ -2,17 +2,18 @@
 
 use crate::rendering::load_both;
 use crate::{Outcome, Size};
-use covbeam_render::compare::luminance;
+use covbeam_render::color::luminance;
 use covbeam_render::film::{Film, Picture};
 use covbeam_render::output::write_png;
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::pass::Renderer;
+use covbeam_render::settings::{Method, Settings};
 use covbeam_tests::regions::{Region, of_ball};
 use std::path::{Path, PathBuf};
 
 const METHODS: [(&str, Method, bool); 3] = [
-    ("plain", Method::Ppb, false),
-    ("adaptive, every pixel", Method::Adaptive, false),
-    ("adaptive, planned", Method::Adaptive, true),
+    ("plain", Method::Plain, false),
+    ("adaptive, every pixel", Method::Thesis, false),
+    ("adaptive, planned", Method::Thesis, true),
 ];
 
 pub(crate) fn run(
@@ -34,10 +35,8 @@ pub(crate) fn run(
     for (label, method, planned) in METHODS {
         let (mut ratios, mut means) = (Vec::new(), Vec::new());
         for seed in 1..=seeds {
-            let mut renderer = Renderer::new(&scene, method, scene.settings.photons, seed);
-            if planned {
-                renderer.plan_eye_rays();
-            }
+            let mut renderer =
+                Renderer::new(&scene, Settings { planned, ..Settings::of_scene(method, &scene, seed) });
             let mut film = Film::of_scene(&scene);
             for pass in 1..=passes {
                 film.add(&renderer.pass(pass, &|| false).expect("never cancelled").0)?;

@@ -3,7 +3,8 @@
 use super::scenes::{
     Part, ball, block, bound, camera, cube, glass, inverted, lamp, lobes, medium, part, scene, volume,
 };
-use covbeam_render::eye::{EyeSegment, EyeTracer};
+use covbeam_render::eye::EyeTracer;
+use covbeam_render::eye::segment::EyeSegment;
 use covbeam_render::kind::{ByKind, Kind};
 use covbeam_render::lamps::LampTree;
 use covbeam_render::media;

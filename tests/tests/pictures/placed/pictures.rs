@@ -4,10 +4,11 @@ use super::scenes::{
     Part, ball, block, bound, camera, cube, inverted, lamp, lobes, medium, part, scene, sheet, volume,
 };
 use covbeam::GridLayout;
-use covbeam_render::pass::{Method, Renderer};
+use covbeam_render::pass::Renderer;
 use covbeam_render::photon::{PhotonRecord, PhotonTracer, Record};
 use covbeam_render::random::Emission;
 use covbeam_render::scene::{Lobes, Material, MediumDensity, Scene, Sees};
+use covbeam_render::settings::{Method, Settings};
 use covbeam_render::volume::Volume;
 use covbeam_tests::statistics::Sample;
 use glam::Vec3;
@@ -15,15 +16,13 @@ use glam::Vec3;
 /// Mean radiance of the picture's passes for some seeds; straight light by shadow rays, other light by guided paths.
 fn guided(scene: &Scene, seeds: u32, passes: u32) -> Sample {
     means(scene, seeds, passes, |seed| {
-        let mut renderer = Renderer::new(scene, Method::Adaptive, scene.settings.guided_photons, seed);
-        renderer.light_by_kind();
-        renderer
+        Renderer::new(scene, Settings { planned: false, ..Settings::of_scene(Method::Covbeam, scene, seed) })
     })
 }
 
 /// The same by connections of paths with the camera, which have no kernels, no shadow rays along eye rays and no guidance.
 fn traced(scene: &Scene, photons: u32, seeds: u32) -> Sample {
-    means(scene, seeds, 1, |seed| Renderer::new(scene, Method::LightTrace, photons, 100 + seed))
+    means(scene, seeds, 1, |seed| Renderer::new(scene, Settings::of(Method::LightTrace, photons, 100 + seed)))
 }
 
 fn means<'a>(_: &'a Scene, seeds: u32, passes: u32, make: impl Fn(u32) -> Renderer<'a>) -> Sample {

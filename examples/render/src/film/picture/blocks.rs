@@ -1,6 +1,5 @@
 //! Means over blocks of pixels, where a pixel alone has seldom an eye ray.
 
-use super::Cancelled;
 use rayon::prelude::*;
 
 /// Pixels along the side of a block.
@@ -10,7 +9,11 @@ const SIDE: usize = 8;
 /// None: cancelled.
 ///
 /// - `gather`: sums of the pixels, of light, light x radius and light x σ; `width`: pixels a row.
-pub(super) fn means(gather: &[[i64; 4]], width: u32, cancelled: Cancelled) -> Option<[Vec<f32>; 2]> {
+pub(super) fn means(
+    gather: &[[i64; 4]],
+    width: u32,
+    cancelled: &(dyn Fn() -> bool + Sync),
+) -> Option<[Vec<f32>; 2]> {
     let width = width as usize;
     let (across, down) = (width.div_ceil(SIDE), (gather.len() / width).div_ceil(SIDE));
     let block = |number: usize| {

@@ -5,7 +5,8 @@ use super::row::Row;
 use super::table::{command, summary};
 use crate::Outcome;
 use covbeam_render::maps::Bitmap;
-use covbeam_render::output::{preview_exposed_as, write_bitmap};
+use covbeam_render::output::write_bitmap;
+use covbeam_render::preview::preview_exposed_as;
 use std::fmt::Write;
 
 const NAMES: [&str; 4] = ["default", "plain", "every-pixel", "reference"];

@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::fields::{Field, SceneError};
+use crate::scene_file::fields::{Field, SceneError};
 
 /// The files beside a scene, and what was in those that it named so far. Readers get paths from here alone, so that no file of a scene is
 /// left out of its fingerprint.

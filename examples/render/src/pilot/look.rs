@@ -1,8 +1,10 @@
 //! A coarse picture, of all instants while a shutter is open.
 
-use super::{Instant, Poll, trial};
-use crate::compare::luminance;
-use crate::eye::{EyeSegment, EyeTracer};
+use super::instant::{Instant, Poll};
+use super::trial;
+use crate::color::luminance;
+use crate::eye::EyeTracer;
+use crate::eye::segment::EyeSegment;
 use crate::kind::{ByKind, Kind};
 use crate::photon::{PhotonRecord, PhotonTracer, Record};
 use crate::random::{Emission, Random};

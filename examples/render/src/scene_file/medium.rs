@@ -4,11 +4,11 @@ use covbeam::{Density, ExponentialDensity, Medium, PhaseFunction, PhaseKind};
 use covbeam_geometry::MAX_COORDINATE;
 use glam::Vec3;
 
+use super::shape::read_corners;
 use crate::camera::Camera;
-use crate::fields::{Field, SceneError, Table};
 use crate::scene::{Light, MediumDensity, MediumId, Object, SceneMedium};
-use crate::scene_file::read_corners;
-use crate::scene_files::SceneFiles;
+use crate::scene_file::fields::{Field, SceneError, Table};
+use crate::scene_file::files::SceneFiles;
 use crate::volume::{MAX_DENSITY, Volume};
 
 /// Most voxels of all volumes of a scene: 256 MiB of densities.

@@ -1,7 +1,9 @@
 //! How lamps emit: in proportion to what light in a direction is worth.
 
-use super::{Poll, mean, of_diffuse};
+use super::instant::Poll;
+use crate::color::mean;
 use crate::geometry::MOST_BOUNDS;
+use crate::guidance::{LampEmission, of_diffuse};
 use crate::material::{Encounter, Lobe};
 use crate::media;
 use crate::optics::{Boundary, Interior, facing_normal, reflect};
@@ -38,62 +40,45 @@ const BLUR: [(isize, isize, f32); 5] = [(0, 0, 0.6), (-1, 0, 0.1), (1, 0, 0.1), 
 /// Purpose of random numbers, and sequence of emission.
 const KEY: u32 = 0x1a3b;
 
-/// How each lamp emits.
-pub(super) struct Lamps {
-    /// Power x importance of all light.
-    pub(super) total: f32,
-    /// Cumulative share of the paths.
-    pub(super) cumulative: Vec<f32>,
-    across: usize,
-    guides: Vec<f32>,
-}
-
-impl Lamps {
-    /// None if no light is worth anything.
-    pub(super) fn new(
-        scene: &Scene,
-        fogs: &[Medium],
-        importance: &Importance,
-        cancelled: Poll,
-    ) -> Option<Self> {
-        let across = (CELLS / scene.lights.len() as f32).sqrt().clamp(1.0, MOST_ACROSS) as usize;
-        let cells = across * across;
-        let worth: Vec<f32> = (0..scene.lights.len() * cells)
-            .into_par_iter()
-            .map_init(Vec::new, |knots, number| {
-                if cancelled() {
-                    return 0.0;
-                }
-                let lamp = Lamp::new(scene, fogs, importance, number / cells);
-                lamp.of_cell(number % cells, across, number as u32, knots)
-            })
-            .collect();
-        let of_lamps: Vec<f32> =
-            worth.chunks(cells).map(|worth| worth.iter().sum::<f32>() / cells as f32).collect();
-        let total: f32 = of_lamps.iter().sum();
-        if !(total > 0.0 && total.is_finite()) {
-            return None;
-        }
-        let flux: f32 = scene.lights.iter().map(|light| mean(light.flux())).sum();
-        let mut sum = 0.0;
-        let shares = scene.lights.iter().zip(&of_lamps).map(|(light, worth)| {
-            sum += EVEN * mean(light.flux()) / flux + (1.0 - EVEN) * worth / total;
-            sum
-        });
-        let mut cumulative: Vec<f32> = shares.collect();
-        cumulative.iter_mut().for_each(|end| *end /= sum);
-        let size = EmissionGuide::size(across);
-        let mut guides = vec![0.0; size * scene.lights.len()];
-        for (guide, worth) in guides.chunks_mut(size).zip(worth.chunks(cells)) {
-            EmissionGuide::fill(across, &blurred(worth, across), EVEN, guide).expect("finite weights");
-        }
-        Some(Self { total, cumulative, across, guides })
+/// How each lamp emits; None if no light is worth anything.
+pub(super) fn emission(
+    scene: &Scene,
+    fogs: &[Medium],
+    importance: &Importance,
+    cancelled: Poll,
+) -> Option<LampEmission> {
+    let across = (CELLS / scene.lights.len() as f32).sqrt().clamp(1.0, MOST_ACROSS) as usize;
+    let cells = across * across;
+    let worth: Vec<f32> = (0..scene.lights.len() * cells)
+        .into_par_iter()
+        .map_init(Vec::new, |knots, number| {
+            if cancelled() {
+                return 0.0;
+            }
+            let lamp = Lamp::new(scene, fogs, importance, number / cells);
+            lamp.of_cell(number % cells, across, number as u32, knots)
+        })
+        .collect();
+    let of_lamps: Vec<f32> =
+        worth.chunks(cells).map(|worth| worth.iter().sum::<f32>() / cells as f32).collect();
+    let total: f32 = of_lamps.iter().sum();
+    if !(total > 0.0 && total.is_finite()) {
+        return None;
     }
-
-    pub(super) fn guide(&self, lamp: usize) -> EmissionGuide<'_> {
-        let size = EmissionGuide::size(self.across);
-        EmissionGuide::new(self.across, &self.guides[lamp * size..(lamp + 1) * size]).expect("as filled")
+    let flux: f32 = scene.lights.iter().map(|light| mean(light.flux())).sum();
+    let mut sum = 0.0;
+    let shares = scene.lights.iter().zip(&of_lamps).map(|(light, worth)| {
+        sum += EVEN * mean(light.flux()) / flux + (1.0 - EVEN) * worth / total;
+        sum
+    });
+    let mut cumulative: Vec<f32> = shares.collect();
+    cumulative.iter_mut().for_each(|end| *end /= sum);
+    let size = EmissionGuide::size(across);
+    let mut guides = vec![0.0; size * scene.lights.len()];
+    for (guide, worth) in guides.chunks_mut(size).zip(worth.chunks(cells)) {
+        EmissionGuide::fill(across, &blurred(worth, across), EVEN, guide).expect("finite weights");
     }
+    Some(LampEmission { total, cumulative, across, guides })
 }
 
 fn blurred(worth: &[f32], across: usize) -> Vec<f32> {

@@ -1,8 +1,8 @@
 //! The camera of a scene file.
 
 use crate::camera::{Camera, Frame, Lens, Projection};
-use crate::fields::{Field, SceneError, Table};
 use crate::scene::MAX_IMAGE_SIDE;
+use crate::scene_file::fields::{Field, SceneError, Table};
 use covbeam_geometry::MAX_COORDINATE;
 use glam::Vec3;
 

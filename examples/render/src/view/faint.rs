@@ -1,7 +1,7 @@
 //! Pieces of eye paths that the camera hardly sees: a gather costs them as much as any other. Some of those that lie side by side are gathered
 //! first, and say how many of the others it takes for what they add to be smooth: of a bright thing that dark glass reflects, all of them.
 
-use crate::eye::EyeSegment;
+use crate::eye::segment::EyeSegment;
 use crate::random::Random;
 
 /// A piece is faint if less than this of it reaches the camera.

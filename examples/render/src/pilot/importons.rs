@@ -1,8 +1,8 @@
 //! Paths from the camera: what they cross matters to the picture.
 
+use super::instant::{Instant, Poll};
 use super::look::Pixel;
-use super::{Instant, Poll};
-use crate::defaults::divide;
+use crate::geometry::divide;
 use crate::light::cosine_direction;
 use crate::material::{Encounter, Lobe};
 use crate::media;

@@ -5,10 +5,11 @@
 //! of variance and cost is (rays + paths/n) (C + P n), least for n² = paths C/(rays P). From what guidance gives by itself they double as long as
 //! that promises a tenth.
 
+use super::instant::Poll;
 use super::look::{LATTICE, LEAST_OF_PICTURE, Look, Memory};
-use super::{Poll, trial};
+use super::trial;
 use crate::camera::Camera;
-use crate::compare::luminance;
+use crate::color::luminance;
 use crate::photon::PhotonTracer;
 use crate::random::Random;
 use covbeam::Medium;
@@ -81,7 +82,7 @@ impl Seen {
 
 impl Spread {
     /// Looks at a scene's picture. None where guided paths are worth less than plain ones. Cost: 12 to 70 core-milliseconds.
-    /// `cancelled` as in [`super::Guidance::of`].
+    /// `cancelled` as in [`super::guidance`].
     pub(crate) fn of(tracer: &PhotonTracer, fogs: &[Medium], cancelled: Poll) -> Option<Self> {
         let looks = looks(tracer, fogs, PATHS, cancelled);
         let worth = looks.each_ref().map(|look| look.worth.as_slice()).concat();
@@ -188,8 +189,8 @@ fn spread(looks: &[Look; 2], paths: u32, cancelled: Poll) -> Spread {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::guidance::Guidance;
     use crate::media;
+    use crate::pilot::of_still;
     use crate::random::Emission;
     use crate::scene::Scene;
     use std::path::Path;
@@ -237,7 +238,7 @@ mod tests {
 
     fn tracer<'a>(scene: &'a Scene, fogs: &[Medium]) -> PhotonTracer<'a> {
         let mut tracer = PhotonTracer::new(scene, 0, Emission::LowDiscrepancy);
-        tracer.guide(Guidance::new(scene, fogs).expect("light"));
+        tracer.guide(of_still(scene, fogs).expect("light"));
         tracer
     }
 

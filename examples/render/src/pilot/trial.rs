@@ -4,7 +4,9 @@
 //! camera, and as many random decisions to split a path or to end it leave few trees that arrive, with thousands of branches: plain paths are
 //! more alike there, and cost a tenth.
 
-use super::{Guidance, Poll, mean};
+use super::instant::Poll;
+use crate::color::mean;
+use crate::guidance::Guidance;
 use crate::kind::Kind;
 use crate::photon::{PhotonTracer, Record};
 use crate::random::Emission;
@@ -93,9 +95,10 @@ fn evenness(worth: &[f32]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Spread;
     use super::*;
     use crate::media;
+    use crate::pilot::Spread;
+    use crate::pilot::of_still;
     use std::path::Path;
 
     /// None but one that brings all, all of them the same, and numbers w = u² with the density 1/(2√w): Σ√w = n/2 and Σw = n/3.
@@ -136,7 +139,7 @@ mod tests {
             let scene = Scene::parse(&text, "room", Path::new("")).expect("a valid scene");
             let fogs = media::all(&scene);
             let mut tracer = PhotonTracer::new(&scene, 0, Emission::LowDiscrepancy);
-            tracer.guide(Guidance::new(&scene, &fogs).expect("light"));
+            tracer.guide(of_still(&scene, &fogs).expect("light"));
             Spread::of(&tracer, &fogs, &|| false).is_some()
         });
         assert_eq!(pays, [true, true, false, false]);

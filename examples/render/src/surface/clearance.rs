@@ -4,10 +4,12 @@ use crate::light::cosine_direction;
 use crate::optics::facing_normal;
 use crate::random::Random;
 use crate::scene::Scene;
-use crate::surface::FLAT;
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 use std::f32::consts::TAU;
+
+/// Photons count where the normal differs by less than this cosine: others lie on another surface.
+pub(crate) const FLAT: f32 = 0.9;
 
 /// Rays that look for other surfaces.
 const CONTACT_RAYS: u32 = 2;
