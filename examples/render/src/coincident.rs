@@ -3,9 +3,9 @@
 //! People put fog on the floor and glass on glass: faces in one plane, which a ray meets at one distance but for rounding. All of them count
 //! at once, so that neither their order in a file nor that of a hierarchy matters.
 
-use crate::geometry::{describe, line_through};
 use crate::nesting::winner;
-use crate::scene::{Material, Scene, Shape};
+use crate::scene::shape::{Shape, describe, line_through};
+use crate::scene::{Material, Scene};
 use covbeam_geometry::hit::Hit;
 use covbeam_geometry::instances::{InstanceHit, Instances};
 use glam::Vec3;
@@ -102,7 +102,8 @@ impl Scene {
             if let Shape::Mesh(mesh) = &object.shape {
                 let start = place - window * along;
                 if let Some(found) = mesh.intersect(start, direction, 2.0 * window) {
-                    let face = describe(object, number, start + found.distance * along, 0.0, Some(found));
+                    let face =
+                        describe(&object.shape, number, start + found.distance * along, 0.0, Some(found));
                     faces.extend(is_there(&face, found.distance - window).then_some(face));
                 }
                 continue;
@@ -113,7 +114,7 @@ impl Scene {
                 let gap = root - own;
                 // False where there is none.
                 if gap.abs() <= reach(hit) {
-                    let face = describe(object, number, place + root * along, 0.0, None);
+                    let face = describe(&object.shape, number, place + root * along, 0.0, None);
                     faces.extend(is_there(&face, gap).then_some(face));
                 }
             }

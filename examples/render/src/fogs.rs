@@ -1,6 +1,6 @@
 //! Which medium fills a place inside of placed objects: sets of volumes, which may add up.
 
-use crate::scene::MediumId;
+use crate::scene::medium::MediumId;
 use glam::Vec3;
 
 /// Volumes whose insides are told apart.

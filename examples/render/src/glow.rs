@@ -1,7 +1,7 @@
 //! Light that a medium sends out of itself, as fire and glowing gas do: the same in all directions, whatever the medium scatters or absorbs.
 
-use crate::geometry::intersect_box;
-use crate::scene::MediumDensity;
+use crate::scene::density::MediumDensity;
+use crate::scene::shape::intersect_box;
 use covbeam::{Column, EyeRay, GridLayout, Medium};
 use glam::{Vec3, Vec3Swizzles};
 use std::f32::consts::PI;

@@ -3,7 +3,8 @@
 //! By priority, as in OpenPBR and the renderers of the field; of equal priority what lies inside of another one, but for a hundredth of its size,
 //! counts before that, and of two that only overlap the later one. (Schmidt and Budge 2002, *Simple nested dielectrics in ray traced images*.)
 
-use crate::scene::{Object, Shape};
+use crate::scene::object::Object;
+use crate::scene::shape::Shape;
 use glam::Vec3;
 
 /// Places on a sphere that are looked at, along each of its angles.

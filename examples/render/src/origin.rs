@@ -2,6 +2,7 @@
 //!
 //! A lamp hangs in the ceiling, a camera stands on a face of fog: what they are inside of is decided by where they shine or look.
 
+use crate::camera::{Camera, Projection};
 use crate::light::EmittedPhoton;
 use crate::optics::Interior;
 use crate::placed::{Placed, cleared, hair};
@@ -82,6 +83,19 @@ impl Faces {
     }
 }
 
+impl Scene {
+    /// The first light that is a point exactly where all eye rays start, in a medium that scatters: there the picture would be infinitely bright.
+    pub fn lamp_at_camera(&self) -> Option<usize> {
+        let Camera { position, near, .. } = self.camera;
+        let medium = Interior::at(self, position).medium(self).map(|medium| &self.media[medium as usize]);
+        let scatters = medium.is_some_and(|medium| medium.medium.scattering != Vec3::ZERO);
+        let is_there = |light: &Light| !light.has_size() && light.position() == position;
+        let one_start =
+            self.camera.lens.is_none() && self.camera.projection != Projection::Orthographic && near == 0.0;
+        (scatters && one_start).then(|| self.lights.iter().position(is_there)).flatten()
+    }
+}
+
 impl Origin {
     /// A place in a scene.
     pub(crate) fn new(scene: &Scene, point: Vec3) -> Self {
@@ -135,7 +149,7 @@ impl Origin {
         let clear = |place: Vec3| if has_insides { cleared(place) } else { place };
         if let Light::Glow(fog) = light {
             let interior = Interior::at(scene, emitted.origin);
-            return fog.is_in(scene, &interior).then(|| (clear(emitted.origin), interior));
+            return (interior.fog(scene) == Some(fog.medium())).then(|| (clear(emitted.origin), interior));
         }
         if light.is_far() {
             return Some((emitted.origin, self.interior));

@@ -1,8 +1,8 @@
 //! Many meshes placed by transforms under one hierarchy, with a material a triangle, and what fills them.
 
 use crate::fogs::AddedFogs;
-use crate::geometry::unite;
 use crate::material::Material;
+use crate::scene::shape::unite;
 use covbeam_geometry::hit::Hit;
 use covbeam_geometry::instances::Instances;
 use glam::Vec3;

@@ -1,19 +1,23 @@
 //! What a scene is: objects, lights, media, camera and the defaults of a render.
 
-use crate::camera::{Camera, Projection};
-use crate::glow::Glow;
+pub mod density;
+pub mod medium;
+pub mod object;
+pub mod shape;
+
+use crate::camera::Camera;
+pub use crate::light::kinds::Light;
 pub use crate::light::{Area, Ball, Cone, GlowingFog, Lamp, Pattern, ShiningMesh, Sky, Sun};
 pub use crate::material::{Lobes, Material};
-use crate::optics::Interior;
 pub use crate::placed::{Placed, PlacedObject};
-pub use crate::shown::Shown;
-use crate::volume::Volume;
-use covbeam::{ExponentialDensity, Medium};
+pub use crate::shown::tree::Shown;
 use covbeam_geometry::hit::Hit;
-use covbeam_geometry::mesh::Mesh;
+pub use density::MediumDensity;
 use glam::Vec3;
+pub use medium::{MediumId, SceneMedium};
+pub use object::Object;
+pub use shape::Shape;
 use std::f32::consts::PI;
-use std::sync::Arc;
 
 /// Most pixels along one side of the picture.
 pub const MAX_IMAGE_SIDE: u32 = 16384;
@@ -25,9 +29,6 @@ const LEAST_OF_LAMPS: f32 = 1.0 / 16384.0;
 
 /// And over what it is without that, at most.
 const MOST_RAISED: f32 = 4096.0;
-
-/// Index into [`Scene::media`].
-pub type MediumId = u32;
 
 /// A whole scene, validated: nothing in it is NaN, infinite, degenerate or out of range.
 #[derive(Clone, Debug)]
@@ -86,17 +87,6 @@ impl Scene {
     pub(crate) fn placed_hit(&self, hit: &Hit) -> Option<(&Placed, u32)> {
         let object = hit.object.checked_sub(self.objects.len() as u32)?;
         Some((self.placed.as_ref()?, object))
-    }
-
-    /// The first light that is a point exactly where all eye rays start, in a medium that scatters: there the picture would be infinitely bright.
-    pub fn lamp_at_camera(&self) -> Option<usize> {
-        let Camera { position, near, .. } = self.camera;
-        let medium = Interior::at(self, position).medium(self).map(|medium| &self.media[medium as usize]);
-        let scatters = medium.is_some_and(|medium| medium.medium.scattering != Vec3::ZERO);
-        let is_there = |light: &Light| !light.has_size() && light.position() == position;
-        let one_start =
-            self.camera.lens.is_none() && self.camera.projection != Projection::Orthographic && near == 0.0;
-        (scatters && one_start).then(|| self.lights.iter().position(is_there)).flatten()
     }
 
     /// Whether light may be scattered and reflected so often.
@@ -171,147 +161,6 @@ impl Scene {
         let without = scattered * intensity / (distance * distance) + glow;
         without.max((LEAST_OF_LAMPS * self.shown.brightest()).min(MOST_RAISED * without))
     }
-}
-
-/// A medium and where there is how much of it.
-#[derive(Clone, Debug)]
-pub struct SceneMedium {
-    /// Coefficients at density 1, and the phase function.
-    pub medium: Medium<'static>,
-    /// Relative density.
-    pub density: MediumDensity,
-    /// Light that it sends out of itself; a scene's lights have it, too, as [`Light::Glow`]. None: it is dark.
-    pub glow: Option<Arc<Glow>>,
-}
-
-/// How the relative density of a medium varies.
-#[derive(Clone, Debug)]
-pub enum MediumDensity {
-    /// 1 everywhere.
-    Uniform,
-    /// Falls exponentially with height.
-    Exponential(ExponentialDensity),
-    /// Given by voxels; nothing outside their box.
-    Grid(Volume),
-}
-
-/// A shape with what it is made of.
-#[derive(Clone, Debug)]
-pub struct Object {
-    /// For messages.
-    pub name: String,
-    /// Geometry.
-    pub shape: Shape,
-    /// What light does there.
-    pub material: Material,
-    /// The medium inside a closed dielectric; None = clear.
-    pub inside: Option<MediumId>,
-    /// Of closed dielectrics that overlap the one of higher priority counts.
-    pub priority: i32,
-    /// Numbers of the closed dielectrics that lie inside of it, ascending: from [`nest`](crate::nesting::nest).
-    pub inner: Vec<u32>,
-}
-
-/// Geometry of an object.
-#[derive(Clone, Debug)]
-#[allow(
-    clippy::large_enum_variant,
-    reason = "a scene holds few shapes, and a mesh's triangles are on the heap"
-)]
-pub enum Shape {
-    /// Normal points outwards.
-    Sphere {
-        /// Centre.
-        center: Vec3,
-        /// > 0.
-        radius: f32,
-    },
-    /// The parallelogram `corner + a edge_u + b edge_v`, a, b in [0, 1]; normal along edge_u x edge_v.
-    Rectangle {
-        /// One corner.
-        corner: Vec3,
-        /// First edge.
-        edge_u: Vec3,
-        /// Second edge.
-        edge_v: Vec3,
-    },
-    /// Axis-aligned box; normal points outwards. Hit from inside and from outside.
-    Box {
-        /// Lower corner.
-        min: Vec3,
-        /// Upper corner.
-        max: Vec3,
-    },
-    /// Triangles.
-    Mesh(Mesh),
-}
-
-/// A light.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Light {
-    /// Isotropic point light.
-    Point {
-        /// Where.
-        position: Vec3,
-        /// W/sr per channel.
-        intensity: Vec3,
-    },
-    /// Cone; intensity falls smoothly (smoothstep in the angle) from `inner_angle` to 0 at `outer_angle`.
-    Spot {
-        /// Where.
-        position: Vec3,
-        /// Axis, unit.
-        direction: Vec3,
-        /// W/sr per channel on the axis.
-        intensity: Vec3,
-        /// Half-angle of the full cone [rad], >= 0.
-        inner_angle: f32,
-        /// Half-angle where light ends [rad], > inner_angle, < π/2.
-        outer_angle: f32,
-    },
-    /// One-sided diffuse disk emitting towards `normal`.
-    Disk {
-        /// Centre.
-        center: Vec3,
-        /// Unit.
-        normal: Vec3,
-        /// > 0.
-        radius: f32,
-        /// W/(m² sr) per channel.
-        radiance: Vec3,
-    },
-    /// One-sided diffuse parallelogram `corner + a edge_u + b edge_v`, a, b in [0, 1], emitting towards edge_u x edge_v.
-    Rectangle {
-        /// One corner.
-        corner: Vec3,
-        /// First edge.
-        edge_u: Vec3,
-        /// Second edge.
-        edge_v: Vec3,
-        /// W/(m² sr) per channel.
-        radiance: Vec3,
-    },
-    /// Diffuse sphere, emitting outwards. Light of other lamps passes through it.
-    Sphere {
-        /// Centre.
-        center: Vec3,
-        /// > 0.
-        radius: f32,
-        /// W/(m² sr) per channel.
-        radiance: Vec3,
-    },
-    /// A disk infinitely far away.
-    Sun(Sun),
-    /// A point or ball that shines all around, into a cone or by a pattern, as Blender's lamps do.
-    Lamp(Lamp),
-    /// One-sided parallelogram or ellipse, with a honeycomb before it or not.
-    Area(Area),
-    /// Triangles that shine on both sides.
-    Mesh(ShiningMesh),
-    /// What is around the scene, infinitely far away.
-    Sky(Sky),
-    /// A medium that glows.
-    Glow(GlowingFog),
 }
 
 /// Defaults of a render; the command line overrides them.

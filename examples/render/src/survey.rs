@@ -2,13 +2,14 @@
 
 use crate::eye::EyeTracer;
 use crate::eye::segment::EyeSegment;
-use crate::geometry::{bounds_of_scene, divide, unite};
+use crate::geometry::{bounds_of_scene, divide};
 use crate::lamps::LampTree;
 use crate::media;
 use crate::photon::{PhotonRecord, PhotonTracer, Record};
 use crate::radius::BeamVoxels;
 use crate::random::{Emission, Random};
 use crate::scene::Scene;
+use crate::scene::shape::unite;
 use crate::starts::EyeStarts;
 use crate::surface::SurfaceMap;
 use covbeam::{GridLayout, Medium};

@@ -1,7 +1,10 @@
 //! Where light from infinitely far away is wanted, and how its photons are aimed there.
 
-use crate::geometry::{intersect_box, unite};
-use crate::scene::{MediumDensity, Object, Placed, SceneMedium};
+use crate::placed::Placed;
+use crate::scene::density::MediumDensity;
+use crate::scene::medium::SceneMedium;
+use crate::scene::object::Object;
+use crate::scene::shape::{intersect_box, unite};
 use covbeam_geometry::MAX_COORDINATE;
 use glam::{DVec3, Vec3};
 use std::f32::consts::{PI, TAU};

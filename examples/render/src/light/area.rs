@@ -1,10 +1,11 @@
 //! Flat lights whose light may be narrowed by a honeycomb before them.
 
 use super::patch::{FRAC_1_SQRT_PI, diffuse_field, front, lifted};
+use super::rays::{CURVATURE, EmittedPhoton, LEAST_EXPECTED};
 use super::stretch::{before, in_cone};
-use super::{CURVATURE, EmittedPhoton, LEAST_EXPECTED, disk, patch};
-use crate::geometry::intersect_rectangle;
+use super::{disk, patch};
 use crate::random::PathSampler;
+use crate::scene::shape::intersect_rectangle;
 use covbeam::LightField;
 use glam::{DVec3, Vec3};
 use std::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, TAU};

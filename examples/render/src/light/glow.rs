@@ -1,11 +1,10 @@
 //! Media that glow, as lights: their photons start anywhere in them.
 
-use super::EmittedPhoton;
 use super::directions::even_direction;
+use super::rays::EmittedPhoton;
 use crate::glow::Glow;
-use crate::optics::Interior;
 use crate::random::PathSampler;
-use crate::scene::{MediumId, Scene, SceneMedium};
+use crate::scene::medium::{MediumId, SceneMedium};
 use covbeam::{EVEN_LAMP, LightField};
 use glam::Vec3;
 use std::sync::Arc;
@@ -25,9 +24,9 @@ impl GlowingFog {
         numbered.filter_map(|(medium, number)| Some(Self { medium: number, glow: medium.glow.clone()? }))
     }
 
-    /// Whether a place is in the medium, given what it is inside of: no photon starts elsewhere in the box.
-    pub(crate) fn is_in(&self, scene: &Scene, interior: &Interior) -> bool {
-        interior.fog(scene) == Some(self.medium)
+    /// The medium: no photon starts elsewhere in the box.
+    pub(crate) fn medium(&self) -> MediumId {
+        self.medium
     }
 
     /// As [`super::Light::flux`]; of the whole box.

@@ -1,8 +1,10 @@
 //! Lamps as Blender has them: points and balls that shine all around, into a cone, or by a pattern.
 
 use super::directions::{across, cap_direction, cone_direction, even_direction};
+use super::pattern::Pattern;
+use super::rays::{EmittedPhoton, LEAST_EXPECTED};
 use super::stretch::in_cone;
-use super::{EmittedPhoton, LEAST_EXPECTED, Pattern, sphere, spot::Cone};
+use super::{sphere, spot::Cone};
 use crate::random::{PathSampler, spread};
 use covbeam::{EVEN_LAMP, LightField};
 use glam::{DVec3, Vec3};

@@ -1,18 +1,21 @@
 //! Triangles that shine on both sides.
 
+mod tree;
+
+use super::directions::cosine_direction;
 use super::patch::{FRAC_1_SQRT_PI, diffuse_field, lifted};
-use super::tree::Tree;
+use super::rays::EmittedPhoton;
+use super::rays::Meetings;
 use super::triangle::SeenTriangle;
-use super::{EmittedPhoton, cosine_direction};
-use crate::geometry::unite;
 use crate::random::PathSampler;
-use crate::shown::Meetings;
+use crate::scene::shape::unite;
 use covbeam::LightField;
 use covbeam_geometry::MAX_COORDINATE;
 use covbeam_geometry::triangles::{Frame, Triangles, area_vector};
 use glam::{DVec3, Vec3};
 use std::f32::consts::{FRAC_1_SQRT_2, PI};
 use std::sync::Arc;
+use tree::Tree;
 
 /// How far past a triangle that a ray has met it looks for others, in shares of the way and of the largest coordinate: ten times what rounding
 /// makes of both.

@@ -6,35 +6,37 @@ mod cells;
 mod directions;
 mod disk;
 mod glow;
+pub mod kinds;
 mod lamp;
 mod mesh;
 mod patch;
 mod pattern;
+mod rays;
 mod shine;
 mod sky;
 mod sphere;
 mod spot;
 mod stretch;
 mod sun;
-mod tree;
 mod triangle;
 
 pub use aim::Ball;
 pub use area::Area;
 pub use directions::cosine_direction;
 pub use glow::GlowingFog;
+pub use kinds::Light;
 pub use lamp::Lamp;
 pub use mesh::ShiningMesh;
 pub use pattern::Pattern;
+pub use rays::EmittedPhoton;
+pub(crate) use rays::Meetings;
 pub(crate) use shine::Shine;
 pub use sky::Sky;
 pub use spot::Cone;
 pub use sun::Sun;
 
-use crate::geometry::{intersect_rectangle, intersect_sphere};
 use crate::random::{PathSampler, Random};
-use crate::scene::{Light, Shape};
-use crate::shown::Meetings;
+use crate::scene::shape::{Shape, intersect_rectangle, intersect_sphere};
 use covbeam::{EVEN_LAMP, LightField};
 use directions::{across, cone_direction, even_direction};
 use glam::{DVec3, Vec3};
@@ -43,36 +45,6 @@ pub(crate) use spot::cap_height;
 use spot::{angle_from, spot_angular_variance, spot_falloff};
 use std::f32::consts::{FRAC_1_SQRT_2, PI, TAU};
 use stretch::{before, in_cone, outside_sphere};
-
-/// A relative curvature [1/rad²] as an angular variance \[cycles²/rad²\].
-const CURVATURE: f32 = 1.0 / (4.0 * PI * PI);
-
-/// Light that is not expected at a place, over what a light would send there that shines alike on all that it may reach.
-const LEAST_EXPECTED: f32 = 0.02;
-
-/// A photon leaving a light.
-#[derive(Clone, Copy, Debug)]
-pub struct EmittedPhoton {
-    /// Start.
-    pub origin: Vec3,
-    /// Unit direction.
-    pub direction: Vec3,
-    /// Flux of the light if all its light left like this photon \[W\]: emission / probability density.
-    pub power: Vec3,
-    /// Normal of the emitting surface, zero for a light without one.
-    pub normal: Vec3,
-    /// How far along its way its light begins, >= 0; what it meets before is not lit, but dims it.
-    pub dark: f32,
-    /// And how far along its way its light ends, > 0; infinity: nowhere.
-    pub until: f32,
-}
-
-impl EmittedPhoton {
-    /// A photon whose light is all along its way.
-    fn new(origin: Vec3, direction: Vec3, power: Vec3, normal: Vec3) -> Self {
-        Self { origin, direction, power, normal, dark: 0.0, until: f32::INFINITY }
-    }
-}
 
 impl Light {
     /// Total flux \[W\] per channel, for choosing between lights (a spot counts its full cone).

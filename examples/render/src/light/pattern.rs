@@ -1,7 +1,7 @@
 //! Lamps whose light depends on its direction: a picture in front of them, or what was measured.
 
-use super::CURVATURE;
 use super::cells::{Cells, Drawn};
+use super::rays::CURVATURE;
 use super::spot::Cone;
 use glam::{DMat3, Vec3};
 

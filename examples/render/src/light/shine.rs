@@ -1,8 +1,8 @@
 //! Where a light shines, and how strongly, in a few numbers: for choosing among many.
 
+use super::kinds::Light;
 use super::patch::front;
 use crate::color::mean;
-use crate::scene::Light;
 use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, PI};
 

@@ -2,9 +2,10 @@
 
 use super::aim::{Aim, Ball};
 use super::cells::Cells;
-use super::{CURVATURE, EmittedPhoton};
+use super::rays::{CURVATURE, EmittedPhoton};
 use crate::random::PathSampler;
-use crate::scene::{Object, SceneMedium};
+use crate::scene::medium::SceneMedium;
+use crate::scene::object::Object;
 use covbeam::LightField;
 use glam::{DMat3, Mat3, Vec3};
 use std::f64::consts::{PI, TAU};

@@ -1,6 +1,6 @@
 //! How the light of spots falls off beside their axis, and the bandwidth of that.
 
-use super::CURVATURE;
+use super::rays::CURVATURE;
 use covbeam::EVEN_LAMP;
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};

@@ -1,6 +1,6 @@
 //! The part of a ray that a light shines on if nothing is in its way.
 
-use crate::geometry::intersect_sphere;
+use crate::scene::shape::intersect_sphere;
 use glam::DVec3;
 
 /// The part of `from..to` inside a convex body, which the line enters and leaves at the `cuts`, if at all.

@@ -1,11 +1,13 @@
 //! A disk infinitely far away: the sun, the moon, or a light that is as good as parallel.
 
-use super::EmittedPhoton;
 use super::aim::{Aim, Ball};
 use super::directions::cap_direction;
+use super::rays::EmittedPhoton;
 use super::stretch::{in_cone, in_cylinder};
+use crate::placed::Placed;
 use crate::random::PathSampler;
-use crate::scene::{Object, Placed, SceneMedium};
+use crate::scene::medium::SceneMedium;
+use crate::scene::object::Object;
 use covbeam::LightField;
 use glam::{DVec3, Vec3};
 use std::f32::consts::PI;

@@ -3,8 +3,8 @@
 use covbeam_geometry::MAX_COORDINATE;
 use std::sync::Arc;
 
-use crate::geometry::unite;
 use crate::glow::Glow;
+use crate::scene::shape::unite;
 use crate::scene::{MediumDensity, MediumId, Object, SceneMedium};
 use crate::scene_file::fields::{SceneError, Table};
 

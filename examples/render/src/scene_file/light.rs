@@ -4,8 +4,8 @@ use covbeam_geometry::MAX_COORDINATE;
 use glam::{Mat3, Vec3};
 
 use super::shape::{read_edges, read_mesh, read_parallelogram};
-use crate::geometry::unite;
 use crate::output::read_picture_up_to;
+use crate::scene::shape::unite;
 use crate::scene::{
     Area, Cone, Lamp, Light, MediumDensity, MediumId, Object, SceneMedium, ShiningMesh, Sky, Sun,
 };

@@ -1,9 +1,10 @@
 //! Borders of lamps: pixels that a lamp fills in part, where one eye ray sees all or nothing of it.
 
-use super::{Meetings, Sighting, SmallLamps};
-use crate::geometry::intersect_box;
+use super::{Sighting, SmallLamps};
+use crate::light::Meetings;
 use crate::random::spread;
 use crate::scene::Scene;
+use crate::scene::shape::intersect_box;
 use crate::starts::{EyeStart, EyeStarts};
 use covbeam::Medium;
 use glam::{DVec3, Vec3};

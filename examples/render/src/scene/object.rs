@@ -1,0 +1,22 @@
+//! Objects of a scene.
+
+use super::medium::MediumId;
+use super::shape::Shape;
+use crate::material::Material;
+
+/// A shape with what it is made of.
+#[derive(Clone, Debug)]
+pub struct Object {
+    /// For messages.
+    pub name: String,
+    /// Geometry.
+    pub shape: Shape,
+    /// What light does there.
+    pub material: Material,
+    /// The medium inside a closed dielectric; None = clear.
+    pub inside: Option<MediumId>,
+    /// Of closed dielectrics that overlap the one of higher priority counts.
+    pub priority: i32,
+    /// Numbers of the closed dielectrics that lie inside of it, ascending: from [`nest`](crate::nesting::nest).
+    pub inner: Vec<u32>,
+}
