@@ -7,7 +7,7 @@ use crate::heap::{grow, out_of_memory};
 use crate::kernel::{self, covbeam_kernel};
 use crate::medium::{KeptMedium, covbeam_medium};
 use crate::memory::{Element, Slot, inputs, outputs};
-use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
+use crate::status::{Failure, cancelled, covbeam_poll, covbeam_status, covbeam_status::*, fail, go_on, run};
 use crate::types::*;
 use core::ffi::c_void;
 use core::mem::take;
@@ -32,9 +32,6 @@ impl Opaque for covbeam_scratch {
     const TAG: u64 = u64::from_le_bytes(*b"cb-scrat");
     const NAME: &'static str = "covbeam_scratch";
 }
-
-/// Asked now and then during a long call: return 0 to go on, anything else to stop.
-pub type covbeam_poll = Option<unsafe extern "C" fn(user: *mut c_void) -> i32>;
 
 /// Fills values with three floats a contact: scattering coefficient x phase function x transmittance along the
 /// eye ray up to the contact x transmittance along the beam up to it, per channel [1/(m sr)]. Return 0, or
@@ -89,16 +86,6 @@ impl Beams {
             }
         }
     }
-}
-
-pub(crate) fn cancelled() -> Failure {
-    fail(COVBEAM_CANCELLED, format_args!("poll: asked to stop"))
-}
-
-/// Whether the host wants to go on.
-pub(crate) fn go_on(poll: covbeam_poll, user: *mut c_void) -> impl FnMut() -> bool {
-    // SAFETY: the host promises that it may be called with `user` during the call.
-    move || poll.is_none_or(|poll| unsafe { poll(user) } == 0)
 }
 
 /// Makes a map without beams.

@@ -1,10 +1,9 @@
 //! Densities given in voxels: a handle, because beam maps keep them.
 
-use crate::grid::refusal;
 use crate::handle::{Opaque, free, handle_to};
 use crate::heap::{Owner, reserved};
 use crate::memory::{Slot, inputs, read};
-use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
+use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, refusal, run};
 use crate::types::covbeam_grid_layout;
 use covbeam_core::{Density, DensityGrid, GridLayout};
 

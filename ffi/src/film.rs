@@ -4,13 +4,12 @@
 //! The sums are the handle's own memory: blocks of them are summed once and then read by all threads, and
 //! must not change in between.
 
-use crate::beam_map::{covbeam_poll, go_on};
 use crate::check::{finite_not_negative, positive};
 use crate::handle::{Opaque, free, handle_to, run_on, shared};
 use crate::heap::reserved;
 use crate::memory::{Element, Inputs, Slot, field, inputs, outputs};
 use crate::picture::{Film, Seen};
-use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
+use crate::status::{Failure, covbeam_poll, covbeam_status, covbeam_status::*, fail, go_on, run};
 use crate::types::*;
 use core::ffi::c_void;
 use covbeam_core::{FILM_TILE, FilmLattice, RegionNode, film_regions, part_regions, standard_errors};

@@ -1,13 +1,14 @@
 //! Covariance grids: what photons leave in them, and what a gather looks up.
 
-use crate::beam_map::{cancelled, covbeam_poll, go_on};
 use crate::check::{finite_not_negative, vector};
 use crate::handle::{Opaque, free, handle_to, run_on, shared};
 use crate::heap::reserved;
 use crate::medium::{self, covbeam_medium};
 use crate::memory::{Inputs, Outputs, Slot, aligned, inputs, outputs, read};
 use crate::segment::whole;
-use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
+use crate::status::{
+    Failure, cancelled, covbeam_poll, covbeam_status, covbeam_status::*, fail, go_on, refusal, run,
+};
 use crate::types::*;
 use core::ffi::c_void;
 use core::slice;
@@ -107,17 +108,6 @@ impl Grid {
         self.resolved = true;
         Ok(())
     }
-}
-
-/// The failure for an argument that the core refused.
-pub(crate) fn refusal(name: &str, error: GridError) -> Failure {
-    let status = match error {
-        GridError::Layout | GridError::Value => COVBEAM_INVALID_VALUE,
-        GridError::Length => COVBEAM_SHORT_BUFFER,
-        GridError::OtherLayout => COVBEAM_MISMATCH,
-        GridError::Format | GridError::Damaged => COVBEAM_BAD_DATA,
-    };
-    fail(status, format_args!("{name}: {error}"))
 }
 
 /// Number of voxels of a layout that a grid may have.

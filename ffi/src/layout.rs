@@ -3,12 +3,13 @@
 //! of the header.
 #![cfg(target_pointer_width = "64")]
 
-use crate::beam_map::{covbeam_poll, covbeam_shade};
+use crate::beam_map::covbeam_shade;
 use crate::column::covbeam_column;
 use crate::edges::covbeam_probe;
 use crate::importance::{covbeam_importance_cell, covbeam_segment_importance};
 use crate::kernel::{covbeam_kernel, covbeam_kernel_shape, covbeam_schedule};
 use crate::medium::{covbeam_density_kind, covbeam_medium};
+use crate::status::covbeam_poll;
 use crate::status::covbeam_status;
 use crate::types::*;
 use crate::version::COVBEAM_ABI_VERSION;

@@ -1,8 +1,7 @@
 //! What a `covbeam_film` is: the sums of a picture, the plan of its next pass, and the picture that they make.
 
-use crate::beam_map::cancelled;
 use crate::heap::reserved;
-use crate::status::Failure;
+use crate::status::{Failure, cancelled};
 use core::slice;
 use covbeam_core::{
     FILM_TILE, FILM_TILE_PIXELS, FilmFilterNode, FilmFilters, FilmLattice, FilmNode, FilmPixel, FilmSample,

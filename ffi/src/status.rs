@@ -1,7 +1,8 @@
 //! How a call ends: a status, a message for the thread, and no panic beyond the boundary.
 
-use core::ffi::{CStr, c_char};
+use core::ffi::{CStr, c_char, c_void};
 use core::fmt::{self, Write};
+use covbeam_core::GridError;
 use std::cell::{Cell, RefCell};
 use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
 use std::sync::OnceLock;
@@ -168,4 +169,28 @@ pub extern "C" fn covbeam_status_name(status: i32) -> *const c_char {
 #[unsafe(no_mangle)]
 pub extern "C" fn covbeam_last_error() -> *const c_char {
     LAST.with_borrow(|last| last.text.as_ptr().cast())
+}
+
+/// Asked now and then during a long call: return 0 to go on, anything else to stop.
+pub type covbeam_poll = Option<unsafe extern "C" fn(user: *mut c_void) -> i32>;
+
+pub(crate) fn cancelled() -> Failure {
+    fail(COVBEAM_CANCELLED, format_args!("poll: asked to stop"))
+}
+
+/// Whether the host wants to go on.
+pub(crate) fn go_on(poll: covbeam_poll, user: *mut c_void) -> impl FnMut() -> bool {
+    // SAFETY: the host promises that it may be called with `user` during the call.
+    move || poll.is_none_or(|poll| unsafe { poll(user) } == 0)
+}
+
+/// The failure for an argument that the core refused.
+pub(crate) fn refusal(name: &str, error: GridError) -> Failure {
+    let status = match error {
+        GridError::Layout | GridError::Value => COVBEAM_INVALID_VALUE,
+        GridError::Length => COVBEAM_SHORT_BUFFER,
+        GridError::OtherLayout => COVBEAM_MISMATCH,
+        GridError::Format | GridError::Damaged => COVBEAM_BAD_DATA,
+    };
+    fail(status, format_args!("{name}: {error}"))
 }
