@@ -1,38 +1,33 @@
 //! Renders one pass: light paths, covariance grid, beams, eye rays.
 
-use crate::eye::EyeTracer;
+mod beams;
+mod connections;
+mod fields;
+mod marched;
+mod times;
+
+pub use fields::field_passes;
+pub(crate) use fields::latest_field_pass;
+pub use times::PassTimes;
+
 use crate::grids::Grids;
-use crate::kind::{Kind, Split};
-use crate::march::{Guide, Marcher, Placement};
+use crate::kind::Split;
 use crate::media;
-use crate::photon::{Energy, PathBeam, PhotonRecord, PhotonTracer, Record};
+use crate::photon::{Energy, PhotonRecord, PhotonTracer, Record};
 use crate::pilot::{self, Spread};
 use crate::plan::{FirstSurfaces, Plan};
 use crate::radius::{BeamVoxels, Radii, RadiusRule};
-use crate::random::Random;
 use crate::samples::PassImage;
 use crate::scene::Scene;
 use crate::settings::{Gather, Settings};
 use crate::shown::SmallLamps;
 use crate::starts::EyeStarts;
-use crate::straight::{Straight, is_left_to_beams};
-use crate::surface::{CROWD, Disks, SurfaceMap};
-use crate::view::{BeamView, View, pixel_offset};
-use covbeam::{Beam, BeamMap, FluenceCell, FluenceGrid, GridError, GridLayout, Kernel, Medium, error_bound};
+use covbeam::{FluenceCell, GridError, GridLayout, Medium};
+use fields::next_field_pass;
 use glam::Vec3;
 use rayon::prelude::*;
-use std::ops::AddAssign;
 use std::sync::Arc;
 use std::time::Instant;
-
-/// Every one of the first passes traces light fields, and after them one pass in so many: the grid's own noise falls with the number of
-/// light fields, and later ones change it little. Where surfaces scatter much light they cost as much as all the rest of a pass.
-const FIRST_FIELD_PASSES: u32 = 8;
-const FIELD_PASS_EVERY: u32 = 8;
-
-/// From some pass on, each time that the passes double so many of them trace light fields: what a late pass needs of all earlier ones must not
-/// grow with its number, or a thousand machines would wait for it.
-const FIELD_PASSES_A_DOUBLING: u32 = 4;
 
 /// Light paths that one task traces.
 const CHUNK: u32 = 64;
@@ -47,65 +42,6 @@ const FITS: &str = "as many cells as the grid has";
 const PLAIN_SEQUENCE: u32 = 0;
 const FIELD_SEQUENCE: u32 = 1;
 const CONNECTION_SEQUENCE: u32 = 2;
-
-/// Purpose of the random numbers that say where light tracing looks for lamps.
-const SHOWN_KEY: u32 = 0x5403;
-
-/// How much wider than a pass' own radius spectra may make its kernels, at least. To look a radius up costs as much as two pairs do; where
-/// pairs are most of a pass, kernels that are hardly wider do not earn that: plain ones have up to a third of the error at equal time.
-const WORTH_LOOKING_UP: f32 = 3.0;
-
-/// Kernel radii of surface photons in beam radii: of caustics, and of light that arrives after scattering, which is smooth.
-const CAUSTIC_RADIUS_FACTOR: f32 = 2.0;
-const DIFFUSE_RADIUS_FACTOR: f32 = 10.0;
-
-/// Smallest kernel radius of focused light in that of other light, where filters smooth the noise: guided photons are dense in a caustic, and its
-/// borders sharp. Without filters it is noise that decides: up to 1.7 times the error where much light came through glass.
-const FOCUSED_SHARE: f32 = 0.25;
-
-/// Photons that a disk of a caustic holds at least: its own says nothing of how far others are.
-const FEWEST: usize = 2;
-
-/// Core-seconds by part, and what they bought.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PassTimes {
-    /// Photon paths.
-    pub trace: f64,
-    /// Light fields and edge probes.
-    pub light_fields: f64,
-    /// Grid deposits and resolve.
-    pub grid: f64,
-    /// Hierarchies over beams and surface photons.
-    pub build: f64,
-    /// The spectrum of the picture; and in the first pass, what light is worth in it.
-    pub plan: f64,
-    /// Eye rays, gather and shading.
-    pub gather: f64,
-    /// Accepted beam-ray pairs.
-    pub pairs: u64,
-    /// Shadow rays of the method `march`, and the rays from the lights that guide them.
-    pub shadow_rays: u64,
-}
-
-impl PassTimes {
-    /// Core-seconds of all parts.
-    pub fn total(&self) -> f64 {
-        self.trace + self.light_fields + self.grid + self.build + self.plan + self.gather
-    }
-}
-
-impl AddAssign for PassTimes {
-    fn add_assign(&mut self, other: Self) {
-        self.trace += other.trace;
-        self.light_fields += other.light_fields;
-        self.grid += other.grid;
-        self.build += other.build;
-        self.plan += other.plan;
-        self.gather += other.gather;
-        self.pairs += other.pairs;
-        self.shadow_rays += other.shadow_rays;
-    }
-}
 
 /// The light fields in the voxels after a pass.
 #[derive(Clone, Debug, PartialEq)]
@@ -428,161 +364,9 @@ impl<'a> Renderer<'a> {
         Some(self.grids.into_cells(0))
     }
 
-    fn beams(&mut self, index: u32, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<(PassImage, PassTimes)> {
-        let mut times = PassTimes::default();
-        let numbers = self.scene.settings;
-        let adaptive = self.settings.gather == Gather::Adaptive;
-        let counts_only = self.radii.as_ref().is_some_and(|radii| radii.rule == RadiusRule::BeamDensity);
-        // Planning needs spectra whatever the radii come from.
-        let has_spectra = adaptive && (!counts_only || self.surfaces.is_some()) && !self.is_all_behind();
-
-        let field_photons = self.field_photons();
-        let has_fields = has_spectra && latest_field_pass(index) == index;
-        let field_record = if has_fields { Record::BeamsAndField } else { Record::Beams };
-        let (fields, seconds) = self.trace(FIELD_SEQUENCE, index, field_photons, field_record, cancelled)?;
-        times.light_fields = fields.field_time.as_secs_f64();
-        times.trace = seconds - times.light_fields;
-        let plain_photons = self.settings.photons - field_photons;
-        let (mut record, seconds) =
-            self.trace(PLAIN_SEQUENCE, index, plain_photons, Record::Beams, cancelled)?;
-        times.trace += seconds;
-
-        let start = Instant::now();
-        if has_spectra {
-            self.update_grid(index, &fields, cancelled)?;
-        }
-        record.append(fields);
-        if adaptive {
-            self.update_radii(index, &record, cancelled)?;
-        }
-        times.grid = start.elapsed().as_secs_f64();
-        self.energy = record.energy;
-        let kernel = numbers.schedule.kernel(index, None);
-        let start = Instant::now();
-        let plans = match has_spectra {
-            true => self.plans(index, kernel.error, self.settings.photons, cancelled)?,
-            false => Vec::new(),
-        };
-        times.plan = start.elapsed().as_secs_f64() + std::mem::take(&mut self.pilot);
-
-        let kernel = |layer| if adaptive { self.kernel(kernel, layer) } else { kernel };
-        let start = Instant::now();
-        let split = self.split.unwrap_or(Split::TOGETHER);
-        let by_kind = adaptive && self.split.is_some();
-        let narrows = by_kind && !plans.is_empty();
-        // In each layer: what has the layer's kernel, and focused light.
-        let mut beams = vec![[(); 2].map(|()| vec![Vec::new(); self.scene.region_count()]); split.count()];
-        let mut next_to_lamps = vec![Vec::new(); self.scene.region_count()];
-        for PathBeam { medium, kind, near, beam } in record.beams.drain(..) {
-            let is_marched = self.settings.shadow_rays && kind == Kind::Straight;
-            if is_marched && !is_left_to_beams(self.scene, medium) {
-                next_to_lamps[medium as usize].extend(first_part(beam, near));
-            } else {
-                let is_narrow = narrows && kind == Kind::Focused;
-                beams[split.of(kind)][usize::from(is_narrow)][medium as usize].push(beam);
-            }
-        }
-        let build = |(layer, [others, narrow]): (usize, [Vec<Vec<Beam>>; 2])| {
-            let plain = kernel(layer);
-            [(others, plain), (narrow, focused(plain))].map(|(beams, kernel)| {
-                let maps = self.maps(beams, plain.max_radius);
-                let behind = Kernel { max_radius: plain.min_radius, grid: None, ..plain };
-                BeamView { layer, maps, kernel, behind, kind: split.last_kind(layer) }
-            })
-        };
-        // A photon's disk shrinks in area as a beam's kernel shrinks in width: r² ~ 1D schedule.
-        let area = kernel(0).min_radius / numbers.schedule.radius;
-        let radius_on_surfaces = numbers.schedule.radius * area.sqrt();
-        let disks = Disks {
-            diffuse: DIFFUSE_RADIUS_FACTOR * radius_on_surfaces,
-            caustic: CAUSTIC_RADIUS_FACTOR * radius_on_surfaces,
-            crowd: by_kind.then(|| crowd(index)),
-            within: true,
-        };
-        let photons = std::mem::take(&mut record.surface);
-        times.build = start.elapsed().as_secs_f64();
-        let ((mut beams, of_beams), (surfaces, of_photons)) = rayon::join(
-            || timed(|| beams.into_iter().enumerate().flat_map(build).collect::<Vec<BeamView>>()),
-            || timed(|| SurfaceMap::build(photons, disks)),
-        );
-        times.build += of_beams + of_photons;
-        let start = Instant::now();
-        beams.extend(self.next_to_lamps(next_to_lamps, index));
-        times.build += start.elapsed().as_secs_f64();
-
-        let starts = self.starts;
-        let tracer = EyeTracer {
-            scene: self.scene,
-            fogs: &self.fogs,
-            starts,
-            lamps: self.tracer.lamps(),
-            surfaces: &surfaces,
-            beyond: self.settings.beyond,
-            shown: Some(&self.small),
-            is_apart: false,
-        };
-        let view = View {
-            scene: self.scene,
-            fogs: &self.fogs,
-            tracer,
-            beams: &beams,
-            seed: self.settings.seed,
-            pass: index,
-            plans,
-            straight: self.settings.shadow_rays.then(|| Straight {
-                scene: self.scene,
-                fogs: &self.fogs,
-                lamps: self.tracer.lamps(),
-                seed: self.settings.seed,
-                pass: index,
-                near: Some(self.tracer.near()),
-            }),
-            wants_rest: self.wants_rest(),
-            spectra: (has_spectra && self.settings.first_apart).then(|| self.grids.look_up(0)),
-        };
-        let (image, cost) = view.image(cancelled)?;
-        (times.gather, times.pairs) = (cost.seconds, cost.pairs);
-        Some((image, times))
-    }
-
-    /// Hierarchies over the beams of each medium, for kernels up to a radius.
-    fn maps(&self, beams: Vec<Vec<Beam>>, radius: f32) -> Vec<BeamMap> {
-        beams.into_iter().zip(&self.fogs).map(|(beams, fog)| BeamMap::build(beams, radius, fog)).collect()
-    }
-
-    /// Straight light next to the lamps; None: no lamp is a point.
-    fn next_to_lamps(&self, beams: Vec<Vec<Beam>>, index: u32) -> Option<BeamView<'_>> {
-        if beams.iter().all(Vec::is_empty) {
-            return None;
-        }
-        let kernel = self.tracer.near().kernel(self.scene.settings.schedule, index);
-        let maps = self.maps(beams, kernel.max_radius);
-        let split = self.split.unwrap_or(Split::TOGETHER);
-        let (layer, kind) = (split.of(Kind::Straight), Kind::Straight);
-        Some(BeamView { layer, maps, kernel, behind: kernel, kind })
-    }
-
     /// Whether eye rays may see fog before the first surface, as far as that is known.
     fn sees_fog_first(&self) -> bool {
         self.settings.first_apart || self.surfaces.as_ref().is_none_or(|surfaces| surfaces.has_fog())
-    }
-
-    /// Whether all fog lies behind glass, where no filter thins rays out: wide kernels cost more than they are worth there, and spectra are of no
-    /// other use. Radii by a rule are as the rule says.
-    fn is_all_behind(&self) -> bool {
-        self.radii.is_none() && !self.sees_fog_first()
-    }
-
-    /// The kernel of a layer's beams in a pass whose own is `plain`.
-    fn kernel<'k>(&'k self, plain: Kernel<'k>, layer: usize) -> Kernel<'k> {
-        let wide_enough = plain.max_radius > WORTH_LOOKING_UP * plain.min_radius;
-        let is_wide = wide_enough || self.surfaces.is_none() || self.radii.is_some();
-        if !is_wide || self.is_all_behind() {
-            return Kernel { max_radius: plain.min_radius, ..plain };
-        }
-        let rule = self.radii.as_ref();
-        let by_rule = |radii: &'k Radii| FluenceGrid::new(self.scene.grid, &radii.cells).expect(FITS);
-        Kernel { grid: Some(rule.map_or_else(|| self.grids.look_up(layer), by_rule)), ..plain }
     }
 
     /// Where the pass needs eye rays for each layer; none: everywhere.
@@ -604,166 +388,5 @@ impl<'a> Renderer<'a> {
             Some(if self.is_everywhere { made.everywhere() } else { made })
         };
         (0..split.unwrap_or(Split::TOGETHER).count()).map(plan).collect()
-    }
-
-    fn march(&mut self, index: u32, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<(PassImage, PassTimes)> {
-        let mut times = PassTimes::default();
-        let adaptive = self.settings.marching.placement == Placement::Adaptive;
-        if adaptive {
-            let count = self.field_photons();
-            let mut fields = PhotonRecord::default();
-            if latest_field_pass(index) == index {
-                (fields, times.light_fields) =
-                    self.trace(FIELD_SEQUENCE, index, count, Record::Direct, cancelled)?;
-            }
-            let start = Instant::now();
-            self.update_grid(index, &fields, cancelled)?;
-            times.grid = start.elapsed().as_secs_f64();
-        }
-        let scene = self.scene;
-        let key = [self.settings.seed, index];
-        let start = Instant::now();
-        let error = error_bound(scene.settings.schedule.error, index);
-        let plan = if adaptive { self.plans(index, error, 0, cancelled)?.pop() } else { None };
-        let guide =
-            || Guide::new(scene, self.grids.look_up(0), self.settings.marching.samples, key, cancelled);
-        let guide = if adaptive { Some(guide()?) } else { None };
-        times.plan = start.elapsed().as_secs_f64();
-        let marcher = Marcher {
-            scene,
-            fogs: &self.fogs,
-            starts: self.starts,
-            small: &self.small,
-            marching: self.settings.marching,
-            plan,
-            guide: guide.as_ref(),
-            key,
-            offset: if self.settings.marching.centred {
-                [0.5; 2]
-            } else {
-                pixel_offset(self.settings.seed, index)
-            },
-            beyond: self.settings.beyond,
-            wants_rest: self.wants_rest(),
-        };
-        let (image, seconds, shadow_rays) = marcher.image(cancelled)?;
-        times.shadow_rays = shadow_rays;
-        times.gather = seconds;
-        Some((image, times))
-    }
-
-    fn light_trace(
-        &mut self,
-        index: u32,
-        cancelled: &(dyn Fn() -> bool + Sync),
-    ) -> Option<(PassImage, PassTimes)> {
-        let (record, mut seconds) =
-            self.trace(CONNECTION_SEQUENCE, index, self.settings.photons, Record::Connections, cancelled)?;
-        self.energy = record.energy;
-        let (width, height) = (self.scene.camera.width, self.scene.camera.height);
-        let mut radiance = vec![Vec3::ZERO; (width * height) as usize];
-        for splat in record.splats {
-            radiance[splat.pixel as usize] += splat.radiance;
-        }
-        if self.scene.camera.is_pinhole() && self.scene.shows_surfaces() && !self.scene.shown.is_empty() {
-            // Connections start where light has met something.
-            let row = |(y, row): (usize, &mut [Vec3])| {
-                let add =
-                    || row.iter_mut().zip(0..).for_each(|(sum, x)| *sum += self.shown(index, [x, y as u32]));
-                (!cancelled()).then(|| timed(add).1)
-            };
-            seconds += radiance.par_chunks_mut(width as usize).enumerate().map(row).sum::<Option<f64>>()?;
-        }
-        let times = PassTimes { trace: seconds, ..PassTimes::default() };
-        Some((PassImage { pass: index, width, height, radiance, ..PassImage::default() }, times))
-    }
-
-    /// Lamps that an eye ray somewhere through a pixel sees straight.
-    fn shown(&self, index: u32, corner: [u32; 2]) -> Vec3 {
-        let pixel = corner[1] * self.scene.camera.width + corner[0];
-        let mut random = Random::new([self.settings.seed, index, pixel, SHOWN_KEY]);
-        let start = self.starts.at(corner.map(|corner| corner as f32 + random.uniform()), [0.0; 2]);
-        let seen = self.scene.shown.seen(self.scene, &self.small, &self.starts, &start);
-        seen.iter().map(|seen| seen.dimmed(self.scene, &self.fogs)).sum()
-    }
-}
-
-/// The kernel of a layer's focused light.
-fn focused(kernel: Kernel<'_>) -> Kernel<'_> {
-    let is_plain = kernel.max_radius <= kernel.min_radius;
-    let min_radius = FOCUSED_SHARE * kernel.min_radius;
-    Kernel { min_radius, max_radius: if is_plain { min_radius } else { kernel.max_radius }, ..kernel }
-}
-
-/// The part of a beam up to a distance > 0.
-fn first_part(beam: Beam, until: f32) -> Option<Beam> {
-    let is_whole = beam.length <= until;
-    let part = if is_whole { beam } else { Beam { length: until, end_normal: Vec3::ZERO, ..beam } };
-    (until > 0.0).then_some(part)
-}
-
-/// How many of passes 1 to `passes` trace light fields.
-pub fn field_passes(passes: u32) -> u32 {
-    let mut count = 0;
-    let mut pass = next_field_pass(0);
-    while pass <= passes {
-        count += 1;
-        pass = next_field_pass(pass);
-    }
-    count
-}
-
-/// The last pass up to `index` whose paths carry light fields; 0 = none.
-pub(crate) fn latest_field_pass(index: u32) -> u32 {
-    index - index % field_pass_step(index)
-}
-
-/// The first pass after `pass` whose paths carry light fields.
-fn next_field_pass(pass: u32) -> u32 {
-    (pass - pass % field_pass_step(pass)).saturating_add(field_pass_step(pass))
-}
-
-/// One pass in so many around this one traces light fields: a power of two.
-fn field_pass_step(pass: u32) -> u32 {
-    match pass {
-        ..FIRST_FIELD_PASSES => 1,
-        _ => ((1 << pass.ilog2()) / FIELD_PASSES_A_DOUBLING).max(FIELD_PASS_EVERY),
-    }
-}
-
-/// Photons that a disk of a caustic holds in pass `index`: their number falls as index^(-1/3), since the squared bias of disks that hold k goes
-/// as k² and the variance of the mean over so many passes as 1/(k index).
-fn crowd(index: u32) -> usize {
-    ((CROWD as f32 / (index as f32).cbrt()).round() as usize).max(FEWEST)
-}
-
-/// What `run` returns, and the seconds that it took.
-fn timed<T>(run: impl FnOnce() -> T) -> (T, f64) {
-    let start = Instant::now();
-    let result = run();
-    (result, start.elapsed().as_secs_f64())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn passes_with_light_fields_follow_one_another() {
-        let mut found = vec![];
-        while found.last() < Some(&512) {
-            found.push(next_field_pass(*found.last().unwrap_or(&0)));
-        }
-        let expected = [
-            1, 2, 3, 4, 5, 6, 7, 8, 16, 24, 32, 40, 48, 56, 64, 80, 96, 112, 128, 160, 192, 224, 256, 320,
-            384, 448, 512,
-        ];
-        assert_eq!(found, expected);
-        assert_eq!(latest_field_pass(u32::MAX), 7 << 29);
-        for passes in 0..=512 {
-            let seen: Vec<u32> = found.iter().copied().filter(|pass| *pass <= passes).collect();
-            assert_eq!(latest_field_pass(passes), seen.last().copied().unwrap_or(0));
-            assert_eq!(field_passes(passes), seen.len() as u32);
-        }
     }
 }
