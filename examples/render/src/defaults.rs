@@ -145,6 +145,22 @@ impl Scene {
     }
 }
 
+/// Gives all instants the grid and the settings of one of them, the grid around what all light.
+pub fn complete_all(instants: &mut [Scene], given: &Given) {
+    instants.iter_mut().for_each(|scene| {
+        scene.settings = given.settings;
+        scene.complete(given);
+    });
+    let Some((first, others)) = instants.split_first_mut().filter(|(_, others)| !others.is_empty()) else {
+        return;
+    };
+    let corners = others.iter().fold((first.grid.min, first.grid.max), |(min, max), scene| {
+        (min.min(scene.grid.min), max.max(scene.grid.max))
+    });
+    first.complete(&Given { corners: Some(corners), ..*given });
+    others.iter_mut().for_each(|scene| (scene.grid, scene.settings) = (first.grid, first.settings));
+}
+
 /// The grid of a scene before it has one.
 pub const NO_GRID: GridLayout = GridLayout { min: Vec3::ZERO, max: Vec3::ONE, cells: [1; 3] };
 

@@ -3,11 +3,13 @@
 mod beams;
 mod connections;
 mod fields;
+mod instants;
 mod marched;
 mod times;
 
 pub use fields::field_passes;
 pub(crate) use fields::latest_field_pass;
+pub use instants::Instants;
 pub use times::PassTimes;
 
 use crate::grids::Grids;
@@ -92,7 +94,7 @@ impl<'a> Renderer<'a> {
     ///
     /// - `surfaces`: what is first behind each pixel at all instants, where eye rays are planned.
     /// - `cancelled` is polled all the time, and says yes for good once it did; None = it has.
-    pub fn of_instants(
+    fn of_instants(
         scenes: impl IntoIterator<Item = &'a Scene>,
         settings: Settings,
         surfaces: Option<Arc<FirstSurfaces>>,
@@ -184,7 +186,7 @@ impl<'a> Renderer<'a> {
 
     /// Goes on from the light fields of another renderer, which has none then: one of the same scene at another instant, with the same grid. In
     /// spectra that are the mean over the instants all of them may have a part, and the pictures of all be filtered as one.
-    pub fn go_on_from(&mut self, other: &mut Self) {
+    fn go_on_from(&mut self, other: &mut Self) {
         std::mem::swap(&mut self.grids, &mut other.grids);
         other.grids = Grids::new(NO_GRID, Split::TOGETHER);
     }

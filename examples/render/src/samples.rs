@@ -1,5 +1,6 @@
 //! What the eye rays of one pass saw.
 
+use crate::camera::Camera;
 use crate::eye::segment::EyeSegment;
 use crate::kind::{ByKind, Kind};
 use crate::plan::Plan;
@@ -23,6 +24,15 @@ pub struct PassImage {
     pub gather: Vec<[f32; 4]>,
     /// The eye rays, where not every pixel has one.
     pub sparse: Option<SparseSamples>,
+}
+
+impl PassImage {
+    /// A pass without any light.
+    pub fn black(camera: &Camera, pass: u32) -> Self {
+        let (width, height) = (camera.width, camera.height);
+        let radiance = vec![Vec3::ZERO; (width * height) as usize];
+        Self { pass, width, height, radiance, ..Self::default() }
+    }
 }
 
 /// What few eye rays saw.

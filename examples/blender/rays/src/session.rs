@@ -5,16 +5,14 @@ use crate::job::Job;
 use crate::picture::Picture;
 use crate::threads;
 use covbeam_geometry::MAX_COORDINATE;
-use covbeam_render::defaults::{Cells, Given};
+use covbeam_render::defaults::{Cells, Given, complete_all};
 use covbeam_render::film::Film;
 use covbeam_render::memory;
-use covbeam_render::pass::{PassTimes, Renderer};
+use covbeam_render::pass::{Instants, PassTimes};
 use covbeam_render::plan::FirstSurfaces;
-use covbeam_render::random::mix;
 use covbeam_render::samples::PassImage;
 use covbeam_render::scene::{MAX_PHOTONS, Scene};
 use covbeam_render::settings::{Method, Settings};
-use glam::Vec3;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -304,35 +302,6 @@ fn check_instants(instants: &[Arc<Scene>]) -> Result<()> {
     Ok(())
 }
 
-/// The instant of a pass, of `count`, a power of two. Odd and even passes, which pictures compare, go through the same ones: any 2 `count` passes
-/// from a multiple of that on have each twice, and shorter rows are spread evenly, too. Pixels are chosen by the number of a pass as well:
-/// so each round has another order, a nested scrambling of the van der Corput sequence (Owen 1995).
-fn instant_of(pass: u32, count: usize) -> usize {
-    let turn = (pass as usize - 1) / 2;
-    let (round, place) = (turn / count, turn % count);
-    (0..count.trailing_zeros()).fold(0, |instant, level| {
-        let before = place & ((1 << level) - 1);
-        let flip = mix((round as u64) << 32 | u64::from(level) << 24 | before as u64) as usize;
-        instant << 1 | ((place >> level ^ flip) & 1)
-    })
-}
-
-/// Gives all instants the grid and the settings of one of them, the grid around what all light.
-fn complete(instants: &mut [Scene], given: &Given) {
-    instants.iter_mut().for_each(|scene| {
-        scene.settings = given.settings;
-        scene.complete(given);
-    });
-    let Some((first, others)) = instants.split_first_mut().filter(|(_, others)| !others.is_empty()) else {
-        return;
-    };
-    let corners = others.iter().fold((first.grid.min, first.grid.max), |(min, max), scene| {
-        (min.min(scene.grid.min), max.max(scene.grid.max))
-    });
-    first.complete(&Given { corners: Some(corners), ..*given });
-    others.iter_mut().for_each(|scene| (scene.grid, scene.settings) = (first.grid, first.settings));
-}
-
 /// Refuses a picture that memory cannot hold.
 fn check_memory(scene: &Scene, photons: u32) -> Result<()> {
     let (needed, available) = (memory::needed(scene, photons, false), memory::available());
@@ -354,7 +323,7 @@ fn serve(mut scenes: Vec<Scene>, given: &Given, beyond: bool, orders: &Receiver<
     let ready = job.run(|| {
         let scenes = &mut scenes;
         if scenes[0].lights_fog() {
-            complete(scenes, given);
+            complete_all(scenes, given);
         } else {
             scenes.iter_mut().for_each(|scene| scene.settings = given.settings);
         }
@@ -398,10 +367,8 @@ struct State<'a> {
     beyond: bool,
     /// Of all instants. None: nothing lights any fog.
     surfaces: Option<Arc<FirstSurfaces>>,
-    /// What renders passes, and what renders plain ones, by instant. Empty until they are needed.
-    renderers: [Vec<Renderer<'a>>; 2],
-    /// The instant whose renderer has the light fields, of either kind.
-    latest: [usize; 2],
+    /// What renders passes, and what renders plain ones. None until they are needed.
+    renderers: [Option<Instants<'a>>; 2],
     film: Film,
     /// Light paths of a pass.
     photons: u32,
@@ -419,7 +386,6 @@ impl<'a> State<'a> {
             beyond,
             surfaces,
             renderers: Default::default(),
-            latest: [0; 2],
             film: Film::of_scene(&scenes[0]),
             photons,
             plain: false,
@@ -432,13 +398,12 @@ impl<'a> State<'a> {
         self.renderers.iter_mut().flatten().for_each(|renderer| renderer.restart(photons));
     }
 
-    /// What renders passes of an instant; None: they are black.
-    fn renderer(&mut self, instant: usize, job: &Job<()>) -> Result<Option<&mut Renderer<'a>>> {
+    /// What renders passes; None: they are black.
+    fn renderer(&mut self, job: &Job<()>) -> Result<Option<&mut Instants<'a>>> {
         let Some(surfaces) = self.surfaces.as_ref() else { return Ok(None) };
         let Self { scenes, beyond, photons, plain, .. } = *self;
-        let renderers = &mut self.renderers[usize::from(plain)];
-        let latest = &mut self.latest[usize::from(plain)];
-        if renderers.is_empty() {
+        let renderer = &mut self.renderers[usize::from(plain)];
+        if renderer.is_none() {
             let settings = Settings {
                 guided: !plain,
                 first_apart: true,
@@ -446,24 +411,17 @@ impl<'a> State<'a> {
                 ..Settings::of(Method::Covbeam, photons, scenes[0].settings.seed)
             };
             let surfaces = Some(Arc::clone(surfaces));
-            let made = Renderer::of_instants(scenes, settings, surfaces, &|| job.is_cancelled())
-                .ok_or(Failure::Cancelled)?;
-            (*renderers, *latest) = (made, 0);
+            let made = Instants::new(scenes, settings, surfaces, &|| job.is_cancelled());
+            *renderer = Some(made.ok_or(Failure::Cancelled)?);
         }
-        // All instants' light fields are in one grid: kernels and filters may blur what the mean of them bears.
-        let before = std::mem::replace(latest, instant);
-        if let Ok([made, before]) = renderers.get_disjoint_mut([instant, before]) {
-            made.go_on_from(before);
-        }
-        Ok(renderers.get_mut(instant))
+        Ok(renderer.as_mut())
     }
 
     fn pass(&mut self, job: &Job<()>, shared: &Shared) -> Result<()> {
         let (start, index) = (Instant::now(), self.film.passes() + 1);
-        let instant = instant_of(index, self.scenes.len());
-        let (image, times) = match self.renderer(instant, job)? {
+        let (image, times) = match self.renderer(job)? {
             Some(renderer) => renderer.pass(index, &|| job.is_cancelled()).ok_or(Failure::Cancelled)?,
-            None => (black(&self.scenes[0], index), PassTimes::default()),
+            None => (PassImage::black(&self.scenes[0].camera, index), PassTimes::default()),
         };
         job.close()?;
         let wrong =
@@ -484,37 +442,5 @@ impl<'a> State<'a> {
         *lock(&shared.picture) = Some(picture);
         lock(&shared.info).times.picture += start.elapsed().as_secs_f64();
         Ok(())
-    }
-}
-
-fn black(scene: &Scene, pass: u32) -> PassImage {
-    let (width, height) = (scene.camera.width, scene.camera.height);
-    let radiance = vec![Vec3::ZERO; (width * height) as usize];
-    PassImage { pass, width, height, radiance, ..PassImage::default() }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn odd_and_even_passes_go_through_all_instants_evenly_and_in_orders_of_their_own() {
-        for count in [1, 2, 8, 16] {
-            let rounds = (0..32).map(|round| {
-                let passes = (0..count).map(|turn| 1 + 2 * (round * count + turn) as u32);
-                let found: Vec<usize> = passes.clone().map(|pass| instant_of(pass, count)).collect();
-                assert_eq!(found, passes.map(|pass| instant_of(pass + 1, count)).collect::<Vec<_>>());
-                let mut all = found.clone();
-                all.sort_unstable();
-                assert_eq!(all, (0..count).collect::<Vec<_>>());
-                // Two in a row lie in different halves of the time that the shutter is open.
-                assert!(
-                    found.chunks(2).all(|two| count == 1 || (2 * two[0] < count) != (2 * two[1] < count))
-                );
-                found
-            });
-            let orders: std::collections::HashSet<Vec<usize>> = rounds.collect();
-            assert!(orders.len() >= count.min(16), "{count}: {orders:?}");
-        }
     }
 }

@@ -1,6 +1,7 @@
 //! How large the things are that a picture is about: what light from infinitely far away is aimed at.
 
-use super::Description;
+use super::lights::{Light, Lit};
+use super::volumes::Volume;
 use covbeam_geometry::MAX_COORDINATE;
 use covbeam_geometry::instances::Instances;
 use covbeam_render::camera::{Camera, Projection};
@@ -10,31 +11,26 @@ use glam::DVec3;
 /// The world's fog is looked at as far as this optical depth from camera and lights.
 const DEPTH: f64 = 4.0;
 
-/// Where fog is, and all that a scene has.
-pub(super) struct Lit {
-    /// A ball around all fog; without any, one around the camera.
-    pub(super) media: Ball,
-    /// A ball around that and all geometry.
-    pub(super) scene: Ball,
-}
-
-impl Lit {
-    /// Of numbers that may be wrong, which gives a ball that means nothing.
-    pub(super) fn new(description: &Description, geometry: &Instances, camera: &Camera) -> Self {
-        let bounds = (!geometry.is_empty()).then(|| geometry.bounds());
-        let bounds = bounds.map(|(min, max)| (min.as_dvec3(), max.as_dvec3()));
-        let world = usize::try_from(description.world_volume).ok();
-        let boxes =
-            description.volumes.iter().enumerate().map(|(index, volume)| match Some(index) == world {
-                true => world_box(description, volume.extinction(), bounds, camera),
-                false => volume.bounds(),
-            });
-        let unite = |(a, b): (DVec3, DVec3), (c, d): (DVec3, DVec3)| (a.min(c), b.max(d));
-        let place = camera.position.as_dvec3();
-        let media = boxes.reduce(unite).unwrap_or((place - 1.0, place + 1.0));
-        let all = bounds.map_or(media, |bounds| unite(media, bounds));
-        Self { media: ball(media), scene: ball(all) }
-    }
+/// Of volumes, of which one may be the world's, lights, geometry and camera. Numbers that are wrong give balls that mean nothing.
+pub(super) fn lit(
+    volumes: &[Volume],
+    world: i32,
+    lights: &[Light],
+    geometry: &Instances,
+    camera: &Camera,
+) -> Lit {
+    let bounds = (!geometry.is_empty()).then(|| geometry.bounds());
+    let bounds = bounds.map(|(min, max)| (min.as_dvec3(), max.as_dvec3()));
+    let world = usize::try_from(world).ok();
+    let boxes = volumes.iter().enumerate().map(|(index, volume)| match Some(index) == world {
+        true => world_box(lights, volume.extinction(), bounds, camera),
+        false => volume.bounds(),
+    });
+    let unite = |(a, b): (DVec3, DVec3), (c, d): (DVec3, DVec3)| (a.min(c), b.max(d));
+    let place = camera.position.as_dvec3();
+    let media = boxes.reduce(unite).unwrap_or((place - 1.0, place + 1.0));
+    let all = bounds.map_or(media, |bounds| unite(media, bounds));
+    Lit { media: ball(media), scene: ball(all) }
 }
 
 fn ball((min, max): (DVec3, DVec3)) -> Ball {
@@ -44,7 +40,7 @@ fn ball((min, max): (DVec3, DVec3)) -> Ball {
 
 /// Where the world's fog matters: what camera, lights and geometry fill.
 fn world_box(
-    description: &Description,
+    lights: &[Light],
     extinction: f64,
     bounds: Option<(DVec3, DVec3)>,
     camera: &Camera,
@@ -52,7 +48,7 @@ fn world_box(
     // Parallel rays start all over a plane.
     let is_plane = camera.projection == Projection::Orthographic;
     let corners = is_plane.then(|| camera.corners().map(|corner| corner.as_dvec3()));
-    let lights = description.lights.iter().flat_map(|light| {
+    let lights = lights.iter().flat_map(|light| {
         let corners = light.triangles.iter().flatten().map(|corner| DVec3::from(corner.map(f64::from)));
         let is_somewhere = !light.fields.is_mesh() && !light.fields.is_far();
         corners.chain(is_somewhere.then(|| DVec3::from(light.fields.position)))

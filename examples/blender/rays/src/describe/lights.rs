@@ -1,14 +1,21 @@
 //! Lights.
 
-use super::extent::Lit;
 use super::fields::{BRIGHTEST, Fields};
 use super::volumes::Media;
 use crate::failure::Result;
 use covbeam_geometry::MAX_COORDINATE;
-use covbeam_render::scene::{Area, Cone, Lamp, Light as RenderLight, Pattern, ShiningMesh, Sky, Sun};
+use covbeam_render::scene::{Area, Ball, Cone, Lamp, Light as RenderLight, Pattern, ShiningMesh, Sky, Sun};
 use glam::{DVec3, Mat3, Vec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
+
+/// Where fog is, and all that a scene has.
+pub(super) struct Lit {
+    /// A ball around all fog; without any, one around the camera.
+    pub(super) media: Ball,
+    /// A ball around that and all geometry.
+    pub(super) scene: Ball,
+}
 
 /// What a light is.
 const POINT: u32 = 0;

@@ -50,7 +50,7 @@ impl Description<'_> {
         let materials = materials.collect::<Result<Vec<_>>>()?;
         let media = Media::new(&self.volumes, self.world_volume)?;
         let objects = self.objects(&media)?;
-        let lit = extent::Lit::new(self, &geometry, &camera);
+        let lit = extent::lit(&self.volumes, self.world_volume, &self.lights, &geometry, &camera);
         let mut lights = lights::lights(&self.lights, &media, &lit)?;
         lights.extend(GlowingFog::all(&media.all).map(RenderLight::Glow));
         let placed = match geometry.is_empty() {
