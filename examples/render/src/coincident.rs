@@ -21,9 +21,14 @@ const ALONG: f64 = 256.0;
 /// Surfaces of which one is met.
 pub(crate) type Faces = SmallVec<[Hit; 2]>;
 
+/// How far from a hit, along the ray, a surface of no larger offset may be that is at its place \[m\].
+fn window(hit: &Hit) -> f64 {
+    ALONG * APART * f64::from(hit.offset)
+}
+
 /// Surfaces farther than this from a hit, along the ray, are not at its place \[m\].
 pub(crate) fn reach(hit: &Hit) -> f64 {
-    4.0 * ALONG * APART * f64::from(hit.offset)
+    4.0 * window(hit)
 }
 
 impl Scene {
@@ -92,7 +97,7 @@ impl Scene {
         let own = self.objects.get(hit.object as usize).map_or([f64::NAN; 2], |object| roots(&object.shape));
         let nearer = |a: f64, b: f64| if b.abs() < a.abs() { b } else { a };
         let own = own.into_iter().filter(|root| root.is_finite()).reduce(nearer).unwrap_or(0.0);
-        let window = ALONG * APART * f64::from(hit.offset);
+        let window = window(hit);
         let is_there = |face: &Hit, gap: f64| {
             let bound = APART * f64::from(face.offset.max(hit.offset));
             let cosine = f64::from(face.geometric_normal.dot(direction).abs());

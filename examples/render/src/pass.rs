@@ -12,6 +12,7 @@ pub(crate) use fields::latest_field_pass;
 pub use instants::Instants;
 pub use times::PassTimes;
 
+use crate::defaults::NO_GRID;
 use crate::grids::Grids;
 use crate::kind::Split;
 use crate::media;
@@ -24,18 +25,14 @@ use crate::scene::Scene;
 use crate::settings::{Gather, Settings};
 use crate::shown::SmallLamps;
 use crate::starts::EyeStarts;
-use covbeam::{FluenceCell, GridError, GridLayout, Medium};
+use covbeam::{FluenceCell, GridError, Medium};
 use fields::next_field_pass;
-use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
 
 /// Light paths that one task traces.
 const CHUNK: u32 = 64;
-
-/// Of methods without spectra.
-const NO_GRID: GridLayout = GridLayout { min: Vec3::ZERO, max: Vec3::ONE, cells: [1; 3] };
 
 const NEVER: &str = "never cancelled";
 const FITS: &str = "as many cells as the grid has";
@@ -165,6 +162,7 @@ impl<'a> Renderer<'a> {
     }
 
     fn new_grids(&self) -> Grids {
+        // Methods without spectra have none.
         let layout = if self.settings.has_grid() { self.scene.grid } else { NO_GRID };
         Grids::new(layout, self.split.unwrap_or(Split::TOGETHER))
     }
