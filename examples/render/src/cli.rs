@@ -12,7 +12,7 @@ use clap::{Parser, Subcommand};
 
 const EXAMPLES: &str = "\
 Examples:
-  covbeam                                             render the glass ball in fog, a minute on two cores
+  covbeam                                             render the glass ball in fog for half a minute
   covbeam render scene.toml --time 60                 as good as it gets in a minute
   covbeam render scene.toml --until 0.02              until half of the pixels are within 2 %
   covbeam render scene.toml --method ppb              plain progressive photon beams
@@ -29,7 +29,7 @@ Exit codes: 0 done, 1 failed, 2 wrong usage, 3 refused input, 128 + n stopped by
 
 /// Renders fog lit by strong lights, with photon beams as wide as the light's frequencies allow.
 ///
-/// Without a command: renders the built-in scene, a glass ball in fog: a minute on two cores.
+/// Without a command: renders the built-in scene, a glass ball in fog, for half a minute.
 #[derive(Debug, Parser)]
 #[command(name = "covbeam", version, after_help = EXAMPLES)]
 pub(crate) struct Cli {
