@@ -14,4 +14,4 @@ echo "seed $seed, $times times as many cases, $(wc -w <<< "$names") tests"
 # 256 is what proptest tries by itself, and tests that try more say so in multiples of that; 1024 of all cases may be refused.
 # shellcheck disable=SC2086
 PROPTEST_RNG_SEED="$seed" PROPTEST_CASES=$((256 * times)) PROPTEST_MAX_GLOBAL_REJECTS=$((1024 * times)) PROPTEST_DISABLE_FAILURE_PERSISTENCE=1 \
-    cargo test -p covbeam-tests -p covbeam-render --lib --tests --no-fail-fast -- $names
+    cargo test -p covbeam-tests -p covbeam-render -p covbeam-session --lib --tests --no-fail-fast -- $names

@@ -26,9 +26,9 @@ use covbeam::{
     GridCell, GridLayout, ImageFilter, ImageSpectrum, Kernel, LightField, MARCH_KNOTS, March, MarchCell,
     MarchKnot, MarchSample, Medium, PixelStep, Reconstruction, Segment, Vec3, gather_pair, pixel_threshold,
 };
-use covbeam_render::lamps::LampTree;
-use covbeam_render::random::Random;
-use covbeam_render::scene::Scene;
+use covbeam_render::scene_file;
+use covbeam_session::lamps::LampTree;
+use covbeam_session::random::Random;
 use covbeam_tests::kernel::plain;
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
@@ -429,7 +429,7 @@ fn lamps(c: &mut Criterion) {
             text +=
                 &format!("[[light]]\nkind = \"point\"\nposition = [{x}, {y}, {z}]\nintensity = {power}\n");
         }
-        let scene = Scene::parse(&text, "lamps", Path::new("")).expect("a valid scene");
+        let scene = scene_file::parse(&text, "lamps", Path::new("")).expect("a valid scene");
         let tree = LampTree::new(&scene);
         let places: Vec<(Vec3, Vec3)> =
             (0..1024).map(|_| (point(&mut random), direction(&mut random))).collect();

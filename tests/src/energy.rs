@@ -1,10 +1,10 @@
 //! The balance of a pass' light paths: what is emitted is absorbed, escapes, or is taken by chance.
 
 use crate::statistics::Sample;
-use covbeam_render::pass::Renderer;
-use covbeam_render::photon::Energy;
-use covbeam_render::scene::Scene;
-use covbeam_render::settings::{Method, Settings};
+use covbeam_session::pass::Renderer;
+use covbeam_session::paths::Energy;
+use covbeam_session::scene::Scene;
+use covbeam_session::settings::{Method, Settings};
 
 /// Traces 20,000 paths with each of `seeds` seeds in a closed room, asserts that every balance closes, and returns the share that
 /// chance took, per channel.

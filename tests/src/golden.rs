@@ -5,10 +5,10 @@
 
 use crate::header::repository;
 use crate::vectors::fnv;
-use covbeam_render::film::Film;
-use covbeam_render::pass::Renderer;
-use covbeam_render::scene::Scene;
-use covbeam_render::settings::{Method, Settings};
+use covbeam_render::scene_file;
+use covbeam_session::film::Film;
+use covbeam_session::pass::Renderer;
+use covbeam_session::settings::{Method, Settings};
 use std::error::Error;
 
 /// Glass and a caustic, density in closed form with edges, density in voxels.
@@ -27,7 +27,7 @@ pub fn text() -> Result<String, Box<dyn Error>> {
          # cargo run -p covbeam-tests --bin golden -- --write\n"
     );
     for name in SCENES {
-        let mut scene = Scene::load(&repository().join(format!("examples/scenes/{name}.toml")))?;
+        let mut scene = scene_file::load(&repository().join(format!("examples/scenes/{name}.toml")))?;
         (scene.camera.width, scene.camera.height) = (WIDTH, WIDTH);
         let mut renderer = Renderer::new(&scene, Settings::of(Method::Covbeam, PHOTONS, 1));
         let mut film = Film::of_scene(&scene);

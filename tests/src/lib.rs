@@ -15,7 +15,7 @@ pub mod statistics;
 pub mod twin;
 pub mod vectors;
 
-pub use covbeam_render::regions;
+pub use covbeam_render::study::regions;
 
 /// The README's example, as a test.
 #[cfg(doctest)]

@@ -1,10 +1,10 @@
 //! Pictures that are the same along a row, or nearly: rows of four seeds, compared with what they should be.
 
 use crate::statistics::Sample;
-use covbeam_render::film::Film;
-use covbeam_render::pass::Renderer;
-use covbeam_render::scene::Scene;
-use covbeam_render::settings::{Method, Settings};
+use covbeam_session::film::Film;
+use covbeam_session::pass::Renderer;
+use covbeam_session::scene::Scene;
+use covbeam_session::settings::{Method, Settings};
 use glam::Vec3;
 
 /// Light paths of a pass.

@@ -1,20 +1,14 @@
 //! `covbeam`: renders a scene, merges pieces of a picture, compares two pictures, tests the predicted spectra, or reports on all methods.
 
-mod cli;
-mod failure;
-mod merge_command;
-mod prepare_command;
-mod render_command;
-mod report_command;
-mod spectrum_command;
-mod stop;
+mod commands;
 
 use clap::Parser;
-use cli::{Cli, Command, CompareArgs, RenderArgs};
-use covbeam_render::compare::{Comparison, compare};
-use covbeam_render::output::read_picture;
+use commands::cli::{Cli, Command, CompareArgs, RenderArgs};
+use commands::failure::Usage;
+use commands::{failure, merge, prepare, render, report, spectrum};
+use covbeam_render::files::output::read_picture;
 use covbeam_render::progress::Listener;
-use failure::Usage;
+use covbeam_render::study::compare::{Comparison, compare};
 use std::error::Error;
 use std::fmt::Write as _;
 use std::io::{Write as _, stdout};
@@ -35,12 +29,12 @@ fn main() -> ExitCode {
         Command::Compare(_) | Command::Spectrum(_) | Command::Report(_) => Listener::Person,
     };
     let done = match &command {
-        Command::Render(args) => render_command::run(args),
-        Command::Prepare(args) => prepare_command::run(args),
-        Command::Merge(args) => merge_command::run(args),
+        Command::Render(args) => render::run(args),
+        Command::Prepare(args) => prepare::run(args),
+        Command::Merge(args) => merge::run(args),
         Command::Compare(args) => run_compare(args),
-        Command::Spectrum(args) => spectrum_command::run(args),
-        Command::Report(args) => report_command::run(args),
+        Command::Spectrum(args) => spectrum::run(args),
+        Command::Report(args) => report::run(args),
     };
     done.unwrap_or_else(|error| {
         let code = failure::exit_code(&*error);

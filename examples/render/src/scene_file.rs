@@ -5,6 +5,7 @@
 mod camera;
 pub(crate) mod fields;
 mod files;
+mod fingerprint;
 mod glow;
 mod light;
 mod material;
@@ -22,97 +23,93 @@ use self::camera::read_camera;
 pub use self::fields::SceneError;
 use self::fields::{Field, Source, Table};
 use self::files::SceneFiles;
+use self::fingerprint::fingerprint;
 use self::glow::read_glows;
 use self::light::{ShoneOn, read_light};
 use self::material::read_material;
 use self::medium::{check_exponential, read_media, read_medium_name};
 use self::shape::{read_corners, read_mesh, read_parallelogram};
-use crate::defaults::{self, Cells, Given};
-use crate::nesting::nest;
-use crate::scene::{
+use covbeam_session::pilot::defaults::{self, Cells, Given};
+use covbeam_session::scene::nest;
+use covbeam_session::scene::{
     GlowingFog, Light, MAX_PHOTONS, MediumDensity, Object, Scene, SceneMedium, Sees, Shape, Shown,
 };
-use crate::shard::fingerprint;
 
 /// Most cells of the covariance grid.
 pub const MAX_GRID_CELLS: u64 = 1 << 24;
 /// Most bytes of a scene file.
 const MAX_FILE_BYTES: u64 = 1 << 24;
 
-impl Scene {
-    /// Reads a scene file; mesh and volume files are looked up relative to it.
-    pub fn load(path: &Path) -> Result<Self, SceneError> {
-        Ok(Self::load_with_fingerprint(path)?.0)
-    }
-
-    /// The same, and the scene's fingerprint.
-    pub fn load_with_fingerprint(path: &Path) -> Result<(Self, String), SceneError> {
-        let file = path.display().to_string();
-        let text = read_text(path).map_err(|source| SceneError::Unreadable { file: file.clone(), source })?;
-        Self::parse_with_fingerprint(&text, &file, path.parent().unwrap_or(Path::new("")))
-    }
-
-    /// Reads a scene from `text`. `source_name` appears in errors; mesh and volume files are relative to `base_dir`.
-    ///
-    /// The result is valid: finite, in range, every name resolved. Anything else is refused with file, line,
-    /// field, what was found and what was expected.
-    pub fn parse(text: &str, source_name: &str, base_dir: &Path) -> Result<Self, SceneError> {
-        Self::parse_beside(text, source_name, &SceneFiles::beside(base_dir))
-    }
-
-    /// The same, and 64 hexadecimal digits that are others for every other scene: of its values, whatever their layout and comments, and of what
-    /// is in all of the files that were read for it. Passes, photons and seed do not count, which may change between two renders of a scene.
-    pub fn parse_with_fingerprint(
-        text: &str,
-        source_name: &str,
-        base_dir: &Path,
-    ) -> Result<(Self, String), SceneError> {
-        let files = SceneFiles::beside(base_dir);
-        let scene = Self::parse_beside(text, source_name, &files)?;
-        let hashes = files
-            .hashes()
-            .map_err(|(path, source)| SceneError::Unreadable { file: path.display().to_string(), source })?;
-        Ok((scene, fingerprint(Source { name: source_name, text }, &hashes)?))
-    }
-
-    fn parse_beside(text: &str, source_name: &str, files: &SceneFiles<'_>) -> Result<Self, SceneError> {
-        let source = Source { name: source_name, text };
-        let document = source.parse()?;
-        let root = Table::root(source, &document);
-        root.only(&["outside_medium", "camera", "medium", "object", "light", "grid", "render"])?;
-        let (mut media, names) = read_media(&root, files)?;
-        let outside =
-            root.optional("outside_medium").map(|field| read_medium_name(&field, &names)).transpose()?;
-        let camera = read_camera(&root.required("camera")?.table()?)?;
-        let mut objects: Vec<Object> = root
-            .tables("object")?
-            .iter()
-            .map(|t| read_object(t, &media, &names, files))
-            .collect::<Result<_, _>>()?;
-        nest(&mut objects);
-        read_glows(&root, &mut media, &objects, outside)?;
-        let shone_on = ShoneOn { objects: &objects, media: &media, outside, files };
-        let mut notes = Vec::new();
-        let mut read = |table| read_light(table, &shone_on, &mut notes);
-        let read: Vec<(Light, bool)> =
-            root.tables("light")?.iter().map(&mut read).collect::<Result<_, _>>()?;
-        let (mut lights, visible): (Vec<Light>, Vec<bool>) = read.into_iter().unzip();
-        let shown = Shown::new(&lights, |number| visible[number]);
-        lights.extend(GlowingFog::all(&media).map(Light::Glow));
-        if lights.is_empty() {
-            return Err(root.lacks("light", "at least one [[light]], or a [[medium]] with `emission`"));
-        }
-        let given = read_given(&root)?;
-        check_exponential(&root, &media, outside, given.corners, &objects, &camera, &lights)?;
-        let (grid, settings) = (defaults::NO_GRID, given.settings);
-        let (placed, sees) = (None, Sees::Everything);
-        let mut scene =
-            Self { objects, placed, lights, shown, media, outside, camera, grid, settings, sees, notes };
-        scene.complete(&given);
-        Ok(scene)
-    }
+/// Reads a scene file; mesh and volume files are looked up relative to it.
+pub fn load(path: &Path) -> Result<Scene, SceneError> {
+    Ok(load_with_fingerprint(path)?.0)
 }
 
+/// The same, and the scene's fingerprint.
+pub fn load_with_fingerprint(path: &Path) -> Result<(Scene, String), SceneError> {
+    let file = path.display().to_string();
+    let text = read_text(path).map_err(|source| SceneError::Unreadable { file: file.clone(), source })?;
+    parse_with_fingerprint(&text, &file, path.parent().unwrap_or(Path::new("")))
+}
+
+/// Reads a scene from `text`. `source_name` appears in errors; mesh and volume files are relative to `base_dir`.
+///
+/// The result is valid: finite, in range, every name resolved. Anything else is refused with file, line,
+/// field, what was found and what was expected.
+pub fn parse(text: &str, source_name: &str, base_dir: &Path) -> Result<Scene, SceneError> {
+    parse_beside(text, source_name, &SceneFiles::beside(base_dir))
+}
+
+/// The same, and 64 hexadecimal digits that are others for every other scene: of its values, whatever their layout and comments, and of what
+/// is in all of the files that were read for it. Passes, photons and seed do not count, which may change between two renders of a scene.
+pub fn parse_with_fingerprint(
+    text: &str,
+    source_name: &str,
+    base_dir: &Path,
+) -> Result<(Scene, String), SceneError> {
+    let files = SceneFiles::beside(base_dir);
+    let scene = parse_beside(text, source_name, &files)?;
+    let hashes = files
+        .hashes()
+        .map_err(|(path, source)| SceneError::Unreadable { file: path.display().to_string(), source })?;
+    Ok((scene, fingerprint(Source { name: source_name, text }, &hashes)?))
+}
+
+fn parse_beside(text: &str, source_name: &str, files: &SceneFiles<'_>) -> Result<Scene, SceneError> {
+    let source = Source { name: source_name, text };
+    let document = source.parse()?;
+    let root = Table::root(source, &document);
+    root.only(&["outside_medium", "camera", "medium", "object", "light", "grid", "render"])?;
+    let (mut media, names) = read_media(&root, files)?;
+    let outside =
+        root.optional("outside_medium").map(|field| read_medium_name(&field, &names)).transpose()?;
+    let camera = read_camera(&root.required("camera")?.table()?)?;
+    let mut objects: Vec<Object> = root
+        .tables("object")?
+        .iter()
+        .map(|t| read_object(t, &media, &names, files))
+        .collect::<Result<_, _>>()?;
+    nest(&mut objects);
+    read_glows(&root, &mut media, &objects, outside)?;
+    let shone_on = ShoneOn { objects: &objects, media: &media, outside, files };
+    let mut notes = Vec::new();
+    let mut read = |table| read_light(table, &shone_on, &mut notes);
+    let read: Vec<(Light, bool)> = root.tables("light")?.iter().map(&mut read).collect::<Result<_, _>>()?;
+    let (mut lights, visible): (Vec<Light>, Vec<bool>) = read.into_iter().unzip();
+    let shown = Shown::new(&lights, |number| visible[number]);
+    lights.extend(GlowingFog::all(&media).map(Light::Glow));
+    if lights.is_empty() {
+        return Err(root.lacks("light", "at least one [[light]], or a [[medium]] with `emission`"));
+    }
+    let given = read_given(&root)?;
+    check_exponential(&root, &media, outside, given.corners, &objects, &camera, &lights)?;
+    let (grid, settings) = (defaults::NO_GRID, given.settings);
+    let (placed, sees) = (None, Sees::Everything);
+    let mut scene =
+        Scene { objects, placed, lights, shown, media, outside, camera, grid, settings, sees, notes };
+    scene.complete(&given);
+    Ok(scene)
+}
 fn read_text(path: &Path) -> std::io::Result<String> {
     let mut text = String::new();
     // A device or a pipe may never end.

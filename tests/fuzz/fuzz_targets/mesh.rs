@@ -3,7 +3,8 @@
 
 use covbeam_geometry::mesh::{Mesh, Placement};
 use covbeam_geometry::obj;
-use covbeam_render::scene::{Material, Object, Scene, Shape};
+use covbeam_render::scene_file;
+use covbeam_session::scene::{Material, Object, Scene, Shape};
 use glam::Vec3;
 use libfuzzer_sys::fuzz_target;
 use std::path::Path;
@@ -19,7 +20,8 @@ fuzz_target!(|bytes: &[u8]| {
         let Ok(mesh) = Mesh::new(source.clone(), &Placement::default(), smooth) else { return };
         let (min, max) = mesh.bounds();
         let (center, size) = (0.5 * (min + max), (max - min).length());
-        let mut scene = SCENE.get_or_init(|| Scene::parse(EMPTY, "", Path::new("")).expect("valid")).clone();
+        let mut scene =
+            SCENE.get_or_init(|| scene_file::parse(EMPTY, "", Path::new("")).expect("valid")).clone();
         let material = if mesh.is_closed() { Material::Dielectric { index: 1.5 } } else { Material::Black };
         scene.objects = vec![Object {
             name: String::new(),

@@ -2,7 +2,7 @@
 #![no_main]
 
 use covbeam::DensityGrid;
-use covbeam_render::volume::{MAX_DENSITY, Volume};
+use covbeam_session::medium::volume::{MAX_DENSITY, Volume};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| match Volume::parse(bytes, None) {

@@ -6,11 +6,12 @@
 //! where the host's error is more than [`MORE`] times the renderer's.
 
 use covbeam::{GridLayout, Schedule};
-use covbeam_render::film::Film;
-use covbeam_render::pass::Renderer;
-use covbeam_render::render::{Goal, render};
-use covbeam_render::scene::Scene;
-use covbeam_render::settings::{Method, Settings};
+use covbeam_render::scene_file;
+use covbeam_session::film::Film;
+use covbeam_session::pass::Renderer;
+use covbeam_session::render::{Goal, render};
+use covbeam_session::scene::Scene;
+use covbeam_session::settings::{Method, Settings};
 use covbeam_tests::statistics::{Sample, sidak, welch};
 use glam::Vec3;
 use std::convert::Infallible;
@@ -135,7 +136,7 @@ fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     if pictures.len() < 2 || pictures.iter().any(|picture| picture.size != size) {
         return Err("two pictures or more, of one size: their scatter is the measure".into());
     }
-    let mut scene = Scene::load(Path::new(scene))?;
+    let mut scene = scene_file::load(Path::new(scene))?;
     (scene.camera.width, scene.camera.height) = (size as u32, size as u32);
     scene.grid = host.grid;
     let shape = scene.settings.schedule.shape;

@@ -17,7 +17,7 @@ mod tests;
 mod world;
 
 use crate::random::Stream;
-use covbeam_render::film::Picture;
+use covbeam_session::film::Picture;
 use glam::DVec3;
 use rayon::prelude::*;
 

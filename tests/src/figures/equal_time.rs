@@ -1,6 +1,6 @@
 //! Errors at equal CPU time, from the `results.csv` of a report.
 
-use covbeam_render::report::fit;
+use covbeam_render::study::report::fit;
 use std::collections::BTreeMap;
 
 const METHODS: [&str; 3] = ["plain", "thesis", "covbeam"];

@@ -7,7 +7,7 @@ mod sections;
 pub use sections::{Answer, SCRATCH, Section, sections};
 
 use crate::header::repository;
-use covbeam_render::report::Machine;
+use covbeam_render::study::report::Machine;
 use std::error::Error;
 use std::fs;
 use std::process::Command;

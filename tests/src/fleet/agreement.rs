@@ -4,8 +4,8 @@ use super::blocks::{SUSPECT, Verdict, compare};
 use super::rings::rings;
 use super::runs::{Estimator, light_tracing_sees_all, mean, pictures};
 use crate::statistics::sidak;
-use covbeam_render::film::{FilmError, Picture};
-use covbeam_render::scene::Scene;
+use covbeam_session::film::{FilmError, Picture};
+use covbeam_session::scene::Scene;
 
 /// Independent runs of each method, for each of the two steps.
 pub const RUNS: u32 = 8;

@@ -13,8 +13,8 @@
 
 use super::rings;
 use crate::statistics::{Sample, welch};
-use covbeam_render::color::luminance;
-use covbeam_render::film::Picture;
+use covbeam_session::color::luminance;
+use covbeam_session::film::Picture;
 
 /// Pixels across and down a block; less at the right and lower edge of a picture that is no multiple.
 pub const SIDE: u32 = 8;

@@ -6,8 +6,8 @@
 
 use super::blocks;
 use super::rings::Ratio;
-use covbeam_render::color::luminance;
-use covbeam_render::film::Picture;
+use covbeam_session::color::luminance;
+use covbeam_session::film::Picture;
 
 /// Relative squared error of a picture by block of pixels, as sums.
 #[derive(Clone, Debug)]

@@ -15,8 +15,9 @@ pub mod runs;
 pub mod snapped;
 mod text;
 
-use covbeam_render::scene::MAX_IMAGE_SIDE;
-use covbeam_render::scene::Scene;
+use covbeam_render::scene_file;
+use covbeam_session::scene::MAX_IMAGE_SIDE;
+use covbeam_session::scene::Scene;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
@@ -52,7 +53,7 @@ pub fn member(seed: u32, number: u32, width: u32, folder: &Path) -> Result<Membe
     for attempt in 0..ATTEMPTS {
         let text = draw::scene([u64::from(seed), u64::from(number), attempt], width);
         let name = format!("scene {number} of seed {seed}");
-        let scene = Scene::parse(&text, &name, folder)?;
+        let scene = scene_file::parse(&text, &name, folder)?;
         if pilot::shows_something(&scene) {
             let path = folder.join(format!("{number:03}.toml"));
             std::fs::write(&path, text)?;

@@ -1,10 +1,10 @@
 //! A cheap look at a candidate: is there anything to see?
 
-use covbeam_render::color::luminance;
-use covbeam_render::film::Film;
-use covbeam_render::pass::Renderer;
-use covbeam_render::scene::{Material, Scene};
-use covbeam_render::settings::{Method, Settings};
+use covbeam_session::color::luminance;
+use covbeam_session::film::Film;
+use covbeam_session::pass::Renderer;
+use covbeam_session::scene::{Material, Scene};
+use covbeam_session::settings::{Method, Settings};
 use std::f64::consts::PI;
 
 /// Pixels across and down.

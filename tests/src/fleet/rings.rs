@@ -1,8 +1,8 @@
 //! Brightness by distance from the brightest part of a picture: what a filter that reaches too far gives away.
 
 use crate::statistics::Sample;
-use covbeam_render::color::luminance;
-use covbeam_render::film::Picture;
+use covbeam_session::color::luminance;
+use covbeam_session::film::Picture;
 
 /// Ends of the rings \[pixels\].
 pub const ENDS: [f64; 6] = [3.0, 6.0, 10.0, 15.0, 22.0, 32.0];

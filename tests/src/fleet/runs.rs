@@ -1,9 +1,9 @@
 //! Independent runs of the methods that are held against each other.
 
-use covbeam_render::film::{Film, FilmError, Picture};
-use covbeam_render::pass::Renderer;
-use covbeam_render::scene::Scene;
-use covbeam_render::settings::{Method, Settings};
+use covbeam_session::film::{Film, FilmError, Picture};
+use covbeam_session::pass::Renderer;
+use covbeam_session::scene::Scene;
+use covbeam_session::settings::{Method, Settings};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;

@@ -9,11 +9,12 @@ use super::rings::rings;
 use super::runs::{Estimator, light_tracing_sees_all, mean, pictures};
 use super::{agreement::RUNS, grid};
 use crate::brute_force::BruteForce;
-use covbeam_render::color::luminance;
-use covbeam_render::film::{FilmError, Picture};
-use covbeam_render::photon::{PhotonRecord, PhotonTracer, Record};
-use covbeam_render::random::Emission;
-use covbeam_render::scene::Scene;
+use covbeam_render::scene_file;
+use covbeam_session::color::luminance;
+use covbeam_session::film::{FilmError, Picture};
+use covbeam_session::paths::{PhotonRecord, PhotonTracer, Record};
+use covbeam_session::random::Emission;
+use covbeam_session::scene::Scene;
 use cpu_time::ProcessTime;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -60,7 +61,7 @@ pub fn snapped(seed: u32, number: u32, width: u32, folder: &Path) -> Result<Snap
         let read = |text: &str, ending: &str| -> Result<(Scene, PathBuf), Box<dyn Error>> {
             let path = folder.join(format!("{number:03}{ending}.toml"));
             std::fs::write(&path, text)?;
-            Ok((Scene::parse(text, &path.display().to_string(), folder)?, path))
+            Ok((scene_file::parse(text, &path.display().to_string(), folder)?, path))
         };
         let (scene, path) = read(&text, "")?;
         let (apart, _) = read(&apart, "-apart")?;

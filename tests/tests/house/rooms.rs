@@ -8,7 +8,8 @@ use std::path::Path;
 pub(crate) const CRATES: &[(&str, &str)] = &[
     ("core", "core/src"),
     ("ffi", "ffi/src"),
-    ("geometry", "examples/geometry/src"),
+    ("geometry", "core/geometry/src"),
+    ("session", "core/session/src"),
     ("program", "examples/render/src"),
     ("rays", "examples/blender/rays/src"),
 ];

@@ -4,7 +4,7 @@ use covbeam::{
     ALONG_SINE, BLOCK, Beam, BeamBlock, BeamMap, Column, EyeRay, GatherScratch, Gathered, Kernel,
     KernelShape, Medium, PLACES, Vec3, gather_pair,
 };
-use covbeam_render::random::Random;
+use covbeam_session::random::Random;
 use covbeam_tests::kernel::plain;
 use std::f64::consts::{FRAC_1_PI, PI};
 

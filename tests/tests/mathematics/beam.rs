@@ -4,7 +4,7 @@ use covbeam::{
     ALONG_SINE, BLOCK, Beam, BeamBlock, BeamMap, Column, EyeRay, GatherScratch, Gathered, Medium, Vec3,
     cross, gather_pair,
 };
-use covbeam_render::random::Random;
+use covbeam_session::random::Random;
 use covbeam_tests::kernel::plain;
 use glam::DVec3;
 

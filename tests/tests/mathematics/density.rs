@@ -4,7 +4,7 @@ use covbeam::{
     Column, Density, DensityGrid, Derivatives, ExponentialDensity, GridError, GridLayout, Knot, LightField,
     Medium, Vec3,
 };
-use covbeam_render::random::Random;
+use covbeam_session::random::Random;
 
 const LAYOUT: GridLayout =
     GridLayout { min: Vec3::new(-1.0, 0.5, 2.0), max: Vec3::new(2.0, 1.5, 4.0), cells: [7, 3, 5] };

@@ -1,10 +1,11 @@
 //! Adaptive sampling along an eye ray: unbiased, where it should be dense, and what it does with bad input.
 
 use covbeam::{MARCH_KNOTS, March, MarchCell, MarchError, MarchKnot, MarchSample, Vec3};
-use covbeam_render::march::{Marching, Placement};
-use covbeam_render::pass::Renderer;
-use covbeam_render::scene::Scene;
-use covbeam_render::settings::{Method, Settings};
+use covbeam_render::scene_file;
+use covbeam_session::gather::march::{Marching, Placement};
+use covbeam_session::pass::Renderer;
+use covbeam_session::scene::Scene;
+use covbeam_session::settings::{Method, Settings};
 use covbeam_tests::random::Stream;
 use covbeam_tests::single_scatter::{Density, Emission, Lamp, World};
 use covbeam_tests::statistics::Sample;
@@ -379,7 +380,7 @@ fn room(lamp: &str) -> Scene {
          [[light]]\n{lamp}\nvisible = false\n\
          [grid]\ncells = [8, 8, 8]\n"
     );
-    Scene::parse(&text, "room", Path::new(".")).unwrap()
+    scene_file::parse(&text, "room", Path::new(".")).unwrap()
 }
 
 #[test]

@@ -2,17 +2,18 @@
 //! that an eye ray crosses.
 
 use covbeam::{Beam, GridLayout, KernelShape};
-use covbeam_render::color::luminance;
-use covbeam_render::film::{Film, Picture};
-use covbeam_render::kind::Kind;
-use covbeam_render::media;
-use covbeam_render::pass::Renderer;
-use covbeam_render::photon::PathBeam;
-use covbeam_render::radius::{
+use covbeam_render::scene_file;
+use covbeam_session::color::luminance;
+use covbeam_session::film::{Film, Picture};
+use covbeam_session::kind::Kind;
+use covbeam_session::pass::Renderer;
+use covbeam_session::paths::PathBeam;
+use covbeam_session::plan::radius::{
     BeamVoxels, CROWD, RadiusRule, beams_a_metre, crowd_radius, least_error_radius,
 };
-use covbeam_render::scene::Scene;
-use covbeam_render::settings::{Method, Settings};
+use covbeam_session::scene::Scene;
+use covbeam_session::scene::media;
+use covbeam_session::settings::{Method, Settings};
 use covbeam_tests::random::Stream;
 use glam::Vec3;
 use std::f64::consts::{PI, TAU};
@@ -23,7 +24,7 @@ const KERNELS: [KernelShape; 3] = [KernelShape::Box, KernelShape::Epanechnikov, 
 const RULES: [RadiusRule; 2] = [RadiusRule::LeastError, RadiusRule::BeamDensity];
 
 fn scene(width: u32) -> Scene {
-    let mut scene = Scene::parse(GLASS, "test scene", Path::new(".")).expect("a valid scene");
+    let mut scene = scene_file::parse(GLASS, "test scene", Path::new(".")).expect("a valid scene");
     (scene.camera.width, scene.camera.height) = (width, width);
     scene
 }

@@ -1,10 +1,11 @@
 //! Cameras of all kinds, by quadrature of light that is scattered once along rays that this file lays itself; and fog seen from outside.
 
-use covbeam_render::camera::Frame;
-use covbeam_render::film::{Film, Picture};
-use covbeam_render::pass::Renderer;
-use covbeam_render::scene::Scene;
-use covbeam_render::settings::{Method, Settings};
+use covbeam_render::scene_file;
+use covbeam_session::camera::Frame;
+use covbeam_session::film::{Film, Picture};
+use covbeam_session::pass::Renderer;
+use covbeam_session::scene::Scene;
+use covbeam_session::settings::{Method, Settings};
 use covbeam_tests::single_scatter::{Density, Emission, Lamp, World, sunflower};
 use covbeam_tests::statistics::Sample;
 use glam::DVec3;
@@ -32,7 +33,7 @@ fn scene(camera: &str, [width, height]: [u32; 2]) -> Scene {
          [[object]]\nshape = \"sphere\"\ncenter = [0, 0, 0]\nradius = {BALL}\nmaterial = \"black\"\n\
          [[light]]\nkind = \"point\"\nposition = {LAMP}\nintensity = 1.0\n"
     );
-    Scene::parse(&text, "room", Path::new(".")).expect("a valid scene")
+    scene_file::parse(&text, "room", Path::new(".")).expect("a valid scene")
 }
 
 fn world() -> World {
@@ -277,7 +278,7 @@ fn filters_of_a_picture_from_outside_follow_how_much_fog_is_seen() {
          [[light]]\nkind = \"sun\"\ndirection = [0, 0, 1]\nirradiance = 2\n",
         FOG[0], FOG[1]
     );
-    let scene = Scene::parse(&text, "ball of fog", Path::new(".")).expect("a valid scene");
+    let scene = scene_file::parse(&text, "ball of fog", Path::new(".")).expect("a valid scene");
     let pictures: Vec<Picture> = (0..3).map(|seed| render(&scene, seed, 3, 800)).collect();
     let maps = pictures[0].maps.as_ref().expect("eye rays are planned from outside");
     let density = maps.density();

@@ -5,9 +5,10 @@
 //! which is what a grid can know. Media absorb and hardly scatter, so that the closed form is the whole fluence.
 
 use covbeam::{CovarianceGrid, FluenceCell, FluenceGrid, GridCell, GridLayout};
-use covbeam_render::photon::{PhotonRecord, PhotonTracer, Record};
-use covbeam_render::random::Emission;
-use covbeam_render::scene::Scene;
+use covbeam_render::scene_file;
+use covbeam_session::paths::{PhotonRecord, PhotonTracer, Record};
+use covbeam_session::random::Emission;
+use covbeam_session::scene::Scene;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 use std::path::Path;
@@ -23,7 +24,7 @@ fn scene(contents: &str) -> Scene {
          [[medium]]\nname = \"air\"\nscattering = 1e-7\nabsorption = {ABSORPTION}\n{contents}\n\
          [[object]]\nshape = \"box\"\nmin = [-20.0, -20.0, -20.0]\nmax = [20.0, 20.0, 20.0]\nmaterial = \"black\"\n"
     );
-    Scene::parse(&text, "closed form", Path::new(".")).expect("a valid scene")
+    scene_file::parse(&text, "closed form", Path::new(".")).expect("a valid scene")
 }
 
 fn tracer(scene: &Scene) -> PhotonTracer<'_> {
@@ -287,7 +288,7 @@ fn a_point_light_in_an_exponential_medium() {
              [[light]]\nkind = \"point\"\nposition = [0.0, 0.0, 0.0]\nintensity = 1.0\n\
              [[object]]\nshape = \"box\"\nmin = [-8.0, -4.0, -8.0]\nmax = [8.0, 8.0, 8.0]\nmaterial = \"black\"\n"
         );
-        let scene = Scene::parse(&text, "closed form", Path::new(".")).expect("a valid scene");
+        let scene = scene_file::parse(&text, "closed form", Path::new(".")).expect("a valid scene");
         let record = trace(&scene, 60_000);
         let grid =
             Grid::of(&scene, &record, Vec3::new(-0.2, -1.7, -0.5), Vec3::new(4.4, 2.7, 0.5), [46, 44, 10]);

@@ -3,17 +3,18 @@
 //! The oracle knows no rays: which shape fills a place follows from which of them hold it. Every piece of a light or eye path must lie
 //! in the medium of the places along it.
 
-use covbeam_render::eye::EyeTracer;
-use covbeam_render::eye::segment::EyeSegment;
-use covbeam_render::kind::Kind;
-use covbeam_render::lamps::LampTree;
-use covbeam_render::media;
-use covbeam_render::photon::{PhotonRecord, PhotonTracer, Record};
-use covbeam_render::random::{Emission, Random};
-use covbeam_render::scene::Scene;
-use covbeam_render::shown::SmallLamps;
-use covbeam_render::starts::EyeStarts;
-use covbeam_render::surface::SurfaceMap;
+use covbeam_render::scene_file;
+use covbeam_session::eye::EyeTracer;
+use covbeam_session::eye::SmallLamps;
+use covbeam_session::eye::segment::EyeSegment;
+use covbeam_session::eye::starts::EyeStarts;
+use covbeam_session::kind::Kind;
+use covbeam_session::lamps::LampTree;
+use covbeam_session::paths::{PhotonRecord, PhotonTracer, Record};
+use covbeam_session::random::{Emission, Random};
+use covbeam_session::scene::Scene;
+use covbeam_session::scene::media;
+use covbeam_session::surface::SurfaceMap;
 use glam::{DVec3, Vec3};
 use std::path::Path;
 
@@ -144,7 +145,7 @@ fn snapped(number: u32, indices: &[f64]) -> (Scene, Vec<Filled>) {
     names.for_each(|name| {
         text += &format!("[[medium]]\nname = \"{name}\"\nscattering = 0.4\nabsorption = 0.1\n");
     });
-    let scene = Scene::parse(&(text + &objects.concat()), "snapped", Path::new(""));
+    let scene = scene_file::parse(&(text + &objects.concat()), "snapped", Path::new(""));
     (scene.unwrap_or_else(|error| panic!("{error}")), shapes)
 }
 
@@ -236,7 +237,8 @@ fn drink(order: [usize; 3], over: f64, priority: i32) -> Scene {
                 [[medium]]\nname = \"water\"\nscattering = 0\nabsorption = 0.5\n\
                 [[medium]]\nname = \"air\"\nscattering = 0.001\nabsorption = 0\n\
                 [[light]]\nkind = \"point\"\nposition = [0, 4, 0]\nintensity = 1\n";
-    Scene::parse(&[head, &text].concat(), "drink", Path::new("")).unwrap_or_else(|error| panic!("{error}"))
+    scene_file::parse(&[head, &text].concat(), "drink", Path::new(""))
+        .unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// What is left of light straight through the glass, by Fresnel's equations: twice into glass and from glass into water, and 1.8 of water.
@@ -277,7 +279,7 @@ fn a_lamp_in_the_ceiling_lights_the_room() {
              [[object]]\nshape = \"rectangle\"\ncorner = [-1, 1, -4]\nedge_u = [2, 0, 0]\nedge_v = [0, 0, 5]\nmaterial = \"black\"\n\
              [[light]]\nkind = \"point\"\nposition = [0.25, {height}, 0.5]\nintensity = 1\n"
         );
-        Scene::parse(&text, "ceiling", Path::new("")).unwrap_or_else(|error| panic!("{error}"))
+        scene_file::parse(&text, "ceiling", Path::new("")).unwrap_or_else(|error| panic!("{error}"))
     };
     // Of 4096 paths half go down, and low-discrepancy numbers leave a few tens to chance.
     let down = |height: f32| {

@@ -3,9 +3,10 @@
 use super::shapes::{globe, scene_of};
 use covbeam_geometry::mesh::{Mesh, Placement};
 use covbeam_geometry::obj::ObjTriangles;
-use covbeam_render::random::Random;
-use covbeam_render::scene::Scene;
-use covbeam_render::scene::{Material, Shape};
+use covbeam_render::scene_file;
+use covbeam_session::random::Random;
+use covbeam_session::scene::Scene;
+use covbeam_session::scene::{Material, Shape};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 use std::path::Path;
@@ -16,7 +17,7 @@ fn scene(objects: &str) -> Scene {
          [[light]]\nkind = \"point\"\nposition = [0.0, 0.0, -10.0]\nintensity = 1.0\n{objects}\n\
          [[object]]\nshape = \"box\"\nmin = [-30.0, -30.0, -30.0]\nmax = [30.0, 30.0, 30.0]\nmaterial = \"black\"\n"
     );
-    Scene::parse(&text, "edge test", Path::new(".")).expect("a valid scene")
+    scene_file::parse(&text, "edge test", Path::new(".")).expect("a valid scene")
 }
 
 const SPHERE: &str = "[[object]]\nshape = \"sphere\"\ncenter = [0.0, 0.0, 0.0]\nradius = 1.0\nmaterial = { dielectric = { index = 1.5 } }";

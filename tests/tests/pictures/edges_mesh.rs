@@ -5,7 +5,7 @@ use covbeam::edges::MOST_PROBES;
 use covbeam::{ProbeHit, find_edges};
 use covbeam_geometry::mesh::{Mesh, Placement};
 use covbeam_geometry::obj::{self, ObjTriangles};
-use covbeam_render::scene::{Material, Scene, Shape};
+use covbeam_session::scene::{Material, Scene, Shape};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::f32::consts::{PI, TAU};

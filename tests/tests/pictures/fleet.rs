@@ -2,7 +2,8 @@
 //! light tracing in every block of pixels. `measure fleet` does the same with hundreds of scenes.
 
 use covbeam::{PhaseKind, Vec3};
-use covbeam_render::scene::{Light, Material, MediumDensity, Scene, Shape};
+use covbeam_render::scene_file;
+use covbeam_session::scene::{Light, Material, MediumDensity, Scene, Shape};
 use covbeam_tests::fleet::agreement::{Passes, RUNS, examine, level};
 use covbeam_tests::fleet::blocks::means;
 use covbeam_tests::fleet::member;
@@ -14,7 +15,7 @@ use std::path::Path;
 const SPOT: &str = include_str!("../../scenes/spot.toml");
 
 fn spot(width: u32) -> Scene {
-    let mut scene = Scene::parse(SPOT, "spot", Path::new(".")).expect("a valid scene");
+    let mut scene = scene_file::parse(SPOT, "spot", Path::new(".")).expect("a valid scene");
     (scene.camera.width, scene.camera.height) = (width, width);
     scene
 }
@@ -113,7 +114,7 @@ fn the_fleet_has_every_feature_and_is_always_the_same() {
     has("a sphere", &light(|light| matches!(light, Light::Sphere { .. })));
     has("a rectangle", &light(|light| matches!(light, Light::Rectangle { .. })));
     has("three lamps", &|scene| scene.lights.len() == 3);
-    let object = |test: fn(&covbeam_render::scene::Object) -> bool| {
+    let object = |test: fn(&covbeam_session::scene::Object) -> bool| {
         move |scene: &Scene| scene.objects.iter().any(test)
     };
     has("glass", &object(|object| matches!(object.material, Material::Dielectric { .. })));

@@ -2,8 +2,8 @@
 //! and distance from the origin.
 
 use super::shapes::{Random, deformed, globe, scene_of};
-use covbeam_render::nesting::nest;
-use covbeam_render::scene::{Material, Scene, Shape};
+use covbeam_session::scene::nest;
+use covbeam_session::scene::{Material, Scene, Shape};
 use glam::{DVec3, Vec3};
 
 const GLASS: Material = Material::Dielectric { index: 1.5 };

@@ -1,9 +1,10 @@
 //! Media that send out light, by closed forms, quadrature, a balance and another estimator.
 
-use covbeam_render::film::{Film, Picture};
-use covbeam_render::pass::Renderer;
-use covbeam_render::scene::Scene;
-use covbeam_render::settings::{Method, Settings};
+use covbeam_render::scene_file;
+use covbeam_session::film::{Film, Picture};
+use covbeam_session::pass::Renderer;
+use covbeam_session::scene::Scene;
+use covbeam_session::settings::{Method, Settings};
 use covbeam_tests::energy::taken_by_chance;
 use covbeam_tests::statistics::{Sample, sidak, welch};
 use glam::{DVec3, Vec3};
@@ -11,7 +12,7 @@ use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
 fn scene(text: &str) -> Scene {
-    Scene::parse(text, "test scene", Path::new(".")).expect("a valid scene")
+    scene_file::parse(text, "test scene", Path::new(".")).expect("a valid scene")
 }
 
 /// As the renderer makes pictures where nothing else is asked for.
@@ -259,7 +260,7 @@ fn voxels_glow_as_they_are_dense() {
          [camera]\nposition = [0, 0, -60]\nlook_at = [0, 0, 0]\nvertical_fov = 0.5\nwidth = 3\nheight = 3\n\
          [[medium]]\nname = \"gas\"\nscattering = 0\nabsorption = [0.5, 0, 1e-7]\nemission = [2, 1, 0.5]\n\
          density = { volume = { file = \"layers.vol\" } }\n";
-    let scene = Scene::parse(text, "layers", folder.path()).expect("a valid scene");
+    let scene = scene_file::parse(text, "layers", folder.path()).expect("a valid scene");
     let found = picture(&scene, 1, 4).radiance[4].as_dvec3();
     // The column is 4: half a metre of 1, one from 1 to 3, half of 3.
     let expected = DVec3::new(2.0 / 0.5 * (1.0 - (-2.0_f64).exp()), 4.0, 2.0);
@@ -287,7 +288,7 @@ fn gas_without_end_and_emission_that_is_none_are_refused_with_a_remedy() {
         ("emission = [1, nan, 1]\n", ["medium[0].emission", "0..=1e9"]),
         ("", ["light", "`emission`"]),
     ] {
-        let error = Scene::parse(&medium(more), "gas", Path::new("")).expect_err(more).to_string();
+        let error = scene_file::parse(&medium(more), "gas", Path::new("")).expect_err(more).to_string();
         assert!(words.iter().all(|word| error.contains(word)), "{error}");
     }
 }

@@ -1,11 +1,12 @@
 //! Straight light by shadow rays and light paths that go where the picture needs them: unbiased by estimators that share none of that,
 //! right by quadrature, repeatable, without a loss of energy, and sound where a scene has next to nothing in it.
 
-use covbeam_render::film::Film;
-use covbeam_render::pass::Renderer;
-use covbeam_render::photon::Energy;
-use covbeam_render::scene::{Light, Scene};
-use covbeam_render::settings::{Method, Settings};
+use covbeam_render::scene_file;
+use covbeam_session::film::Film;
+use covbeam_session::pass::Renderer;
+use covbeam_session::paths::Energy;
+use covbeam_session::scene::{Light, Scene};
+use covbeam_session::settings::{Method, Settings};
 use covbeam_tests::single_scatter::{Density, Emission, Lamp, World, sunflower};
 use covbeam_tests::statistics::{Sample, sidak, welch};
 use glam::{DVec3, Vec3};
@@ -27,7 +28,7 @@ const SIZE: usize = 24;
 const BLOCK: usize = 8;
 
 fn scene(text: &str) -> Scene {
-    Scene::parse(text, "test scene", Path::new(".")).expect("a valid scene")
+    scene_file::parse(text, "test scene", Path::new(".")).expect("a valid scene")
 }
 
 fn sized(text: &str, size: u32) -> Scene {

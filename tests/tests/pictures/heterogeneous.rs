@@ -1,9 +1,10 @@
 //! Light in media whose density varies: beams against quadrature, beams against light tracing, energy.
 
-use covbeam_render::film::Film;
-use covbeam_render::pass::Renderer;
-use covbeam_render::scene::Scene;
-use covbeam_render::settings::{Method, Settings};
+use covbeam_render::scene_file;
+use covbeam_session::film::Film;
+use covbeam_session::pass::Renderer;
+use covbeam_session::scene::Scene;
+use covbeam_session::settings::{Method, Settings};
 use covbeam_tests::energy::taken_by_chance;
 use covbeam_tests::single_scatter::{Density, Emission, Lamp, World};
 use covbeam_tests::statistics::{Sample, sidak, welch};
@@ -59,7 +60,7 @@ fn scene(air: Air, medium: &str, size: u32) -> Scene {
          [grid]\nmin = [-4.0, -1.5, -6.0]\nmax = [4.0, 4.5, 4.0]\ncells = [12, 12, 12]\n\
          [render]\nradius = 0.04\nmax_radius = 0.08\nerror = 0.002\n"
     );
-    Scene::parse(&text, "heterogeneous", dir.path()).expect("a valid scene")
+    scene_file::parse(&text, "heterogeneous", dir.path()).expect("a valid scene")
 }
 
 const LIGHT: &str = "kind = \"spot\"\nposition = [-1.4, 3.2, -1.0]\nlook_at = [0.1, 0.2, 0.0]\n\

@@ -1,9 +1,10 @@
 //! The fog around lamps that are in the picture, by quadrature: beams lose none of it; what a kernel blurs stays beside the lamp.
 
-use covbeam_render::film::Film;
-use covbeam_render::pass::Renderer;
-use covbeam_render::scene::Scene;
-use covbeam_render::settings::{Method, Settings};
+use covbeam_render::scene_file;
+use covbeam_session::film::Film;
+use covbeam_session::pass::Renderer;
+use covbeam_session::scene::Scene;
+use covbeam_session::settings::{Method, Settings};
 use covbeam_tests::single_scatter::{Density, Emission, Lamp, World, sunflower};
 use covbeam_tests::statistics::Sample;
 use glam::DVec3;
@@ -33,7 +34,7 @@ fn scene(light: &str, radius: f64) -> Scene {
          [grid]\ncells = [24, 24, 24]\n[render]\nradius = {radius}\nmax_radius = {widest}\nerror = 0.01\n",
         2.0 * (1.0 / DISTANCE).atan().to_degrees()
     );
-    Scene::parse(&text, "lamp", Path::new(".")).expect("a valid scene")
+    scene_file::parse(&text, "lamp", Path::new(".")).expect("a valid scene")
 }
 
 /// The same room for the quadrature.

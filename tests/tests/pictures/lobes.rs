@@ -1,7 +1,8 @@
 //! Surfaces of several lobes, by closed forms and by estimators that share nothing: transparent panes, and what rough metal shows.
 
-use covbeam_render::scene::Scene;
-use covbeam_render::settings::Method;
+use covbeam_render::scene_file;
+use covbeam_session::scene::Scene;
+use covbeam_session::settings::Method;
 use covbeam_tests::rows::{check, rows, runs};
 use covbeam_tests::statistics::Sample;
 use glam::DVec3;
@@ -17,7 +18,7 @@ const ROUGHNESS: f64 = 0.5;
 const REFLECTANCE: f64 = 0.7;
 
 fn parse(text: &str) -> Scene {
-    Scene::parse(text, "lobes", Path::new(".")).expect("a valid scene")
+    scene_file::parse(text, "lobes", Path::new(".")).expect("a valid scene")
 }
 
 /// Rows that are looked at together where they are noisy.

@@ -1,9 +1,10 @@
 //! Marching beside plain beams: lamps of all kinds and spreads in a box of thin fog, seen from the side.
 
-use covbeam_render::film::Film;
-use covbeam_render::pass::Renderer;
-use covbeam_render::scene::Scene;
-use covbeam_render::settings::{Method, Settings};
+use covbeam_render::scene_file;
+use covbeam_session::film::Film;
+use covbeam_session::pass::Renderer;
+use covbeam_session::scene::Scene;
+use covbeam_session::settings::{Method, Settings};
 use covbeam_tests::statistics::Sample;
 use std::path::Path;
 
@@ -22,7 +23,7 @@ fn scene(light: &str) -> Scene {
          material = {{ dielectric = {{ index = 1 }} }}\ninside = \"fog\"\n[[light]]\n{light}\nvisible = false\n\
          [grid]\ncells = [12, 12, 12]\n[render]\nradius = 0.03\nmax_radius = 0.06\n"
     );
-    Scene::parse(&text, "march", Path::new("")).expect("a valid scene")
+    scene_file::parse(&text, "march", Path::new("")).expect("a valid scene")
 }
 
 /// The sum of a picture's light, by runs of passes with seeds of their own.

@@ -6,7 +6,7 @@ use super::shapes::{Random, deformed, glass, globe, lumpy};
 use covbeam::Curvature;
 use covbeam_geometry::mesh::{Mesh, MeshError, Placement};
 use covbeam_geometry::obj::{self, ObjError, ObjTriangles};
-use covbeam_render::scene::Scene;
+use covbeam_session::scene::Scene;
 use glam::{DMat2, DVec3, Quat, Vec3};
 use proptest::prelude::*;
 

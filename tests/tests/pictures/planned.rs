@@ -1,11 +1,12 @@
 //! The renderer with planned eye rays: repeatable bits, the means and the silhouettes of the picture with all eye rays, and scenes
 //! with next to nothing in them.
 
-use covbeam_render::film::{Film, Picture};
-use covbeam_render::kind::Split;
-use covbeam_render::pass::Renderer;
-use covbeam_render::scene::Scene;
-use covbeam_render::settings::{Layers, Method, Settings};
+use covbeam_render::scene_file;
+use covbeam_session::film::{Film, Picture};
+use covbeam_session::kind::Split;
+use covbeam_session::pass::Renderer;
+use covbeam_session::scene::Scene;
+use covbeam_session::settings::{Layers, Method, Settings};
 use covbeam_tests::regions::of_ball;
 use covbeam_tests::statistics::{Sample, sidak, welch};
 use glam::Vec3;
@@ -15,7 +16,7 @@ const GLASS: &str = include_str!("../../../examples/scenes/glass-ball.toml");
 const BLACK: &str = include_str!("../../../examples/scenes/black-ball.toml");
 
 fn scene(text: &str, width: u32, height: u32) -> Scene {
-    let mut scene = Scene::parse(text, "test scene", Path::new(".")).expect("a valid scene");
+    let mut scene = scene_file::parse(text, "test scene", Path::new(".")).expect("a valid scene");
     (scene.camera.width, scene.camera.height) = (width, height);
     scene
 }

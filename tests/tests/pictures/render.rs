@@ -1,12 +1,13 @@
 //! The renderer as a whole: repeatable bits, energy, closed forms, agreement of the methods.
 
 use covbeam::GridLayout;
-use covbeam_render::camera::Frame;
-use covbeam_render::film::Film;
-use covbeam_render::pass::Renderer;
-use covbeam_render::photon::Energy;
-use covbeam_render::scene::Scene;
-use covbeam_render::settings::{Method, Settings};
+use covbeam_render::scene_file;
+use covbeam_session::camera::Frame;
+use covbeam_session::film::Film;
+use covbeam_session::pass::Renderer;
+use covbeam_session::paths::Energy;
+use covbeam_session::scene::Scene;
+use covbeam_session::settings::{Method, Settings};
 use covbeam_tests::energy::taken_by_chance;
 use covbeam_tests::statistics::{Sample, sidak, welch};
 use glam::Vec3;
@@ -16,7 +17,7 @@ const GLASS: &str = include_str!("../../../examples/scenes/glass-ball.toml");
 const BLACK: &str = include_str!("../../../examples/scenes/black-ball.toml");
 
 fn scene(text: &str, size: u32) -> Scene {
-    let mut scene = Scene::parse(text, "test scene", Path::new(".")).expect("a valid scene");
+    let mut scene = scene_file::parse(text, "test scene", Path::new(".")).expect("a valid scene");
     (scene.camera.width, scene.camera.height) = (size, size);
     scene
 }

@@ -1,9 +1,10 @@
 //! Lamps and skies that are seen: straight, in mirrors and through glass, against closed forms, and counted once.
 
-use covbeam_render::film::Film;
-use covbeam_render::pass::Renderer;
-use covbeam_render::scene::Scene;
-use covbeam_render::settings::{Method, Settings};
+use covbeam_render::scene_file;
+use covbeam_session::film::Film;
+use covbeam_session::pass::Renderer;
+use covbeam_session::scene::Scene;
+use covbeam_session::settings::{Method, Settings};
 use covbeam_tests::statistics::Sample;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
@@ -18,7 +19,7 @@ const EXTINCTION: DVec3 = DVec3::new(0.1, 0.2, 0.4);
 const METHODS: [Method; 4] = [Method::Plain, Method::Covbeam, Method::March, Method::LightTrace];
 
 fn parse(text: &str) -> Scene {
-    Scene::parse(text, "seen lamps", Path::new("")).expect("a valid scene")
+    scene_file::parse(text, "seen lamps", Path::new("")).expect("a valid scene")
 }
 
 /// A camera at the origin with a field of view of `angle` degrees.

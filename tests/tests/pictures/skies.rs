@@ -1,9 +1,9 @@
 //! Fog under an even sky, whose light has a closed form with any number of scatterings.
 
-use covbeam_render::film::Film;
-use covbeam_render::pass::Renderer;
-use covbeam_render::scene::Scene;
-use covbeam_render::settings::{Method, Settings};
+use covbeam_render::scene_file;
+use covbeam_session::film::Film;
+use covbeam_session::pass::Renderer;
+use covbeam_session::settings::{Method, Settings};
 use covbeam_tests::statistics::Sample;
 use std::path::Path;
 
@@ -20,7 +20,7 @@ fn fog_that_absorbs_nothing_is_as_bright_as_an_even_sky_but_for_what_is_seen_thr
          [[object]]\nshape = \"box\"\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\nmaterial = {{ dielectric = {{ index = 1 }} }}\ninside = \"fog\"\n\
          [[light]]\nkind = \"sky\"\nradiance = 2\nvisible = false\n"
     );
-    let scene = Scene::parse(&text, "sky", Path::new("")).expect("a valid scene");
+    let scene = scene_file::parse(&text, "sky", Path::new("")).expect("a valid scene");
     // Rays are at most 10° aslant: each crosses front and back, 2 m along z.
     let expected = |pixel: u32| {
         let [x, y] = [pixel % SIZE, pixel / SIZE].map(|index| index as f32 + 0.5);

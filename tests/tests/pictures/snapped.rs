@@ -1,9 +1,9 @@
 //! A few scenes whose lengths are quarters, as people's are: the default method must be as bright as brute-force path tracing, which has no
 //! beams, no grid and rules of its own for what is where. `measure fleet --grid` looks at each block of hundreds of them.
 
-use covbeam_render::color::luminance;
-use covbeam_render::film::Picture;
-use covbeam_render::scene::Scene;
+use covbeam_session::color::luminance;
+use covbeam_session::film::Picture;
+use covbeam_session::scene::Scene;
 use covbeam_tests::fleet::runs::{Estimator, pictures};
 use covbeam_tests::fleet::snapped::{Snapped, snapped};
 use covbeam_tests::statistics::{Sample, sidak, welch};

@@ -1,8 +1,9 @@
 //! Sunlight in fog, by closed forms: a box of fog, and fog that thins with height.
 
-use covbeam_render::camera::Frame;
-use covbeam_render::scene::Scene;
-use covbeam_render::settings::Method;
+use covbeam_render::scene_file;
+use covbeam_session::camera::Frame;
+use covbeam_session::scene::Scene;
+use covbeam_session::settings::Method;
 use covbeam_tests::rows::{check, rows, runs};
 use std::f64::consts::PI;
 use std::path::Path;
@@ -29,7 +30,7 @@ fn scene(outside: &str, density: &str, objects: &str, sun: &str) -> Scene {
          [grid]\ncells = [12, 12, 12]\n[render]\nradius = 0.05\nmax_radius = 0.1\n",
         2.0 * (0.8 / DISTANCE).atan().to_degrees()
     );
-    Scene::parse(&text, "sun", Path::new(".")).expect("a valid scene")
+    scene_file::parse(&text, "sun", Path::new(".")).expect("a valid scene")
 }
 
 /// Compares rows of all methods with what they should be at a row's middle height \[m\].

@@ -1,6 +1,6 @@
 //! Pictures as the caller gets them.
 
-use covbeam_render::film::{Layers, Picture as Found};
+use covbeam_session::film::{Layers, Picture as Found};
 
 /// Rows from the top, linear Rec. 709.
 #[derive(Clone, Debug, Default, PartialEq)]

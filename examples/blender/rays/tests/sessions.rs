@@ -7,7 +7,7 @@ use covbeam_rays::failure::Failure;
 use covbeam_rays::geometry::Geometry;
 use covbeam_rays::picture::Picture;
 use covbeam_rays::session::{Session, SettingsFields, Task};
-use covbeam_render::scene::Scene;
+use covbeam_session::scene::Scene;
 use glam::DMat4;
 use shapes::{CAMERA, Random, add, built, icosphere, rows};
 use std::sync::Arc;

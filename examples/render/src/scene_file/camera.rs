@@ -1,9 +1,9 @@
 //! The camera of a scene file.
 
-use crate::camera::{Camera, Frame, Lens, Projection};
-use crate::scene::MAX_IMAGE_SIDE;
 use crate::scene_file::fields::{Field, SceneError, Table};
 use covbeam_geometry::MAX_COORDINATE;
+use covbeam_session::camera::{Camera, Frame, Lens, Projection};
+use covbeam_session::scene::MAX_IMAGE_SIDE;
 use glam::Vec3;
 
 /// Most corners of a lens' opening.

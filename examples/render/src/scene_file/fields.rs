@@ -10,7 +10,7 @@ use glam::Vec3;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::volume::VolumeError;
+use covbeam_session::medium::volume::VolumeError;
 
 /// Why a scene was refused.
 #[derive(Debug, thiserror::Error)]

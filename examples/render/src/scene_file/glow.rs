@@ -3,10 +3,10 @@
 use covbeam_geometry::MAX_COORDINATE;
 use std::sync::Arc;
 
-use crate::glow::Glow;
-use crate::scene::shape::unite;
-use crate::scene::{MediumDensity, MediumId, Object, SceneMedium};
 use crate::scene_file::fields::{SceneError, Table};
+use covbeam_geometry::shape::unite;
+use covbeam_session::medium::glow::Glow;
+use covbeam_session::scene::{MediumDensity, MediumId, Object, SceneMedium};
 
 /// Gives the media of a file, in its order, what they send out: all over the objects that they fill, or as dense as their voxels are.
 pub(crate) fn read_glows(

@@ -4,14 +4,14 @@ use covbeam_geometry::MAX_COORDINATE;
 use glam::{Mat3, Vec3};
 
 use super::shape::{read_edges, read_mesh, read_parallelogram};
-use crate::output::read_picture_up_to;
-use crate::scene::shape::unite;
-use crate::scene::{
-    Area, Cone, Lamp, Light, MediumDensity, MediumId, Object, SceneMedium, ShiningMesh, Sky, Sun,
-};
+use crate::files::output::read_picture_up_to;
 use crate::scene_file::fields::{Field, SceneError, Table};
 use crate::scene_file::files::SceneFiles;
 use crate::scene_file::sky_picture::{find_bad, repaired};
+use covbeam_geometry::shape::unite;
+use covbeam_session::scene::{
+    Area, Cone, Lamp, Light, MediumDensity, MediumId, Object, SceneMedium, ShiningMesh, Sky, Sun,
+};
 
 /// Widest angle that a sun is seen under \[degrees\]: wider ones are no light of one direction.
 const WIDEST_SUN: f32 = 90.0;

@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
-use crate::material::SMOOTH;
-use crate::scene::{Lobes, Material};
 use crate::scene_file::fields::{Field, SceneError, Table};
+use covbeam_session::material::SMOOTH;
+use covbeam_session::scene::{Lobes, Material};
 
 pub(crate) fn read_material(field: &Field<'_>) -> Result<Material, SceneError> {
     let expected = "\"black\", { lambert = { albedo } }, { mirror = { reflectance } }, { dielectric = { index, roughness } }, \

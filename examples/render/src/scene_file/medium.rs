@@ -5,11 +5,11 @@ use covbeam_geometry::MAX_COORDINATE;
 use glam::Vec3;
 
 use super::shape::read_corners;
-use crate::camera::Camera;
-use crate::scene::{Light, MediumDensity, MediumId, Object, SceneMedium};
 use crate::scene_file::fields::{Field, SceneError, Table};
 use crate::scene_file::files::SceneFiles;
-use crate::volume::{MAX_DENSITY, Volume};
+use covbeam_session::camera::Camera;
+use covbeam_session::medium::volume::{MAX_DENSITY, Volume};
+use covbeam_session::scene::{Light, MediumDensity, MediumId, Object, SceneMedium};
 
 /// Most voxels of all volumes of a scene: 256 MiB of densities.
 const MAX_SCENE_VOXELS: usize = 1 << 26;

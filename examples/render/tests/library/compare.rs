@@ -1,7 +1,7 @@
 //! The error metric, on pictures small enough to do it by hand.
 
-use covbeam_render::compare::{CompareError, Comparison, compare};
-use covbeam_render::film::Picture;
+use covbeam_render::study::compare::{CompareError, Comparison, compare};
+use covbeam_session::film::Picture;
 use glam::Vec3;
 
 fn grey(width: u32, values: &[f32]) -> Picture {

@@ -1,7 +1,7 @@
 //! The film's sums: exact, and the same bits in whatever order the passes come.
 
-use covbeam_render::film::{Film, Picture};
-use covbeam_render::samples::PassImage;
+use covbeam_session::film::samples::PassImage;
+use covbeam_session::film::{Film, Picture};
 use glam::Vec3;
 use proptest::prelude::*;
 

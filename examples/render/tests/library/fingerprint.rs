@@ -1,9 +1,9 @@
 //! Fingerprints: another scene has another one, whatever differs, in its text or in any file that it reads.
 
 use crate::scene_file::{SMOKE, VALID, meshes, volume};
-use covbeam_render::film::Picture;
-use covbeam_render::output::{RenderInfo, write_exr};
-use covbeam_render::scene::Scene;
+use covbeam_render::files::output::{RenderInfo, write_exr};
+use covbeam_render::scene_file;
+use covbeam_session::film::Picture;
 use glam::Vec3;
 use std::path::Path;
 
@@ -36,7 +36,7 @@ fn text() -> String {
 }
 
 fn fingerprint(text: &str, folder: &Path) -> Result<String, String> {
-    let read = Scene::parse_with_fingerprint(text, "scene.toml", folder);
+    let read = scene_file::parse_with_fingerprint(text, "scene.toml", folder);
     read.map(|(_, fingerprint)| fingerprint).map_err(|error| error.to_string())
 }
 

@@ -1,9 +1,9 @@
 //! Picture files: what is written is read back, and a failure leaves nothing half-written.
 
-use covbeam_render::film::{Layers, Picture};
-use covbeam_render::output::{
+use covbeam_render::files::output::{
     OutputError, RenderInfo, check_writable, read_picture, replace_file, write_exr,
 };
+use covbeam_session::film::{Layers, Picture};
 use glam::Vec3;
 use std::fs;
 use std::io::{self, Write};

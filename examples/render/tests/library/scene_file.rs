@@ -1,14 +1,15 @@
 //! Scene files: the shipped ones are what they claim, and whatever is wrong is refused with file, line and field.
 
+use covbeam_render::scene_file;
 use std::path::{Path, PathBuf};
 
 use covbeam::{ExponentialDensity, GridLayout, KernelShape, PhaseFunction, PhaseKind, Schedule};
-use covbeam_render::camera::{Camera, Frame, Lens, Projection};
-use covbeam_render::film::Picture;
-use covbeam_render::output::{RenderInfo, write_exr};
-use covbeam_render::random::Random;
-use covbeam_render::scene::{Area, Light, Lobes, Material, MediumDensity, Scene, Settings, Shape};
+use covbeam_render::files::output::{RenderInfo, write_exr};
 use covbeam_render::scene_file::SceneError;
+use covbeam_session::camera::{Camera, Frame, Lens, Projection};
+use covbeam_session::film::Picture;
+use covbeam_session::random::Random;
+use covbeam_session::scene::{Area, Light, Lobes, Material, MediumDensity, Scene, Settings, Shape};
 use glam::Vec3;
 use proptest::prelude::*;
 
@@ -155,7 +156,7 @@ fn half_height(camera: &Camera) -> f32 {
 #[test]
 fn every_field_arrives() {
     let folder = meshes();
-    let scene = Scene::parse(VALID, "valid.toml", folder.path()).expect("valid");
+    let scene = scene_file::parse(VALID, "valid.toml", folder.path()).expect("valid");
     assert_eq!(scene.outside, Some(0));
     assert_eq!((scene.camera.width, scene.camera.height), (64, 32));
     assert_eq!(scene.camera.projection, Projection::Perspective);
@@ -213,7 +214,7 @@ fn the_ball_scenes_are_the_ones_that_were_measured_elsewhere() {
     for (name, material) in
         [("glass-ball.toml", Material::Dielectric { index: 1.5 }), ("black-ball.toml", Material::Black)]
     {
-        let scene = Scene::load(&shipped(name)).expect("shipped scenes are valid");
+        let scene = scene_file::load(&shipped(name)).expect("shipped scenes are valid");
         let fog = scene.media[scene.outside.expect("fog outside") as usize].medium;
         assert_eq!((fog.scattering, fog.absorption), (Vec3::splat(0.2), Vec3::splat(0.02)));
         assert_eq!(fog.phase, PhaseFunction::ISOTROPIC);
@@ -248,7 +249,7 @@ fn every_shipped_scene_is_valid_and_its_camera_stands_outside_all_glass() {
     let scenes: Vec<_> = files.iter().filter(is_scene).collect();
     assert!(scenes.len() >= 2);
     for path in scenes {
-        let scene = Scene::load(path).unwrap_or_else(|error| panic!("{error}"));
+        let scene = scene_file::load(path).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(scene.containing(scene.camera.position).count(), 0, "{}", path.display());
         assert!(scene.intersect(scene.camera.position, scene.camera.forward, f32::INFINITY).is_some());
     }
@@ -261,7 +262,7 @@ fn cameras_of_all_projections_are_read() {
             "[camera]\nposition=[0,0,-9]\nlook_at=[0,0,0]\nwidth={width}\nheight={height}\n{fields}\n\
              [[light]]\nkind=\"point\"\nposition=[0,1,0]\nintensity=1\n"
         );
-        Ok::<Camera, SceneError>(Scene::parse(&text, "camera.toml", Path::new(""))?.camera)
+        Ok::<Camera, SceneError>(scene_file::parse(&text, "camera.toml", Path::new(""))?.camera)
     };
     for (fields, size, projection, expected) in [
         ("projection='perspective'\nvertical_fov=90", [4, 4], Projection::Perspective, 1.0),
@@ -298,7 +299,7 @@ fn what_a_file_does_not_say_has_a_default() {
                 [[object]]\nshape=\"box\"\nmin=[-1,-2,-3]\nmax=[4,5,6]\nmaterial=\"black\"\n\
                 [[object]]\nshape=\"sphere\"\ncenter=[0,0,0]\nradius=10\nmaterial=\"black\"\n\
                 [[light]]\nkind=\"point\"\nposition=[0,1,0]\nintensity=1\n";
-    let scene = Scene::parse(text, "small.toml", Path::new("")).expect("valid");
+    let scene = scene_file::parse(text, "small.toml", Path::new("")).expect("valid");
     assert_eq!((scene.outside, scene.camera.up), (None, Vec3::Y));
     // Without a medium nothing is known but where the objects are.
     assert_eq!((scene.grid.min, scene.grid.max), (Vec3::splat(-10.0), Vec3::splat(10.0)));
@@ -321,7 +322,7 @@ fn untuned() -> String {
 fn each_field_overrides_its_default_and_leaves_the_others() {
     let folder = meshes();
     let read = |extra: &str| {
-        let scene = Scene::parse(&(untuned() + extra), "untuned.toml", folder.path()).expect("valid");
+        let scene = scene_file::parse(&(untuned() + extra), "untuned.toml", folder.path()).expect("valid");
         (scene.grid, scene.settings)
     };
     let (grid, settings) = read("");
@@ -563,7 +564,7 @@ const WRONG: &[(&str, &str, isize, &str, &str)] = &[
 fn materials_are_sums_of_lobes() {
     let material = |text: &str| {
         let text = VALID.replace("{ mirror = { reflectance = 0.9 } }", text);
-        let scene = Scene::parse(&text, "scene.toml", meshes().path());
+        let scene = scene_file::parse(&text, "scene.toml", meshes().path());
         scene.unwrap_or_else(|error| panic!("{error}")).objects[3].material
     };
     let grey = Vec3::splat;
@@ -601,7 +602,7 @@ fn whatever_is_wrong_is_refused_with_file_line_field_and_expectation() {
         let place = VALID.find(text).unwrap_or_else(|| panic!("{text:?} is not in the valid scene"));
         let at = (1 + VALID[..place].matches('\n').count()).saturating_add_signed(offset);
         let broken = VALID.replacen(text, replacement, 1);
-        match Scene::parse(&broken, "broken.toml", folder.path()) {
+        match scene_file::parse(&broken, "broken.toml", folder.path()) {
             Err(SceneError::Field { file, line, field, expected, .. }) => {
                 let as_it_should = (file.as_str(), line, field.as_str()) == ("broken.toml", at, path);
                 assert!(
@@ -630,7 +631,7 @@ fn lit(outside: &str, light: &str, folder: &Path) -> Result<Scene, SceneError> {
          [[light]]\n{light}\n\
          [[object]]\nshape = \"box\"\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\nmaterial = {{ dielectric = {{ index = 1 }} }}\ninside = \"fog\"\n"
     );
-    Scene::parse(&text, "sunny.toml", folder)
+    scene_file::parse(&text, "sunny.toml", folder)
 }
 
 #[test]
@@ -664,7 +665,7 @@ fn a_sun_arrives_and_is_refused_where_its_light_would_not() {
     }
     let empty = "[camera]\nposition=[0,0,-9]\nlook_at=[0,0,0]\nvertical_fov=40\nwidth=8\nheight=8\n\
                  [[light]]\nkind=\"sun\"\ndirection=[0,-1,0]\nirradiance=1\n";
-    let error = Scene::parse(empty, "empty.toml", Path::new("")).expect_err("nothing to shine on");
+    let error = scene_file::parse(empty, "empty.toml", Path::new("")).expect_err("nothing to shine on");
     assert!(error.to_string().contains("an object, or a medium with an end"), "{error}");
 }
 
@@ -820,7 +821,7 @@ fn lamps_areas_meshes_and_skies_that_are_wrong_are_refused() {
     assert!(matches!(missing, Err(SceneError::Mesh { field, .. }) if field == "light[0].file"));
     let empty = "[camera]\nposition=[0,0,-9]\nlook_at=[0,0,0]\nvertical_fov=40\nwidth=8\nheight=8\n\
                  [[light]]\nkind=\"sky\"\nradiance=1\n";
-    let error = Scene::parse(empty, "empty.toml", Path::new("")).expect_err("nothing to shine on");
+    let error = scene_file::parse(empty, "empty.toml", Path::new("")).expect_err("nothing to shine on");
     assert!(error.to_string().contains("an object, or a medium with an end"), "{error}");
 }
 
@@ -901,7 +902,7 @@ fn bad_pixels_of_a_sky_are_named_and_replaced_if_the_scene_asks_for_it() {
 #[test]
 fn an_error_reads_as_one_line() {
     let broken = VALID.replace("radius = 0.5\n", "radius = -0.5\n");
-    let error = Scene::parse(&broken, "fog.toml", Path::new("")).expect_err("negative");
+    let error = scene_file::parse(&broken, "fog.toml", Path::new("")).expect_err("negative");
     assert_eq!(
         error.to_string(),
         "fog.toml:25: object[0].radius: found -0.5, expected a length in 1e-9..=1e9"
@@ -912,23 +913,24 @@ fn an_error_reads_as_one_line() {
 fn a_scene_without_lights_or_camera_is_refused_and_one_without_a_box_to_fill_is_not() {
     let folder = meshes();
     let dark = &VALID[..VALID.find("[[light]]").expect("present")];
-    let error = Scene::parse(dark, "dark.toml", folder.path()).expect_err("no light");
+    let error = scene_file::parse(dark, "dark.toml", folder.path()).expect_err("no light");
     let expected =
         "dark.toml:1: light: found nothing, expected at least one [[light]], or a [[medium]] with `emission`";
     assert_eq!(error.to_string(), expected);
     let blind = VALID.replace("[camera]", "[render2]");
-    assert!(Scene::parse(&blind, "blind.toml", folder.path()).is_err());
+    assert!(scene_file::parse(&blind, "blind.toml", folder.path()).is_err());
     let flat = "[camera]\nposition=[0,0,-9]\nlook_at=[0,0,0]\nvertical_fov=40\nwidth=8\nheight=8\n\
                 [[object]]\nshape=\"rectangle\"\ncorner=[0,0,0]\nedge_u=[1,0,0]\nedge_v=[0,1,0]\nmaterial=\"black\"\n\
                 [[light]]\nkind=\"point\"\nposition=[0,1,0]\nintensity=1\n";
-    let scene = Scene::parse(flat, "flat.toml", Path::new("")).expect("valid");
+    let scene = scene_file::parse(flat, "flat.toml", Path::new("")).expect("valid");
     assert!((scene.grid.max - scene.grid.min).min_element() > 0.0, "{:?}", scene.grid);
 }
 
 #[test]
 fn a_missing_broken_or_open_mesh_is_refused_where_it_is_named() {
     let folder = meshes();
-    let parse = |text: &str| Scene::parse(text, "m.toml", folder.path()).expect_err("refused").to_string();
+    let parse =
+        |text: &str| scene_file::parse(text, "m.toml", folder.path()).expect_err("refused").to_string();
     let missing = parse(&VALID.replace("tetrahedron.obj", "none.obj"));
     assert!(
         missing.starts_with("m.toml:41: object[3].file: mesh ") && missing.contains("cannot be read"),
@@ -941,7 +943,7 @@ fn a_missing_broken_or_open_mesh_is_refused_where_it_is_named() {
     let huge = parse(&VALID.replace("scale = 0.5", "scale = 1e9").replace("[1, 2, 3]", "[-9e8, 0, 0]"));
     assert!(huge.starts_with("m.toml:41: object[3].file: mesh ") && huge.contains("±1e9"), "{huge}");
     let glass = VALID.replace("{ mirror = { reflectance = 0.9 } }", "{ dielectric = { index = 1.5 } }");
-    assert!(Scene::parse(&glass, "m.toml", folder.path()).is_ok(), "a tetrahedron is closed");
+    assert!(scene_file::parse(&glass, "m.toml", folder.path()).is_ok(), "a tetrahedron is closed");
     let open = parse(&glass.replace("tetrahedron.obj", "open.obj"));
     assert!(open.starts_with("m.toml:46: object[3].material") && open.contains("3 open edges"), "{open}");
 }
@@ -956,7 +958,7 @@ fn a_volume_arrives_in_its_own_box_or_in_the_scenes() {
         (&text, Vec3::new(-1.0, -2.0, -3.0), Vec3::new(1.0, 2.0, 3.0)),
         (&own, Vec3::ZERO, Vec3::new(1.0, 2.0, 3.0)),
     ] {
-        let scene = Scene::parse(text, "smoke.toml", folder.path()).expect("valid");
+        let scene = scene_file::parse(text, "smoke.toml", folder.path()).expect("valid");
         assert_eq!(scene.outside, Some(3));
         let MediumDensity::Grid(volume) = &scene.media[3].density else { panic!("a volume") };
         assert_eq!(volume.layout, GridLayout { min, max, cells: [2, 1, 1] });
@@ -967,7 +969,7 @@ fn a_volume_arrives_in_its_own_box_or_in_the_scenes() {
 #[test]
 fn what_an_exponential_density_does_not_say_has_a_default() {
     let text = VALID.replace("origin = [0, 1, 0], up = [0, 0, 2], ", "");
-    let scene = Scene::parse(&text, "air.toml", meshes().path()).expect("valid");
+    let scene = scene_file::parse(&text, "air.toml", meshes().path()).expect("valid");
     let MediumDensity::Exponential(air) = scene.media[2].density else { panic!("exponential") };
     assert_eq!(air, ExponentialDensity { origin: Vec3::ZERO, up: Vec3::Y, scale_height: 1.5 });
 }
@@ -981,7 +983,8 @@ fn a_missing_or_broken_volume_is_refused_where_it_is_named() {
     let line = text.lines().count();
     let refused = |from: &str, to: &str| {
         assert!(text.contains(from));
-        let error = Scene::parse(&text.replace(from, to), "v.toml", folder.path()).expect_err(to).to_string();
+        let error =
+            scene_file::parse(&text.replace(from, to), "v.toml", folder.path()).expect_err(to).to_string();
         let place = format!("v.toml:{line}: medium[3].density.volume.");
         error.strip_prefix(&place).unwrap_or_else(|| panic!("{error}")).to_owned()
     };
@@ -1016,7 +1019,7 @@ fn a_medium_denser_than_the_bound_is_refused() {
         bytes.extend(largest.to_le_bytes());
         std::fs::write(folder.path().join("smoke.vol"), bytes).expect("written");
     };
-    let parse = |text: &str| Scene::parse(text, "dense.toml", folder.path());
+    let parse = |text: &str| scene_file::parse(text, "dense.toml", folder.path());
     let text = format!("{VALID}{SMOKE}");
     // The largest channel's coefficients are 5 + 1 per unit of length.
     write(1.6e8);
@@ -1043,8 +1046,9 @@ fn volumes_share_a_bound_on_their_voxels() {
             (0..count).map(|i| SMOKE.replace("smoke\"", &format!("smoke {i}\""))).collect();
         format!("{VALID}{}", media.concat())
     };
-    assert!(Scene::parse(&text(4), "many.toml", folder.path()).is_ok(), "4 x 2²⁴ = 2²⁶");
-    let error = Scene::parse(&text(5), "many.toml", folder.path()).expect_err("2²⁶ and more").to_string();
+    assert!(scene_file::parse(&text(4), "many.toml", folder.path()).is_ok(), "4 x 2²⁴ = 2²⁶");
+    let error =
+        scene_file::parse(&text(5), "many.toml", folder.path()).expect_err("2²⁶ and more").to_string();
     assert!(
         error.contains("medium[7].density.volume.file") && error.contains("at most 67108864 voxels"),
         "{error}"
@@ -1058,7 +1062,7 @@ fn an_exponential_density_is_moderate_where_the_scene_is() {
     let outside = VALID.replace("outside_medium = \"fog\"", "outside_medium = \"air\"");
     let parse = |from: &str, to: &str| {
         assert!(outside.contains(from));
-        Scene::parse(&outside.replacen(from, to, 1), "air.toml", folder.path())
+        scene_file::parse(&outside.replacen(from, to, 1), "air.toml", folder.path())
             .map_err(|error| error.to_string())
     };
     // e^(6 / 0.29) = 9.7e8 and e^(6 / 0.289) = 1.04e9.
@@ -1097,7 +1101,7 @@ fn text_that_is_not_toml_is_refused_with_its_line() {
         ("x = [1, 2\n", 1),
         ("\u{0}", 1),
     ] {
-        let error = Scene::parse(text, "bad.toml", Path::new("")).expect_err("not TOML");
+        let error = scene_file::parse(text, "bad.toml", Path::new("")).expect_err("not TOML");
         let SceneError::Syntax { line, .. } = error else { panic!("{text:?}: {error}") };
         // An unfinished value may be noticed at its start or at the end of the text.
         assert!(line.abs_diff(at) <= 1, "{text:?}: line {line}");
@@ -1106,16 +1110,16 @@ fn text_that_is_not_toml_is_refused_with_its_line() {
 
 #[test]
 fn a_file_that_cannot_be_read_is_named() {
-    let error = Scene::load(Path::new("no/such/scene.toml")).expect_err("missing");
+    let error = scene_file::load(Path::new("no/such/scene.toml")).expect_err("missing");
     assert!(error.to_string().starts_with("no/such/scene.toml: cannot be read: "), "{error}");
     let folder = meshes();
     let binary = folder.path().join("binary.toml");
     std::fs::write(&binary, [0xff, 0xfe, 0x00]).expect("written");
-    let error = Scene::load(&binary).expect_err("not text");
+    let error = scene_file::load(&binary).expect_err("not text");
     assert!(matches!(error, SceneError::Unreadable { .. }), "{error}");
     let endless = folder.path().join("long.toml");
     std::fs::write(&endless, vec![b'#'; (1 << 24) + 1]).expect("written");
-    let error = Scene::load(&endless).expect_err("too long");
+    let error = scene_file::load(&endless).expect_err("too long");
     assert!(error.to_string().contains("longer than 16777216 bytes"), "{error}");
 }
 
@@ -1123,14 +1127,14 @@ fn a_file_that_cannot_be_read_is_named() {
 fn a_valid_scene_cut_anywhere_or_with_any_byte_changed_is_read_or_refused() {
     let folder = meshes();
     for end in 0..=VALID.len() {
-        let _ = Scene::parse(&VALID[..end], "cut.toml", folder.path());
+        let _ = scene_file::parse(&VALID[..end], "cut.toml", folder.path());
     }
     for place in 0..VALID.len() {
         for byte in *b" \n-9e.[]{}\"='#x\0" {
             let mut bytes = VALID.as_bytes().to_vec();
             bytes[place] = byte;
             let text = String::from_utf8(bytes).expect("ASCII");
-            let _ = Scene::parse(&text, "changed.toml", folder.path());
+            let _ = scene_file::parse(&text, "changed.toml", folder.path());
         }
     }
 }
@@ -1140,14 +1144,14 @@ fn a_density_cut_anywhere_or_with_any_byte_changed_is_read_or_refused() {
     let folder = meshes();
     std::fs::write(folder.path().join("smoke.vol"), volume([2, 1, 1], &[0, 255])).expect("written");
     for end in 0..=SMOKE.len() {
-        let _ = Scene::parse(&format!("{VALID}{}", &SMOKE[..end]), "cut.toml", folder.path());
+        let _ = scene_file::parse(&format!("{VALID}{}", &SMOKE[..end]), "cut.toml", folder.path());
     }
     for place in 0..SMOKE.len() {
         for byte in *b" \n-9e.[]{}\"='#x\0" {
             let mut bytes = SMOKE.as_bytes().to_vec();
             bytes[place] = byte;
             let text = String::from_utf8(bytes).expect("ASCII");
-            let _ = Scene::parse(&format!("{VALID}{text}"), "changed.toml", folder.path());
+            let _ = scene_file::parse(&format!("{VALID}{text}"), "changed.toml", folder.path());
         }
     }
 }
@@ -1166,6 +1170,6 @@ proptest! {
             characters.splice(start..end, inserted.chars());
         }
         let text: String = characters.into_iter().collect();
-        let _ = Scene::parse(&text, "edited.toml", Path::new("no/such/folder"));
+        let _ = scene_file::parse(&text, "edited.toml", Path::new("no/such/folder"));
     }
 }

@@ -1,11 +1,12 @@
 //! The truth test itself on trial: on light that is known in closed form, with predictions that are wrong on purpose.
 
 use covbeam::{FluenceCell, FluenceSpectrum, GridLayout};
-use covbeam_render::scene::Scene;
-use covbeam_render::spectrum::{
+use covbeam_render::scene_file;
+use covbeam_render::study::spectrum::{
     Analysis, BATCHES, Fluence, Options, Prediction, Shares, Verdict, Voxel, analyse, compare, predict,
     summary, write_table,
 };
+use covbeam_session::scene::Scene;
 use glam::DVec3;
 use std::f64::consts::PI;
 use std::path::Path;
@@ -49,7 +50,7 @@ const INTENSITY: f64 = 10.0;
 const EXTINCTION: f64 = 0.50001;
 
 fn scene(text: &str) -> Scene {
-    Scene::parse(text, "test scene", Path::new(".")).expect("a valid scene")
+    scene_file::parse(text, "test scene", Path::new(".")).expect("a valid scene")
 }
 
 fn index(layout: &GridLayout, [x, y, z]: [u32; 3]) -> usize {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use covbeam::{DensityGrid, GridLayout};
-use covbeam_render::volume::{MAX_DENSITY, MAX_VOXELS, Volume, VolumeError};
+use covbeam_session::medium::volume::{MAX_DENSITY, MAX_VOXELS, Volume, VolumeError};
 use glam::Vec3;
 use proptest::prelude::*;
 

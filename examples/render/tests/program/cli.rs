@@ -1,9 +1,9 @@
 //! The program as a user meets it: what it writes, says and returns.
 
 use super::common::{assert_contains, said};
-use covbeam_render::film::Picture;
-use covbeam_render::kind::Kind;
-use covbeam_render::output::{RenderInfo, read_picture, write_exr};
+use covbeam_render::files::output::{RenderInfo, read_picture, write_exr};
+use covbeam_session::film::Picture;
+use covbeam_session::kind::Kind;
 use glam::Vec3;
 use std::fs;
 use std::path::Path;

@@ -1,9 +1,9 @@
 //! Input that nobody meant: scenes changed at random, files that lie about themselves, names that are too long; and signals at any time.
 
 use super::common::{assert_contains, said};
-use covbeam_render::film::Picture;
-use covbeam_render::output::{RenderInfo, write_exr};
-use covbeam_render::random::Random;
+use covbeam_render::files::output::{RenderInfo, write_exr};
+use covbeam_session::film::Picture;
+use covbeam_session::random::Random;
 use glam::Vec3;
 use std::fs;
 use std::path::Path;

@@ -1,8 +1,8 @@
 //! Renders in pieces, stopped and gone on with, and merged: the same bits as in one go, or a refusal by name.
 
 use super::common::{assert_contains, said};
-use covbeam_render::film::Film;
-use covbeam_render::shard::Shard;
+use covbeam_render::files::shard::Shard;
+use covbeam_session::film::Film;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};

@@ -2,13 +2,13 @@
 
 use super::common::{self, assert_contains};
 use base64::Engine;
-use covbeam_render::compare::compare;
-use covbeam_render::film::{Film, Picture};
-use covbeam_render::output::{RenderInfo, read_picture, write_exr};
-use covbeam_render::pass::Renderer;
-use covbeam_render::report::{Options, Reference, Subject};
-use covbeam_render::scene::Scene;
-use covbeam_render::settings::{Method, Settings};
+use covbeam_render::files::output::{RenderInfo, read_picture, write_exr};
+use covbeam_render::scene_file;
+use covbeam_render::study::compare::compare;
+use covbeam_render::study::report::{Options, Reference, Subject};
+use covbeam_session::film::{Film, Picture};
+use covbeam_session::pass::Renderer;
+use covbeam_session::settings::{Method, Settings};
 use glam::Vec3;
 use serde_json::Value;
 use std::fs;
@@ -219,7 +219,7 @@ fn product(picture: &Picture, halves: [&Picture; 2]) -> (f64, f64, f64) {
 }
 
 fn subject(folder: &Path) -> Subject {
-    Subject { name: "ball".into(), scene: Scene::load(&folder.join("ball.toml")).unwrap() }
+    Subject { name: "ball".into(), scene: scene_file::load(&folder.join("ball.toml")).unwrap() }
 }
 
 fn options(references: &Path) -> Options {

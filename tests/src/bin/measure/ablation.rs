@@ -3,8 +3,8 @@
 use crate::rendering::{Run, error_cells, error_heads, load, load_both, name, print_heads};
 use crate::truth::{COLUMNS, DEFINITION, Test, microseconds};
 use crate::{Effort, Outcome, Size};
-use covbeam_render::operators::Operator;
-use covbeam_render::settings::Method;
+use covbeam_session::paths::operators::Operator;
+use covbeam_session::settings::Method;
 use std::path::Path;
 
 pub(crate) fn run(path: &Path, reference: Option<&Path>, effort: Effort, size: Size) -> Outcome<()> {

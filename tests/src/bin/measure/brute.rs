@@ -1,8 +1,8 @@
 //! A scene by brute-force path tracing.
 
 use crate::Outcome;
-use covbeam_render::film::Picture;
-use covbeam_render::output::{RenderInfo, check_writable, write_exr};
+use covbeam_render::files::output::{RenderInfo, check_writable, write_exr};
+use covbeam_session::film::Picture;
 use covbeam_tests::brute_force::BruteForce;
 use covbeam_tests::fleet::runs::mean;
 use covbeam_tests::statistics::Sample;

@@ -1,9 +1,9 @@
 //! Renders for a given CPU time.
 
 use crate::Outcome;
-use covbeam_render::film::{Film, Picture};
-use covbeam_render::pass::Renderer;
-use covbeam_render::scene::Scene;
+use covbeam_session::film::{Film, Picture};
+use covbeam_session::pass::Renderer;
+use covbeam_session::scene::Scene;
 use cpu_time::ProcessTime;
 
 /// What a budget bought.

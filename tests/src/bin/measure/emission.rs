@@ -2,9 +2,9 @@
 
 use crate::rendering::{Run, in_region, load, regions};
 use crate::{Outcome, Size};
-use covbeam_render::random::Emission;
-use covbeam_render::scene::{Material, Scene, SceneMedium};
-use covbeam_render::settings::Method;
+use covbeam_session::random::Emission;
+use covbeam_session::scene::{Material, Scene, SceneMedium};
+use covbeam_session::settings::Method;
 use glam::Vec3;
 use std::path::Path;
 

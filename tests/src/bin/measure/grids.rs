@@ -3,7 +3,7 @@
 use crate::rendering::{Run, error_cells, error_heads, load_both, name, print_heads};
 use crate::truth::{COLUMNS, DEFINITION, Test};
 use crate::{Effort, Outcome, Size};
-use covbeam_render::settings::Method;
+use covbeam_session::settings::Method;
 use std::path::Path;
 
 const SHARES: [f32; 3] = [0.01, 0.1, 1.0];

@@ -2,13 +2,13 @@
 
 use crate::rendering::{load, name};
 use crate::{Outcome, Size};
-use covbeam_render::compare::compare;
-use covbeam_render::film::{Film, Picture};
-use covbeam_render::march::{Marching, Placement};
-use covbeam_render::pass::Renderer;
-use covbeam_render::plot::{self, Plot, sheet};
-use covbeam_render::scene::Scene;
-use covbeam_render::settings::{Method, Settings};
+use covbeam_render::study::compare::compare;
+use covbeam_render::study::plot::{self, Plot, sheet};
+use covbeam_session::film::{Film, Picture};
+use covbeam_session::gather::march::{Marching, Placement};
+use covbeam_session::pass::Renderer;
+use covbeam_session::scene::Scene;
+use covbeam_session::settings::{Method, Settings};
 use covbeam_tests::fleet::runs::mean;
 use covbeam_tests::statistics::Sample;
 use std::path::{Path, PathBuf};

@@ -2,7 +2,7 @@
 
 use crate::rendering::{Run, in_region, load, load_both, name, regions};
 use crate::{Outcome, Size};
-use covbeam_render::settings::Method;
+use covbeam_session::settings::Method;
 use covbeam_tests::regions::is_ball;
 use covbeam_tests::statistics::{Sample, sidak, welch};
 use std::path::Path;

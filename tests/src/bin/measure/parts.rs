@@ -3,10 +3,10 @@
 use crate::budget::spend;
 use crate::rendering::{load, name, print_heads};
 use crate::{Outcome, Size};
-use covbeam_render::pass::Renderer;
-use covbeam_render::report::{Compared, LIGHT_BY_KIND, PLACES, error_budget};
-use covbeam_render::scene::Scene;
-use covbeam_render::settings::{Layers, Method, Settings};
+use covbeam_render::study::report::{Compared, LIGHT_BY_KIND, PLACES, error_budget};
+use covbeam_session::pass::Renderer;
+use covbeam_session::scene::Scene;
+use covbeam_session::settings::{Layers, Method, Settings};
 use covbeam_tests::fleet::errors::Errors;
 use covbeam_tests::fleet::runs::{Estimator, narrow};
 use std::path::{Path, PathBuf};

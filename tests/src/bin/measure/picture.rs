@@ -2,10 +2,10 @@
 
 use crate::Outcome;
 use crate::rendering::name;
-use covbeam_render::film::Film;
-use covbeam_render::pass::Renderer;
-use covbeam_render::scene::Scene;
-use covbeam_render::settings::{Method, Settings};
+use covbeam_render::scene_file;
+use covbeam_session::film::Film;
+use covbeam_session::pass::Renderer;
+use covbeam_session::settings::{Method, Settings};
 use cpu_time::ProcessTime;
 use std::path::Path;
 
@@ -17,7 +17,7 @@ pub(crate) fn run(path: &Path, sides: &[u32], passes: u32) -> Outcome<()> {
         name(path)
     );
     for side in sides {
-        let mut scene = Scene::load(path)?;
+        let mut scene = scene_file::load(path)?;
         (scene.camera.width, scene.camera.height) = (*side, *side);
         let settings = Settings { planned: true, ..Settings::of_scene(Method::Thesis, &scene, 1) };
         let mut renderer = Renderer::new(&scene, settings);

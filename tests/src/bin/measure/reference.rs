@@ -2,9 +2,9 @@
 
 use crate::rendering::{Run, in_region, load, name};
 use crate::{Outcome, Size};
-use covbeam_render::output::{RenderInfo, check_writable, write_exr};
+use covbeam_render::files::output::{RenderInfo, check_writable, write_exr};
 use covbeam_render::progress::Display;
-use covbeam_render::settings::Method;
+use covbeam_session::settings::Method;
 use covbeam_tests::fleet::runs::mean;
 use covbeam_tests::regions::of_scene;
 use std::path::Path;

@@ -1,14 +1,15 @@
 //! Runs of some passes, and their errors against a reference.
 
 use crate::{Outcome, Size};
-use covbeam_render::compare::{Comparison, compare};
-use covbeam_render::film::{Film, Picture};
-use covbeam_render::operators::Operator;
-use covbeam_render::pass::{PassTimes, Renderer};
-use covbeam_render::random::Emission;
-use covbeam_render::report::Reference;
-use covbeam_render::scene::Scene;
-use covbeam_render::settings::{Method, Settings};
+use covbeam_render::scene_file;
+use covbeam_render::study::compare::{Comparison, compare};
+use covbeam_render::study::report::Reference;
+use covbeam_session::film::{Film, Picture};
+use covbeam_session::pass::{PassTimes, Renderer};
+use covbeam_session::paths::operators::Operator;
+use covbeam_session::random::Emission;
+use covbeam_session::scene::Scene;
+use covbeam_session::settings::{Method, Settings};
 use covbeam_tests::regions::{Region, by_sharpness, is_ball, of_ball, whole};
 use std::path::Path;
 
@@ -55,7 +56,7 @@ impl<'a> Run<'a> {
 
 /// The scene, with its pictures scaled to the width asked for.
 pub(crate) fn load(path: &Path, size: Size) -> Outcome<Scene> {
-    let mut scene = Scene::load(path)?;
+    let mut scene = scene_file::load(path)?;
     if let Some(width) = size.width {
         scene.camera.set_width(width);
     }
@@ -64,7 +65,7 @@ pub(crate) fn load(path: &Path, size: Size) -> Outcome<Scene> {
 
 /// Like [`load`], and a reference, whose width the scene's pictures get if none is asked for.
 pub(crate) fn load_both(path: &Path, reference: &Path, size: Size) -> Outcome<(Scene, Reference)> {
-    let mut scene = Scene::load(path)?;
+    let mut scene = scene_file::load(path)?;
     let reference = Reference::load(reference, &name(reference), &mut scene, size.width)?;
     Ok((scene, reference))
 }

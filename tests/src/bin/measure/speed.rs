@@ -2,7 +2,7 @@
 
 use crate::Outcome;
 use covbeam::{Beam, BeamMap, EyeRay, GatherScratch, Gathered, Medium, Vec3, cross};
-use covbeam_render::random::Random;
+use covbeam_session::random::Random;
 use covbeam_tests::kernel::plain;
 use cpu_time::ThreadTime;
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x8, f32x16};

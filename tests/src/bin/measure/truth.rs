@@ -2,12 +2,12 @@
 
 use crate::Effort;
 use covbeam::GridLayout;
-use covbeam_render::operators::Operator;
-use covbeam_render::pass::PassTimes;
-use covbeam_render::scene::{Scene, Settings};
-use covbeam_render::spectrum::{
+use covbeam_render::study::spectrum::{
     Analysis, BATCHES, Fluence, Options, Prediction, Shares, Verdict, compare, predict_without,
 };
+use covbeam_session::pass::PassTimes;
+use covbeam_session::paths::operators::Operator;
+use covbeam_session::scene::{Scene, Settings};
 
 /// What the columns of [`Truth::cells`] are, for the line above a table.
 pub(crate) const DEFINITION: &str = "Truth: predicted standard deviation of the fluence's spectrum within a factor of 2 of \

@@ -2,11 +2,11 @@
 
 use crate::rendering::load_both;
 use crate::{Outcome, Size};
-use covbeam_render::color::luminance;
-use covbeam_render::film::{Film, Picture};
-use covbeam_render::output::write_png;
-use covbeam_render::pass::Renderer;
-use covbeam_render::settings::{Method, Settings};
+use covbeam_render::files::output::write_png;
+use covbeam_session::color::luminance;
+use covbeam_session::film::{Film, Picture};
+use covbeam_session::pass::Renderer;
+use covbeam_session::settings::{Method, Settings};
 use covbeam_tests::regions::{Region, of_ball};
 use std::path::{Path, PathBuf};
 

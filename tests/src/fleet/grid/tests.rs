@@ -1,6 +1,7 @@
 use super::scene;
-use covbeam_render::camera::Projection;
-use covbeam_render::scene::{Light, Material, Scene, Shape};
+use covbeam_render::scene_file;
+use covbeam_session::camera::Projection;
+use covbeam_session::scene::{Light, Material, Scene, Shape};
 use std::path::Path;
 
 /// The hundred scenes of seed 1, which `measure fleet --grid` takes, have every feature that people's have.
@@ -90,5 +91,5 @@ fn scenes_a_hair_apart_have_the_same_things() {
 }
 
 fn parse(text: &str) -> Scene {
-    Scene::parse(text, "snapped", Path::new(".")).expect("a valid scene")
+    scene_file::parse(text, "snapped", Path::new(".")).expect("a valid scene")
 }

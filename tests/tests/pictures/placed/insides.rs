@@ -3,10 +3,10 @@
 use super::scenes::{
     Part, ball, block, bound, camera, cube, glass, inverted, lamp, medium, part, placed, scene, sheet, volume,
 };
-use covbeam_render::fogs::FogSum;
-use covbeam_render::optics::Interior;
-use covbeam_render::scene::{Material, Scene};
-use covbeam_render::starts::EyeStarts;
+use covbeam_session::eye::starts::EyeStarts;
+use covbeam_session::medium::fogs::FogSum;
+use covbeam_session::scene::optics::Interior;
+use covbeam_session::scene::{Material, Scene};
 use covbeam_tests::random::Stream;
 use glam::{DMat4, DVec3, Vec3};
 
@@ -27,7 +27,7 @@ fn told(scene: &Scene, interior: Interior) -> (Option<u32>, bool) {
     (region.map(|region| region / sides), region.is_some_and(|region| scene.is_in_glass(region)))
 }
 
-fn large_and_small() -> (Vec<Part>, Vec<covbeam_render::fogs::FogVolume>) {
+fn large_and_small() -> (Vec<Part>, Vec<covbeam_session::medium::fogs::FogVolume>) {
     let parts = vec![
         bound(block(2.0, Vec3::ZERO), 0),
         bound(block(1.0, Vec3::ZERO), 1),
@@ -186,8 +186,8 @@ fn glass_may_be_filled_with_fog_of_its_own() {
 /// Numbers that mean nothing are refused, with what is wrong.
 #[test]
 fn materials_objects_and_volumes_that_are_not_there_are_refused() {
-    use covbeam_render::fogs::AddedFogs;
-    use covbeam_render::placed::{Placed, PlacedError, PlacedObject};
+    use covbeam_session::medium::fogs::AddedFogs;
+    use covbeam_session::object::placed::{Placed, PlacedError, PlacedObject};
     let good = placed(&[part(cube(Vec3::ZERO, Vec3::ONE), Material::Black)], Vec::new(), &[]);
     let instances = || std::sync::Arc::clone(good.instances());
     let object = PlacedObject::default();

@@ -3,17 +3,17 @@
 use super::scenes::{
     Part, ball, block, bound, camera, cube, glass, inverted, lamp, lobes, medium, part, scene, volume,
 };
-use covbeam_render::eye::EyeTracer;
-use covbeam_render::eye::segment::EyeSegment;
-use covbeam_render::kind::{ByKind, Kind};
-use covbeam_render::lamps::LampTree;
-use covbeam_render::media;
-use covbeam_render::photon::{PhotonRecord, PhotonTracer, Record};
-use covbeam_render::random::{Emission, Random};
-use covbeam_render::scene::{Lobes, Material, Scene, Sees};
-use covbeam_render::shown::SmallLamps;
-use covbeam_render::starts::{EyeStart, EyeStarts};
-use covbeam_render::surface::SurfaceMap;
+use covbeam_session::eye::EyeTracer;
+use covbeam_session::eye::SmallLamps;
+use covbeam_session::eye::segment::EyeSegment;
+use covbeam_session::eye::starts::{EyeStart, EyeStarts};
+use covbeam_session::kind::{ByKind, Kind};
+use covbeam_session::lamps::LampTree;
+use covbeam_session::paths::{PhotonRecord, PhotonTracer, Record};
+use covbeam_session::random::{Emission, Random};
+use covbeam_session::scene::media;
+use covbeam_session::scene::{Lobes, Material, Scene, Sees};
+use covbeam_session::surface::SurfaceMap;
 use glam::Vec3;
 
 /// Pieces of the eye path along a direction, and what it sees on surfaces.

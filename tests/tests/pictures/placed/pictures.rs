@@ -4,12 +4,12 @@ use super::scenes::{
     Part, ball, block, bound, camera, cube, inverted, lamp, lobes, medium, part, scene, sheet, volume,
 };
 use covbeam::GridLayout;
-use covbeam_render::pass::Renderer;
-use covbeam_render::photon::{PhotonRecord, PhotonTracer, Record};
-use covbeam_render::random::Emission;
-use covbeam_render::scene::{Lobes, Material, MediumDensity, Scene, Sees};
-use covbeam_render::settings::{Method, Settings};
-use covbeam_render::volume::Volume;
+use covbeam_session::medium::volume::Volume;
+use covbeam_session::pass::Renderer;
+use covbeam_session::paths::{PhotonRecord, PhotonTracer, Record};
+use covbeam_session::random::Emission;
+use covbeam_session::scene::{Lobes, Material, MediumDensity, Scene, Sees};
+use covbeam_session::settings::{Method, Settings};
 use covbeam_tests::statistics::Sample;
 use glam::Vec3;
 

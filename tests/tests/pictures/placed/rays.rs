@@ -1,7 +1,7 @@
 //! What rays hit of placed objects, and what it is made of.
 
 use super::scenes::{Part, ball, block, bound, camera, lamp, part, scene, volume};
-use covbeam_render::scene::{Lobes, Material};
+use covbeam_session::scene::{Lobes, Material};
 use covbeam_tests::random::Stream;
 use glam::{DMat4, DVec3, Vec3};
 

@@ -4,8 +4,9 @@ use covbeam_geometry::instance::Instance;
 use covbeam_geometry::instances::Instances;
 use covbeam_geometry::model::Model;
 use covbeam_geometry::triangles::{Frame, Triangles};
-use covbeam_render::fogs::{AddedFogs, FogSum, FogVolume};
-use covbeam_render::scene::{Lobes, Material, Placed, PlacedObject, Scene};
+use covbeam_render::scene_file;
+use covbeam_session::medium::fogs::{AddedFogs, FogSum, FogVolume};
+use covbeam_session::scene::{Lobes, Material, Placed, PlacedObject, Scene};
 use glam::{DMat4, DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
@@ -142,7 +143,7 @@ pub(crate) fn scene(text: &str, parts: &[Part], volumes: Vec<FogVolume>) -> Scen
     const REST: &str = "[grid]\nmin = [-2, -2, -2]\nmax = [2, 2, 2]\ncells = [12, 12, 12]\n[render]\nradius = 0.03\nmax_radius = 0.03\n\
         photons = 2000\n";
     let text = if text.contains("[grid]") { text.to_owned() } else { format!("{text}{REST}") };
-    let mut scene = Scene::parse(&text, "placed", Path::new("")).expect("a valid scene");
+    let mut scene = scene_file::parse(&text, "placed", Path::new("")).expect("a valid scene");
     scene.placed = (!parts.is_empty()).then(|| placed(parts, volumes, &[]));
     scene
 }

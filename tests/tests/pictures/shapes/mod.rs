@@ -2,7 +2,8 @@
 
 use covbeam_geometry::mesh::Mesh;
 use covbeam_geometry::obj::ObjTriangles;
-use covbeam_render::scene::{Material, Object, Scene, Shape};
+use covbeam_render::scene_file;
+use covbeam_session::scene::{Material, Object, Scene, Shape};
 use glam::{DVec3, Vec3};
 
 /// SplitMix64 (Steele, Lea and Flood 2014).
@@ -93,7 +94,7 @@ pub(crate) fn lumpy(rows: u32) -> ObjTriangles {
 pub(crate) fn scene_of(shapes: Vec<(Shape, Material)>) -> Scene {
     let text = "[camera]\nposition=[0,0,0]\nlook_at=[0,0,1]\nvertical_fov=40\nwidth=4\nheight=4\n\
                 [grid]\nmin=[-1,-1,-1]\nmax=[1,1,1]\n[[light]]\nkind=\"point\"\nposition=[0,1,0]\nintensity=1";
-    let mut scene = Scene::parse(text, "test", std::path::Path::new("")).expect("valid");
+    let mut scene = scene_file::parse(text, "test", std::path::Path::new("")).expect("valid");
     scene.objects = shapes
         .into_iter()
         .map(|(shape, material)| Object {

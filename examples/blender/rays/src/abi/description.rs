@@ -7,7 +7,7 @@ use crate::describe::{CameraFields, Description, Light, LightFields, MaterialFie
 use crate::failure::Result;
 use crate::geometry::Geometry;
 use core::ffi::c_void;
-use covbeam_render::scene::Scene;
+use covbeam_session::scene::Scene;
 use std::sync::Arc;
 
 /// Of handles.

@@ -6,7 +6,7 @@ use super::run;
 use crate::failure::{Result, invalid};
 use crate::session::{Session, SessionInfo, SettingsFields, Task};
 use core::ffi::c_void;
-use covbeam_render::scene::Scene;
+use covbeam_session::scene::Scene;
 use std::sync::Arc;
 use std::time::Duration;
 

@@ -3,8 +3,8 @@
 use super::fields::Fields;
 use crate::failure::Result;
 use covbeam_geometry::MAX_COORDINATE;
-use covbeam_render::camera::{Camera, Frame, Lens, Projection};
-use covbeam_render::scene::MAX_IMAGE_SIDE;
+use covbeam_session::camera::{Camera, Frame, Lens, Projection};
+use covbeam_session::scene::MAX_IMAGE_SIDE;
 use std::f64::consts::{PI, TAU};
 
 /// Largest coordinate in the plane of a picture.

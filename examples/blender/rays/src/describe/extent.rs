@@ -4,8 +4,8 @@ use super::lights::{Light, Lit};
 use super::volumes::Volume;
 use covbeam_geometry::MAX_COORDINATE;
 use covbeam_geometry::instances::Instances;
-use covbeam_render::camera::{Camera, Projection};
-use covbeam_render::scene::Ball;
+use covbeam_session::camera::{Camera, Projection};
+use covbeam_session::scene::Ball;
 use glam::DVec3;
 
 /// The world's fog is looked at as far as this optical depth from camera and lights.

@@ -4,7 +4,7 @@ use super::fields::{BRIGHTEST, Fields};
 use super::volumes::Media;
 use crate::failure::Result;
 use covbeam_geometry::MAX_COORDINATE;
-use covbeam_render::scene::{Area, Ball, Cone, Lamp, Light as RenderLight, Pattern, ShiningMesh, Sky, Sun};
+use covbeam_session::scene::{Area, Ball, Cone, Lamp, Light as RenderLight, Pattern, ShiningMesh, Sky, Sun};
 use glam::{DVec3, Mat3, Vec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;

@@ -2,7 +2,7 @@
 
 use super::fields::Fields;
 use crate::failure::Result;
-use covbeam_render::scene::{Lobes, Material};
+use covbeam_session::scene::{Lobes, Material};
 
 /// How a surface treats light: weights per channel of the lobes that it is the sum of. See MATERIAL in the extension's `host/scene.py`.
 #[repr(C)]

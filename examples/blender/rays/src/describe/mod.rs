@@ -1,7 +1,7 @@
 //! Scenes as a caller describes them: plain numbers, any of which may be wrong, checked and turned into the renderer's.
 //!
 //! What is wrong is refused with the name of its field, as the Python module has it: nothing here trusts a number, and what comes out
-//! is what [`covbeam_render::scene::Scene`] promises to be.
+//! is what [`covbeam_session::scene::Scene`] promises to be.
 
 mod camera;
 mod extent;
@@ -17,8 +17,8 @@ pub use volumes::{Volume, VolumeFields};
 
 use crate::failure::{Result, invalid};
 use covbeam_geometry::instances::Instances;
-use covbeam_render::defaults::{Given, NO_GRID};
-use covbeam_render::scene::{GlowingFog, Light as RenderLight, Placed, PlacedObject, Scene, Sees, Shown};
+use covbeam_session::pilot::defaults::{Given, NO_GRID};
+use covbeam_session::scene::{GlowingFog, Light as RenderLight, Placed, PlacedObject, Scene, Sees, Shown};
 use std::sync::Arc;
 use volumes::Media;
 

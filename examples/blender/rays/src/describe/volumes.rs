@@ -4,10 +4,10 @@ use super::fields::{BRIGHTEST, Fields};
 use crate::failure::{Result, invalid};
 use covbeam::{GridLayout, Medium, PhaseFunction, PhaseKind};
 use covbeam_geometry::MAX_COORDINATE;
-use covbeam_render::fogs::{AddedFogs, FogSum, FogVolume};
-use covbeam_render::glow::Glow;
-use covbeam_render::scene::{MediumDensity, MediumId, SceneMedium};
-use covbeam_render::volume::{MAX_DENSITY, MAX_VOXELS, Volume as Voxels};
+use covbeam_session::medium::fogs::{AddedFogs, FogSum, FogVolume};
+use covbeam_session::medium::glow::Glow;
+use covbeam_session::medium::volume::{MAX_DENSITY, MAX_VOXELS, Volume as Voxels};
+use covbeam_session::scene::{MediumDensity, MediumId, SceneMedium};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 

@@ -4,9 +4,9 @@ use super::Fleet;
 use super::row::Row;
 use super::table::{command, summary};
 use crate::Outcome;
-use covbeam_render::maps::Bitmap;
-use covbeam_render::output::write_bitmap;
-use covbeam_render::preview::preview_exposed_as;
+use covbeam_render::files::maps::Bitmap;
+use covbeam_render::files::output::write_bitmap;
+use covbeam_render::files::preview::preview_exposed_as;
 use std::fmt::Write;
 
 const NAMES: [&str; 4] = ["default", "plain", "every-pixel", "reference"];

@@ -3,8 +3,8 @@
 use super::Fleet;
 use crate::Outcome;
 use crate::budget::{Spent, spend};
-use covbeam_render::film::Picture;
-use covbeam_render::scene::Scene;
+use covbeam_session::film::Picture;
+use covbeam_session::scene::Scene;
 use covbeam_tests::fleet::Member;
 use covbeam_tests::fleet::agreement::{Agreement, Passes, RUNS, Suspect, examine};
 use covbeam_tests::fleet::blocks;
@@ -137,7 +137,7 @@ pub(super) fn measure(
         total: light(&mean(&tested)) / light(&beside),
         calibration: curves[0][0].last().and_then(|spent| true_over_stated(&spent.picture, [a, b])),
         points: points.collect(),
-        noise: covbeam_render::compare::compare(a, b, |_, _| true)?.rel_mse / 2.0,
+        noise: covbeam_render::study::compare::compare(a, b, |_, _| true)?.rel_mse / 2.0,
         cpu_seconds: start.elapsed().as_secs_f64(),
         pictures: curves
             .into_iter()

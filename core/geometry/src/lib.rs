@@ -1,0 +1,22 @@
+//! What hosts share that find out by themselves where rays meet surfaces: the reference renderer and the extension for
+//! Blender.
+//!
+//! - [`hit`]: where a ray meets a surface.
+//! - [`triangles`]: triangles in a local frame, with their hierarchy.
+//! - [`shape`]: spheres, rectangles, boxes and meshes, met by lines in double precision.
+//! - [`mesh`]: a mesh placed in a scene, from the triangles of an [`obj`] file.
+//! - [`instances`]: many [`model`]s, each placed by any number of [`instance`]s, under one hierarchy of [`wide`] nodes.
+
+pub mod hit;
+pub mod instance;
+pub mod instances;
+pub mod mesh;
+pub mod model;
+pub mod obj;
+pub mod shape;
+pub mod triangles;
+pub mod wide;
+
+/// Largest magnitude of a coordinate in a scene, and the inverse of the smallest size of an object: squares and
+/// products of lengths stay far inside the range of f32.
+pub const MAX_COORDINATE: f32 = 1e9;

@@ -1,0 +1,420 @@
+//! Eye paths: from the camera through media, which may send out light, and specular surfaces to the first diffuse or black one.
+
+pub mod segment;
+pub(crate) mod shown;
+pub mod sight;
+pub mod starts;
+pub(crate) mod straight;
+
+use crate::eye::segment::{EyeSegment, FIRST};
+pub use crate::eye::shown::SmallLamps;
+use crate::eye::shown::Watch;
+use crate::eye::starts::{EyeStart, EyeStarts};
+use crate::kind::{ByKind, Kind};
+use crate::lamps::LampTree;
+use crate::light::Meetings;
+use crate::paths::{GOING_ON, LONG_PATH};
+use crate::random::{Random, mix};
+use crate::scene::geometry::MOST_BOUNDS;
+use crate::scene::media;
+use crate::scene::optics::{Boundary, Interior, facing_normal, reflect};
+use crate::scene::passage::{clear, passage};
+use crate::scene::{Light, Material, Scene, SceneMedium};
+use crate::surface::clearance::Clearance;
+use crate::surface::encounter::{Encounter, Lobe, Way};
+use crate::surface::{SurfaceMap, flat_within};
+use covbeam::{EyeRay, Knot, Medium};
+use covbeam_geometry::hit::Hit;
+use glam::Vec3;
+use std::f32::consts::FRAC_1_PI;
+
+/// Both branches of a dielectric are followed this many times in a row, then one is drawn at random.
+const SPLITS: u32 = 4;
+
+/// Paths lighter than this play roulette.
+const LIGHT_PATH: f32 = 0.02;
+
+/// Follows eye paths of one scene.
+#[derive(Clone, Copy)]
+pub struct EyeTracer<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its media.
+    pub fogs: &'a [Medium<'a>],
+    /// Where eye paths start.
+    pub starts: EyeStarts<'a>,
+    /// Its lamps.
+    pub lamps: &'a LampTree,
+    /// Light on diffuse surfaces.
+    pub surfaces: &'a SurfaceMap,
+    /// Whether anything is wanted from the first surface on that is more than a bound of media.
+    pub beyond: bool,
+    /// Of the lamps that are shown those that are small in the picture; None: none are wanted that are shown.
+    pub shown: Option<&'a SmallLamps>,
+    /// Whether those that are seen straight are looked for apart.
+    pub is_apart: bool,
+}
+
+/// A branch of an eye path still to be followed.
+struct Branch {
+    origin: Vec3,
+    direction: Vec3,
+    throughput: Vec3,
+    interior: Interior,
+    /// Surfaces met, but for those that only bound media.
+    depth: u32,
+    /// Surfaces met.
+    met: u32,
+    signature: u64,
+    watch: Watch,
+}
+
+impl EyeTracer<'_> {
+    /// [`EyeTracer::trace`], of what is wanted from the eye ray only: the fog before the first surface that is more than a bound of media, and
+    /// all else.
+    pub fn trace_wanted(
+        &self,
+        start: &EyeStart,
+        pixel: u32,
+        [fog, rest]: [bool; 2],
+        random: &mut Random,
+        segments: &mut Vec<EyeSegment>,
+    ) -> ByKind {
+        let mut place = segments.len();
+        let mut radiance = ByKind::default();
+        if rest && self.beyond {
+            radiance = self.trace(start, pixel, random, segments);
+        } else {
+            let sent_out = self.trace_first(start, pixel, segments);
+            if rest {
+                radiance[Kind::Straight as usize] = sent_out;
+            }
+        }
+        while !fog && place < segments.len() {
+            if segments[place].is_first() {
+                segments.swap_remove(place);
+            } else {
+                place += 1;
+            }
+        }
+        radiance
+    }
+
+    /// The pieces of the path in media before the first surface that is more than a bound of these. Returns what is seen of what they send out.
+    fn trace_first(&self, start: &EyeStart, pixel: u32, segments: &mut Vec<EyeSegment>) -> Vec3 {
+        if !start.sees {
+            return Vec3::ZERO;
+        }
+        let scene = self.scene;
+        let mut sent_out = Vec3::ZERO;
+        let mut branch = Branch::new(start, true);
+        let mut knots = Vec::new();
+        for _ in 0..=MOST_BOUNDS {
+            let hit = scene.intersect_flat(branch.origin, branch.direction, f32::INFINITY);
+            let beyond = hit
+                .as_ref()
+                .and_then(|hit| Some((hit, clear(scene, hit, branch.direction, &branch.interior)?)));
+            let length = hit.as_ref().map_or(f32::INFINITY, |hit| hit.distance);
+            if let Some(segment) = branch.segment(scene, length, pixel) {
+                segments.push(segment);
+                if beyond.is_some() || scene.medium_of(segment.medium).glow.is_some() {
+                    let (left, glow, _) = self.crossed(&segment, &Meetings::new(), &mut knots);
+                    sent_out += branch.throughput * glow;
+                    branch.throughput *= left;
+                }
+            }
+            let Some((hit, interior)) = beyond.filter(|_| branch.throughput != Vec3::ZERO) else { break };
+            branch = branch.straight_on(hit, interior);
+        }
+        sent_out
+    }
+
+    /// What a piece of a path leaves of light, the radiance that its medium sends out along it, and what arrives from lamps on it.
+    fn crossed(&self, segment: &EyeSegment, lamps: &Meetings, knots: &mut Vec<Knot>) -> (Vec3, Vec3, Vec3) {
+        let (fog, ray) = (&self.fogs[segment.medium as usize], &segment.ray);
+        let column = media::column(fog, ray.origin, ray.direction, ray.length, knots);
+        let SceneMedium { density, glow, .. } = self.scene.medium_of(segment.medium);
+        let glow = glow.as_ref().map_or(Vec3::ZERO, |glow| glow.seen(fog, density, ray, &column));
+        let dimmed = |(distance, radiance): &(f64, Vec3)| {
+            *radiance * fog.transmittance(column.at((*distance as f32).clamp(0.0, ray.length)))
+        };
+        (fog.transmittance(column.at(ray.length)), glow, lamps.iter().map(dimmed).sum())
+    }
+
+    /// Follows the path from its start, appends its pieces in media to `segments` and returns the
+    /// radiance that it sees on surfaces, and that media send out.
+    pub fn trace(
+        &self,
+        start: &EyeStart,
+        pixel: u32,
+        random: &mut Random,
+        segments: &mut Vec<EyeSegment>,
+    ) -> ByKind {
+        let scene = self.scene;
+        let mut radiance = ByKind::default();
+        let mut knots = Vec::new();
+        let mut branches = smallvec::SmallVec::<[Branch; 8]>::new();
+        branches.extend(start.sees.then(|| Branch::new(start, self.is_apart)));
+        if let Some(small) = self.shown.filter(|_| !self.is_apart) {
+            radiance[Kind::Straight as usize] += small.radiance(scene, self.fogs, &self.starts, start);
+        }
+        while let Some(mut branch) = branches.pop() {
+            let weight = branch.throughput.max_element();
+            if weight < LIGHT_PATH {
+                if random.uniform() * LIGHT_PATH >= weight {
+                    continue;
+                }
+                branch.throughput *= LIGHT_PATH / weight;
+            }
+            // Total reflection can hold a path inside clear glass for ever.
+            if branch.met > LONG_PATH {
+                if random.uniform() >= GOING_ON {
+                    continue;
+                }
+                branch.throughput /= GOING_ON;
+            }
+            let hit = scene.intersect(branch.origin, branch.direction, f32::INFINITY);
+            let length = hit.map_or(f32::INFINITY, |hit| hit.distance);
+            let lamps = branch.watch.look(scene, self.shown, branch.origin, branch.direction, hit.as_ref());
+            let (mut left, mut lit) = (Vec3::ONE, lamps.iter().map(|(_, radiance)| *radiance).sum::<Vec3>());
+            if let Some(segment) = branch.segment(scene, length, pixel) {
+                segments.push(segment);
+                let glow;
+                (left, glow, lit) = self.crossed(&segment, &lamps, &mut knots);
+                radiance[Kind::Straight as usize] += branch.throughput * glow;
+            }
+            radiance[branch.watch.kind() as usize] += branch.throughput * lit;
+            branch.throughput *= left;
+            let Some(hit) = hit else { continue };
+            if branch.throughput == Vec3::ZERO {
+                continue;
+            }
+            if let Some(interior) = clear(scene, &hit, branch.direction, &branch.interior) {
+                branches.push(branch.straight_on(&hit, interior));
+                continue;
+            }
+            match *scene.material(&hit) {
+                Material::Black | Material::Clear => {}
+                Material::Lambert { .. } if !scene.shows_surfaces() => {}
+                Material::Lambert { albedo } => {
+                    let reflected = self.reflected(&hit, &branch, albedo, random);
+                    for (sum, reflected) in radiance.iter_mut().zip(reflected) {
+                        *sum += branch.throughput * reflected;
+                    }
+                }
+                Material::Lobes(ref lobes) => {
+                    let xi = [random.uniform(), random.uniform()];
+                    let met = Encounter::new(scene, &hit, branch.direction, &branch.interior, lobes, xi);
+                    if scene.shows_surfaces() {
+                        let seen = self.seen(&hit, &branch, &met, random);
+                        for (sum, seen) in radiance.iter_mut().zip(seen) {
+                            *sum += branch.throughput * seen;
+                        }
+                    }
+                    if branch.depth < SPLITS {
+                        let ways = met.sharp_ways();
+                        branches.extend(ways.map(|way| branch.follow(&hit, &met, &way)));
+                    } else {
+                        let way = met.draw_sharp(branch.throughput, random.uniform());
+                        branches.extend(way.map(|way| branch.follow(&hit, &met, &way)));
+                    }
+                }
+                Material::Mirror { reflectance } => {
+                    let normal = facing_normal(&hit, branch.direction);
+                    let direction = reflect(branch.direction, normal);
+                    branches.push(branch.next(&hit, direction, reflectance, branch.interior, 1));
+                }
+                Material::Dielectric { .. } => {
+                    let boundary = Boundary::new(scene, &hit, branch.direction, &branch.interior);
+                    let reflectance = boundary.reflectance;
+                    // Radiance over the squared index is what refraction keeps.
+                    let scale = boundary.eta * boundary.eta;
+                    let through = boundary.refracted.map(|direction| {
+                        let weight = Vec3::splat((1.0 - reflectance) * scale);
+                        branch.next(&hit, direction, weight, boundary.beyond, 2)
+                    });
+                    let back =
+                        branch.next(&hit, boundary.reflected, Vec3::splat(reflectance), branch.interior, 1);
+                    match through {
+                        None => branches.push(back),
+                        Some(through) if branch.depth < SPLITS => branches.extend([back, through]),
+                        Some(mut through) => {
+                            let mut back = back;
+                            if random.uniform() < reflectance {
+                                back.throughput /= reflectance;
+                                branches.push(back);
+                            } else {
+                                through.throughput /= 1.0 - reflectance;
+                                branches.push(through);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        radiance
+    }
+
+    /// Radiance leaving a diffuse surface: direct light and the photons that came any other way.
+    fn reflected(&self, hit: &Hit, branch: &Branch, albedo: Vec3, random: &mut Random) -> ByKind {
+        let normal = facing_normal(hit, branch.direction);
+        self.irradiance(hit, normal, branch.interior, random)
+            .map(|irradiance| albedo * irradiance * FRAC_1_PI)
+    }
+
+    /// Radiance leaving a surface of lobes where the eye path does not follow: from the diffuse ones, and from rough ones that lamps shine on.
+    fn seen(&self, hit: &Hit, branch: &Branch, met: &Encounter, random: &mut Random) -> ByKind {
+        let mut sum = ByKind::default();
+        let [back, through] = met.diffuse();
+        for (share, normal, interior) in
+            [(back, met.normal, branch.interior), (through, -met.normal, met.beyond())]
+        {
+            if share != Vec3::ZERO {
+                let irradiance = self.irradiance(hit, normal, interior, random);
+                sum.iter_mut()
+                    .zip(irradiance)
+                    .for_each(|(sum, irradiance)| *sum += share * irradiance * FRAC_1_PI);
+            }
+        }
+        if met.is_rough() {
+            let start = hit.leave(met.normal);
+            let asked = self.lamps.on_surface(start, met.normal, self.shift(random));
+            let arriving =
+                straight_irradiance(self.scene, self.fogs, branch.interior, start, &asked, |light| {
+                    let (density, from) = light.flux_density(start, [random.uniform(), random.uniform()]);
+                    let towards = (from - start).normalize_or_zero();
+                    (density * met.glossy_towards(towards) * towards.dot(met.normal).max(0.0), from)
+                });
+            sum[Kind::Straight as usize] += arriving;
+        }
+        sum
+    }
+
+    /// Irradiance on one side of a surface.
+    fn irradiance(&self, hit: &Hit, normal: Vec3, interior: Interior, random: &mut Random) -> ByKind {
+        let start = hit.leave(normal);
+        let reach = self.surfaces.reach();
+        let unbounded = Clearance::of(f32::INFINITY);
+        let clear = reach.map_or(unbounded, |[least, most]| {
+            let reach = [least, most.min(flat_within(&hit.curvature))];
+            Clearance::new(self.scene, start, normal, reach, random)
+        });
+        let mut irradiance = self.surfaces.irradiance(hit.position, normal, &hit.curvature, clear);
+        let asked = self.lamps.on_surface(hit.position, normal, self.shift(random));
+        irradiance[Kind::Straight as usize] =
+            straight_irradiance(self.scene, self.fogs, interior, start, &asked, |light| {
+                light.irradiance(hit.position, normal, random)
+            });
+        irradiance
+    }
+
+    /// A number for drawing lamps; none is drawn where all are asked.
+    fn shift(&self, random: &mut Random) -> f32 {
+        if self.lamps.is_drawn_on_surfaces() { random.uniform() } else { 0.0 }
+    }
+}
+
+/// Irradiance that arrives straight from the lamps at a point next to a surface.
+///
+/// - `interior`: of `start`; `asked`: lamps, and how many each stands for; `unshadowed`: of a lamp, and where its light comes from.
+pub(crate) fn straight_irradiance(
+    scene: &Scene,
+    fogs: &[Medium],
+    interior: Interior,
+    start: Vec3,
+    asked: &[(usize, f32)],
+    mut unshadowed: impl FnMut(&Light) -> (Vec3, Vec3),
+) -> Vec3 {
+    let mut sum = Vec3::ZERO;
+    for &(lamp, count) in asked {
+        let (direct, from) = unshadowed(&scene.lights[lamp]);
+        if direct.max_element() > 0.0 {
+            sum += count * direct * passage(scene, fogs, interior, start, from);
+        }
+    }
+    sum
+}
+
+impl Branch {
+    fn new(start: &EyeStart, is_apart: bool) -> Self {
+        Self {
+            origin: start.origin,
+            direction: start.direction,
+            throughput: Vec3::ONE,
+            interior: start.interior,
+            depth: 0,
+            met: 0,
+            signature: FIRST,
+            watch: Watch::new(start.origin, is_apart),
+        }
+    }
+
+    /// The way on through what only bounds media, into `interior`: as if nothing had been met.
+    fn straight_on(self, hit: &Hit, interior: Interior) -> Self {
+        Self { origin: hit.leave(self.direction), interior, met: self.met + 1, ..self }
+    }
+
+    /// The piece up to what is met, if it is in a medium.
+    fn segment(&self, scene: &Scene, length: f32, pixel: u32) -> Option<EyeSegment> {
+        let Self { origin, direction, throughput, interior, signature, .. } = *self;
+        let ray = EyeRay { origin, direction, length };
+        let medium = interior.medium(scene)?;
+        Some(EyeSegment { ray, medium, throughput, pixel, interior, signature })
+    }
+
+    /// A way on from a surface of lobes.
+    fn follow(&self, hit: &Hit, met: &Encounter, way: &Way) -> Self {
+        let kind = (way.lobe as u64 + 1) << 40;
+        let next = self.next(hit, way.direction, way.factor * met.narrowing(way.lobe), way.interior, kind);
+        let watch = match way.lobe {
+            Lobe::Transparent => self.watch,
+            Lobe::GlassTransmission if met.is_rough() => next.watch.of_all(),
+            _ if met.is_rough() => next.watch.of_none(),
+            _ => next.watch,
+        };
+        Self { watch, ..next }
+    }
+
+    fn next(&self, hit: &Hit, direction: Vec3, weight: Vec3, interior: Interior, kind: u64) -> Self {
+        let origin = hit.leave(direction);
+        Self {
+            origin,
+            direction,
+            throughput: self.throughput * weight,
+            interior,
+            depth: self.depth + 1,
+            met: self.met + 1,
+            signature: mix(self.signature ^ (u64::from(hit.object) << 2) ^ kind),
+            watch: self.watch.from(origin),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made::{Made, camera, cuboid, point};
+
+    /// In a box of glass a ray along (1, 1, 1) meets every side at 54.7°, beyond the critical angle of 41.8°.
+    #[test]
+    fn a_path_that_is_reflected_for_ever_ends() {
+        let scene = Made::new(camera([0.1, 0.2, 0.3], [1.1, 1.2, 1.3], 1.0, [1, 1]))
+            .object(cuboid([-1.0; 3], [1.0; 3]), Material::Dielectric { index: 1.5 })
+            .light(point([0.0, 5.0, 0.0], 1.0))
+            .scene();
+        let surfaces = SurfaceMap::empty();
+        let starts = EyeStarts::new(&scene);
+        let tracer = EyeTracer {
+            scene: &scene,
+            fogs: &[],
+            starts,
+            lamps: &LampTree::new(&scene),
+            surfaces: &surfaces,
+            beyond: true,
+            shown: Some(&SmallLamps::default()),
+            is_apart: false,
+        };
+        let seen = tracer.trace(&starts.middle(0, 0), 0, &mut Random::new([0; 4]), &mut Vec::new());
+        assert_eq!(seen, ByKind::default());
+    }
+}

@@ -1,0 +1,222 @@
+//! The part of a photon's way on which there is light of it: of lamps with a size it begins and ends anywhere along their lines.
+
+use crate::paths::Photon;
+use crate::paths::record::{FieldSegment, PathBeam};
+use crate::scene::media;
+use covbeam::{Beam, Column, Medium};
+use covbeam_geometry::hit::Hit;
+use glam::Vec3;
+
+impl Photon {
+    /// Whether there is light at a distance on its way.
+    pub(super) fn is_lit(&self, distance: f32) -> bool {
+        (self.dark..self.until).contains(&distance)
+    }
+
+    /// From here on there is light all along its way.
+    pub(super) fn begin(&mut self) {
+        (self.dark, self.until, self.near) = (0.0, f32::INFINITY, 0.0);
+    }
+
+    /// Leaves a surface along its direction, which may be as straight as if nothing were there.
+    pub(super) fn go_on(&mut self, hit: &Hit, is_straight: bool) {
+        if is_straight {
+            self.dark = (self.dark - hit.distance).max(0.0);
+            self.until -= hit.distance;
+            self.near = (self.near - hit.distance).max(0.0);
+        } else {
+            self.begin();
+        }
+        self.origin = hit.leave(self.direction);
+    }
+
+    /// The beam along its way: to the next surface, or until nothing is left.
+    pub(super) fn beam(
+        &self,
+        medium: u32,
+        hit: Option<&Hit>,
+        fog: &Medium,
+        column: &Column,
+    ) -> Option<PathBeam> {
+        let Photon { origin, direction, power, normal: start_normal, dark, .. } = *self;
+        let opaque = media::opaque_distance(fog, origin, direction, column).min(self.until);
+        let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
+        let length = reach.min(opaque) - dark;
+        let end_normal = match hit {
+            Some(hit) if reach <= opaque => {
+                let against = if hit.geometric_normal.dot(direction) > 0.0 { -1.0 } else { 1.0 };
+                against * hit.geometric_normal
+            }
+            _ => Vec3::ZERO,
+        };
+        let (origin, power) = if dark > 0.0 {
+            (origin + dark * direction, power * fog.transmittance(column.at(dark)))
+        } else {
+            (origin, power)
+        };
+        let beam = Beam { origin, direction, length, power, start_normal, end_normal };
+        let is_beam = length >= 0.0 && length.is_finite() && fog.scattering.max_element() > 0.0;
+        is_beam.then_some(PathBeam { medium, kind: self.kind(), near: self.near, beam })
+    }
+
+    /// The part of a segment of its light field on which there is light; None: no part.
+    ///
+    /// - `segment`: from where the photon is; `fog`, `acting`: the medium, and as it acts on light fields; `column`: along the segment.
+    pub(super) fn lit_segment(
+        &self,
+        segment: FieldSegment,
+        fog: &Medium,
+        acting: &Medium,
+        column: &Column,
+    ) -> Option<FieldSegment> {
+        let dark = self.dark;
+        let mut lit = FieldSegment { length: segment.length.min(self.until) - dark, ..segment };
+        if dark > 0.0 {
+            lit.origin += dark * self.direction;
+            lit.field = segment.with(Column::Uniform).field_at(acting, dark);
+            // Edges before that lie behind it then.
+            lit.edges.iter_mut().for_each(|edge| edge.depth -= dark);
+            let left = self.power * fog.transmittance(column.at(dark));
+            lit.power *= left.element_sum() / self.power.element_sum();
+        }
+        (lit.length >= 0.0).then_some(lit)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::kind::Kind;
+    use crate::made::{BOUND, Made, camera, cuboid, rectangle, sphere};
+    use crate::paths::PhotonTracer;
+    use crate::paths::record::{PhotonRecord, Record};
+    use crate::pilot::of_still;
+    use crate::random::{Emission, Random};
+    use crate::scene::optics::Interior;
+    use crate::scene::passage::passage;
+    use crate::scene::{Area, Cone, Lamp, Light, Lobes, Material, Scene, ShiningMesh, media};
+    use glam::Vec3;
+
+    const MIN: Vec3 = Vec3::new(0.1, -1.0, -1.2);
+    const MAX: Vec3 = Vec3::new(1.6, 1.1, 0.9);
+    const SCATTERING: f64 = 1e-3;
+    const ABSORPTION: f64 = 0.7;
+
+    /// A box of fog through which a lamp reaches, with a black ball and a curtain that lets half of the light through.
+    fn unlit() -> Made {
+        let (transparent, diffuse) = (Vec3::splat(0.5), Vec3::splat(0.3));
+        let curtain = Material::Lobes(Lobes { transparent, diffuse, ..Lobes::NONE });
+        Made::new(camera([0.0, 0.0, -9.0], [0.8, 0.0, 0.0], 20.0, [32, 32]))
+            .fog(SCATTERING as f32, ABSORPTION as f32)
+            .filled(cuboid(MIN.into(), MAX.into()), BOUND, 0)
+            .object(sphere([0.35, 0.15, 0.0], 0.15), Material::Black)
+            .object(rectangle([0.7, -0.9, -1.1], [0.0, 1.5, 0.0], [0.2, 0.0, 1.6]), curtain)
+    }
+
+    /// A lamp, all around or into a cone of 35° that falls off over two fifths of its height.
+    fn lamp(radius: f32, soft: bool, has_cone: bool) -> Light {
+        let position = Vec3::new(-0.1, 0.1, 0.0);
+        let axis = (Vec3::X.as_dvec3() - position.as_dvec3()).normalize().as_vec3().normalize();
+        let height = 2.0 * (0.5 * 35.0_f32.to_radians()).sin().powi(2);
+        let cone = has_cone.then_some(Cone { axis, cosine: 1.0 - height, blend: 0.4 * height });
+        let glow = Lamp::glow_of(radius, has_cone, 0.5 * (MAX - MIN).length());
+        Light::Lamp(Lamp { position, intensity: Vec3::splat(3.0), radius, soft, cone, pattern: None, glow })
+    }
+
+    /// An ellipse behind a honeycomb.
+    fn area() -> Light {
+        Light::Area(Area {
+            center: Vec3::new(0.0, 0.1, 0.0),
+            edge_u: Vec3::new(0.2, 0.7, 0.0),
+            edge_v: Vec3::new(0.0, 0.0, 0.9),
+            round: true,
+            spread: 40.0_f32.to_radians(),
+            radiance: Vec3::splat(2.0),
+        })
+    }
+
+    /// Two triangles.
+    fn mesh() -> Light {
+        let [a, b] = [Vec3::new(-0.3, -0.4, 0.2), Vec3::new(0.5, 0.3, 0.4)];
+        let [c, d] = [Vec3::new(0.2, 0.5, -0.6), Vec3::new(0.3, -0.5, -0.5)];
+        Light::Mesh(ShiningMesh::new(&[[a, b, c], [a, c, d]], Vec3::splat(2.0)).expect("triangles"))
+    }
+
+    /// Light in the box, ∫ fluence dV \[W m\], by shadow rays from places in it, and in the ball.
+    fn by_shadow_rays(scene: &Scene) -> f64 {
+        let fogs = media::all(scene);
+        let inside = Interior::at(scene, MAX - 0.01);
+        let mut random = Random::new([1, 1, 2, 3]);
+        let count = 200_000;
+        let mut sum = 0.0;
+        for _ in 0..count {
+            let mut pair = || [random.uniform(), random.uniform()];
+            let ([x, y], [z, _], xi) = (pair(), pair(), pair());
+            let place = MIN + Vec3::new(x, y, z) * (MAX - MIN);
+            let (density, from) = scene.lights[0].flux_density(place, xi);
+            sum += f64::from(density.x * passage(scene, &fogs, inside, place, from).x);
+        }
+        sum / f64::from(count) * (MAX - MIN).as_dvec3().element_product()
+    }
+
+    /// What is on a stretch of light's way.
+    fn along(power: f32, length: f32) -> f64 {
+        let extinction = SCATTERING + ABSORPTION;
+        f64::from(power) * -(-extinction * f64::from(length)).exp_m1() / extinction
+    }
+
+    #[test]
+    fn light_paths_leave_the_straight_light_that_shadow_rays_find() {
+        for made in [
+            unlit().light(lamp(0.4, true, false)),
+            unlit().light(lamp(0.4, false, false)),
+            unlit().light(lamp(0.5, true, true)),
+            unlit().light(lamp(0.5, false, true)),
+            unlit().light(area()),
+            unlit().light(mesh()),
+            unlit().sky(2.0),
+        ] {
+            let scene = made.scene();
+            let fogs = media::all(&scene);
+            let expected = by_shadow_rays(&scene);
+            for is_guided in [false, true] {
+                let mut tracer = PhotonTracer::new(&scene, 0, Emission::LowDiscrepancy);
+                if is_guided {
+                    tracer.guide(of_still(&scene, &fogs).expect("light"));
+                }
+                let paths = 2048;
+                let runs: Vec<[f64; 2]> = (0..16)
+                    .map(|sequence| {
+                        let mut out = PhotonRecord::default();
+                        (0..paths).for_each(|index| {
+                            tracer.trace(sequence, index, paths, Record::BeamsAndField, &mut out);
+                        });
+                        let straight = |kind| kind == Kind::Straight;
+                        let beams = out.beams.iter().filter(|beam| straight(beam.kind)).map(|path| {
+                            let end = path.beam.origin + path.beam.length * path.beam.direction;
+                            // All of it is in the box of fog.
+                            for place in [path.beam.origin, end] {
+                                assert!(place.cmpge(MIN - 1e-4).all() && place.cmple(MAX + 1e-4).all());
+                            }
+                            along(path.beam.power.x, path.beam.length)
+                        });
+                        let fields = out.deposits.iter().filter(|(_, field)| straight(field.kind));
+                        let fields = fields.map(|(_, field)| along(field.power, field.length));
+                        [beams.sum(), fields.sum()]
+                    })
+                    .collect();
+                for (name, at) in [("beams", 0), ("fields", 1)] {
+                    let mean = runs.iter().map(|run| run[at]).sum::<f64>() / 16.0;
+                    let variance = runs.iter().map(|run| (run[at] - mean).powi(2)).sum::<f64>() / 15.0;
+                    let error = (variance / 16.0).sqrt();
+                    println!(
+                        "{:?}, guided: {is_guided}, {name}: {mean} ± {error} of {expected}",
+                        scene.lights[0]
+                    );
+                    assert!(error < 0.012 * expected, "too few to tell");
+                    // 200,000 places know it to half a percent; one in a thousand photons is scattered on its way.
+                    assert!((mean - expected).abs() < 4.0 * error + 0.01 * expected);
+                }
+            }
+        }
+    }
+}

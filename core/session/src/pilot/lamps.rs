@@ -1,0 +1,260 @@
+//! How lamps emit: in proportion to what light in a direction is worth.
+
+use super::instant::Poll;
+use crate::color::mean;
+use crate::eye::straight::is_left_to_beams;
+use crate::paths::guidance::{LampEmission, of_diffuse};
+use crate::random::{Emission, PathSampler, Random};
+use crate::scene::geometry::MOST_BOUNDS;
+use crate::scene::media;
+use crate::scene::optics::{Boundary, Interior, facing_normal, reflect};
+use crate::scene::{Light, Material, Scene};
+use crate::surface::encounter::{Encounter, Lobe};
+use crate::surface::origin::Origin;
+use covbeam::{EmissionGuide, Importance, Knot, Medium};
+use covbeam_geometry::hit::Hit;
+use glam::Vec3;
+use rayon::prelude::*;
+use smallvec::{SmallVec, smallvec};
+
+/// Cells across the square in which a lamp's emission is drawn: as many as all lamps together may have, and as one may.
+const CELLS: f32 = 2048.0;
+const MOST_ACROSS: f32 = 24.0;
+
+/// Rays through each cell across and down.
+const RAYS_ACROSS: u32 = 2;
+
+/// Mirrors and glass in a row that a ray follows.
+const LONGEST: u32 = 16;
+
+/// Of what glass reflects and what goes through both are followed if either has more than this share of the ray's power.
+const LEAST_SHARE: f32 = 0.01;
+
+/// Share of the light paths that go where their power goes, whatever that is worth: no path has more than five times the power that all
+/// would have if they shared it evenly.
+const EVEN: f32 = 0.2;
+
+/// Shares of a cell and of those beside it in its worth: its rays may have missed a hole that theirs found.
+const BLUR: [(isize, isize, f32); 5] = [(0, 0, 0.6), (-1, 0, 0.1), (1, 0, 0.1), (0, -1, 0.1), (0, 1, 0.1)];
+
+/// Purpose of random numbers, and sequence of emission.
+const KEY: u32 = 0x1a3b;
+
+/// How each lamp emits; None if no light is worth anything.
+pub(super) fn emission(
+    scene: &Scene,
+    fogs: &[Medium],
+    importance: &Importance,
+    cancelled: Poll,
+) -> Option<LampEmission> {
+    let across = (CELLS / scene.lights.len() as f32).sqrt().clamp(1.0, MOST_ACROSS) as usize;
+    let cells = across * across;
+    let worth: Vec<f32> = (0..scene.lights.len() * cells)
+        .into_par_iter()
+        .map_init(Vec::new, |knots, number| {
+            if cancelled() {
+                return 0.0;
+            }
+            let lamp = Lamp::new(scene, fogs, importance, number / cells);
+            lamp.of_cell(number % cells, across, number as u32, knots)
+        })
+        .collect();
+    let of_lamps: Vec<f32> =
+        worth.chunks(cells).map(|worth| worth.iter().sum::<f32>() / cells as f32).collect();
+    let total: f32 = of_lamps.iter().sum();
+    if !(total > 0.0 && total.is_finite()) {
+        return None;
+    }
+    let flux: f32 = scene.lights.iter().map(|light| mean(light.flux())).sum();
+    let mut sum = 0.0;
+    let shares = scene.lights.iter().zip(&of_lamps).map(|(light, worth)| {
+        sum += EVEN * mean(light.flux()) / flux + (1.0 - EVEN) * worth / total;
+        sum
+    });
+    let mut cumulative: Vec<f32> = shares.collect();
+    cumulative.iter_mut().for_each(|end| *end /= sum);
+    let size = EmissionGuide::size(across);
+    let mut guides = vec![0.0; size * scene.lights.len()];
+    for (guide, worth) in guides.chunks_mut(size).zip(worth.chunks(cells)) {
+        EmissionGuide::fill(across, &blurred(worth, across), EVEN, guide).expect("finite weights");
+    }
+    Some(LampEmission { total, cumulative, across, guides })
+}
+
+fn blurred(worth: &[f32], across: usize) -> Vec<f32> {
+    let at = |row: usize, column: usize, (dr, dc, share): (isize, isize, f32)| {
+        let row = row.saturating_add_signed(dr).min(across - 1);
+        // The second number is an angle.
+        let column = (column as isize + dc).rem_euclid(across as isize) as usize;
+        share * worth[row * across + column]
+    };
+    let cell = |cell: usize| BLUR.iter().map(|&step| at(cell / across, cell % across, step)).sum();
+    (0..worth.len()).map(cell).collect()
+}
+
+/// A lamp and what is around it.
+struct Lamp<'a> {
+    scene: &'a Scene,
+    fogs: &'a [Medium<'a>],
+    importance: &'a Importance<'a>,
+    light: &'a Light,
+    origin: Origin,
+}
+
+impl<'a> Lamp<'a> {
+    fn new(scene: &'a Scene, fogs: &'a [Medium<'a>], importance: &'a Importance<'a>, lamp: usize) -> Self {
+        let light = &scene.lights[lamp];
+        Self { scene, fogs, importance, light, origin: Origin::of_light(scene, light) }
+    }
+
+    /// Mean over a cell of what the lamp's light would be worth if all of it left like that.
+    fn of_cell(&self, cell: usize, across: usize, number: u32, knots: &mut Vec<Knot>) -> f32 {
+        let rays = RAYS_ACROSS * RAYS_ACROSS;
+        let mut sum = 0.0;
+        for ray in 0..rays {
+            let mut random = Random::new([0, number, ray, KEY]);
+            let mut place = |cell: usize, ray: u32| {
+                (cell as f32 + (ray as f32 + random.uniform()) / RAYS_ACROSS as f32) / across as f32
+            };
+            let place = [place(cell / across, ray / RAYS_ACROSS), place(cell % across, ray % RAYS_ACROSS)];
+            sum += self.of_place(place, number * rays + ray, &mut random, knots);
+        }
+        sum / rays as f32
+    }
+
+    /// Of the light of one direction, up to where it is scattered; as a straight beam it is worth nothing where
+    /// shadow rays look after that.
+    fn of_place(&self, place: [f32; 2], index: u32, random: &mut Random, knots: &mut Vec<Knot>) -> f32 {
+        let mut sampler = PathSampler::new(Emission::Independent, 0, KEY, index);
+        let emitted = self.light.emit_at(place, &mut sampler);
+        let all = mean(emitted.power);
+        let start = self.origin.of_photon(self.scene, self.light, &emitted);
+        let Some((origin, interior)) = start else { return 0.0 };
+        let start = Ray {
+            origin,
+            direction: emitted.direction,
+            interior,
+            power: all,
+            is_straight: self.light.is_straight(),
+            dark: emitted.dark,
+            until: emitted.until,
+            met: 0,
+            bounds: 0,
+            bounces: 0,
+        };
+        let mut waiting: SmallVec<[Ray; 8]> = smallvec![start];
+        let mut worth = 0.0;
+        while let Some(mut ray) = waiting.pop() {
+            let hit = self.scene.intersect(ray.origin, ray.direction, f32::INFINITY);
+            let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
+            let end = reach.min(ray.until);
+            if let Some(id) = ray.interior.medium(self.scene) {
+                let fog = &self.fogs[id as usize];
+                let dark = ray.dark.min(end);
+                let from = ray.origin + dark * ray.direction;
+                let found = self.importance.of_segment(fog, from, ray.direction, end - dark);
+                let is_seen = !ray.is_straight || is_left_to_beams(self.scene, id);
+                let scattered = if self.scene.allows(ray.bounces + 1) { found.scattered } else { 0.0 };
+                worth += ray.power * (scattered + if is_seen { found.beam } else { 0.0 });
+                let column = media::column(fog, ray.origin, ray.direction, reach, knots);
+                ray.power *= fog.mean_transmittance(column.at(reach));
+            }
+            let Some(hit) = hit.filter(|hit| hit.distance < ray.until) else { continue };
+            let is_lit = hit.distance >= ray.dark;
+            let mut goes_straight = false;
+            ray.met += 1;
+            let here = || self.importance.at(hit.position);
+            match *self.scene.material(&hit) {
+                Material::Clear => {
+                    ray.met -= 1;
+                    ray.bounds += 1;
+                    goes_straight = true;
+                    ray.interior = ray.interior.through(self.scene, &hit, ray.direction);
+                }
+                Material::Lambert { albedo } if is_lit => {
+                    let may_bounce = self.scene.allows(ray.bounces + 1);
+                    worth += ray.power * of_diffuse(albedo, &here(), ray.is_straight, may_bounce);
+                    continue;
+                }
+                Material::Lobes(ref lobes) => {
+                    let mut pair = || [random.uniform(), random.uniform()];
+                    let (facet, xi) = (pair(), pair());
+                    let met = Encounter::new(self.scene, &hit, ray.direction, &ray.interior, lobes, facet);
+                    if is_lit {
+                        let albedo = lobes.diffuse + lobes.translucent;
+                        let may_bounce = self.scene.allows(ray.bounces + 1);
+                        worth += ray.power * of_diffuse(albedo, &here(), ray.is_straight, may_bounce);
+                    }
+                    let way = met.draw(Vec3::ONE, random.uniform(), xi);
+                    let Some(way) = way.filter(|way| !way.lobe.is_diffuse()) else { continue };
+                    goes_straight = way.lobe == Lobe::Transparent;
+                    ray.power *= mean(way.factor);
+                    (ray.direction, ray.interior) = (way.direction, way.interior);
+                }
+                Material::Mirror { reflectance } if is_lit => {
+                    ray.power *= mean(reflectance);
+                    ray.direction = reflect(ray.direction, facing_normal(&hit, ray.direction));
+                }
+                Material::Black | Material::Lambert { .. } | Material::Mirror { .. } => continue,
+                Material::Dielectric { .. } => {
+                    let boundary = Boundary::new(self.scene, &hit, ray.direction, &ray.interior);
+                    goes_straight = boundary.is_matched();
+                    let [back, through] = [boundary.reflectance, 1.0 - boundary.reflectance];
+                    let reflected = Ray { direction: boundary.reflected, ..ray.clone() };
+                    let refracted = boundary.refracted.map(|direction| Ray {
+                        direction,
+                        interior: boundary.beyond,
+                        ..ray.clone()
+                    });
+                    // A mean of few rays would miss most of what is reflected.
+                    if back.min(through) * ray.power > LEAST_SHARE * all {
+                        let reflected = Ray { power: back * ray.power, ..reflected };
+                        let refracted = refracted.map(|way| Ray { power: through * ray.power, ..way });
+                        let ways = [Some(reflected), refracted].into_iter().flatten();
+                        waiting.extend(ways.filter_map(|way| way.go_on(self.scene, &hit, goes_straight)));
+                        continue;
+                    }
+                    ray = refracted.filter(|_| random.uniform() < through).unwrap_or(reflected);
+                }
+            }
+            waiting.extend(ray.go_on(self.scene, &hit, goes_straight));
+        }
+        worth
+    }
+}
+
+/// On its way from a lamp.
+#[derive(Clone)]
+struct Ray {
+    origin: Vec3,
+    direction: Vec3,
+    interior: Interior,
+    power: f32,
+    is_straight: bool,
+    /// How far from here its light begins, and ends.
+    dark: f32,
+    until: f32,
+    /// Surfaces that are more than bounds of fog, and those that are not.
+    met: u32,
+    bounds: u32,
+    /// How often its light has been reflected and refracted.
+    bounces: u32,
+}
+
+impl Ray {
+    /// From a surface, which may be as if nothing were there. None: there is no light of it yet, or it has met enough.
+    fn go_on(mut self, scene: &Scene, hit: &Hit, is_straight: bool) -> Option<Self> {
+        if !is_straight && hit.distance < self.dark {
+            return None;
+        }
+        self.is_straight &= is_straight;
+        self.bounces += u32::from(!is_straight);
+        (self.dark, self.until) = match is_straight {
+            true => ((self.dark - hit.distance).max(0.0), self.until - hit.distance),
+            false => (0.0, f32::INFINITY),
+        };
+        self.origin = hit.leave(self.direction);
+        let goes_on = self.met < LONGEST && self.bounds < MOST_BOUNDS && scene.allows(self.bounces);
+        goes_on.then_some(self)
+    }
+}

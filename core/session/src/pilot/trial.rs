@@ -1,0 +1,145 @@
+//! Whether guided light paths are worth more than plain ones: a trial of both.
+//!
+//! Guided paths are to bring about as much of the picture each as any other. In thick fog light is scattered dozens of times on its way to the
+//! camera, and as many random decisions to split a path or to end it leave few trees that arrive, with thousands of branches: plain paths are
+//! more alike there, and cost a tenth.
+
+use super::instant::Poll;
+use crate::color::mean;
+use crate::eye::straight::is_left_to_beams;
+use crate::kind::Kind;
+use crate::paths::guidance::Guidance;
+use crate::paths::record::{PathBeam, PhotonRecord};
+use crate::paths::{PhotonTracer, Record};
+use crate::random::Emission;
+use crate::scene::Scene;
+use covbeam::Medium;
+
+/// Plain paths.
+const PATHS: u32 = 2048;
+
+/// Sequence of plain paths.
+const SEQUENCE: u32 = 0x7e57;
+
+/// Guided paths that are less even than plain ones, but at least by this share as even, are worth it if they are the more even for each beam:
+/// where nothing ends plain paths, as between walls of glass, these have ten times the beams, and a pass takes ten times as long.
+const HALF: f64 = 0.5;
+
+/// Whether guided paths are worth more than plain ones.
+///
+/// - `guided`: the [`worth`] of each, and `beams`: what all of them leave in maps. Cost: of 2048 plain paths.
+pub(super) fn pays(
+    guidance: &Guidance,
+    scene: &Scene,
+    fogs: &[Medium],
+    guided: &[f32],
+    beams: usize,
+    cancelled: Poll,
+) -> bool {
+    let tracer = PhotonTracer::new(scene, 0, Emission::LowDiscrepancy);
+    let mut beams_of_plain = 0;
+    let plain = (0..PATHS).take_while(|_| !cancelled()).map(|index| {
+        let mut record = PhotonRecord::default();
+        tracer.trace(SEQUENCE, index, PATHS, Record::Beams, &mut record);
+        beams_of_plain += record.beams.iter().filter(|path| is_gathered(scene, path)).count();
+        worth(guidance, scene, fogs, &record, [0, 0])
+    });
+    let [of_guided, of_plain] = [evenness(guided), evenness(&plain.collect::<Vec<f32>>())];
+    let beams = [beams as f64 / guided.len() as f64, beams_of_plain as f64 / f64::from(PATHS)];
+    is_better([of_guided, of_plain], beams)
+}
+
+/// By evenness and beams a path, of guided paths and plain ones.
+fn is_better([guided, plain]: [f64; 2], [of_guided, of_plain]: [f64; 2]) -> bool {
+    guided >= plain || guided >= HALF * plain && guided * of_plain >= plain * of_guided
+}
+
+/// How much of the picture's light, relative to its brightness, the paths of a record bring about that are not straight from lamps.
+///
+/// - `from`: the first beam and surface photon that count.
+pub(super) fn worth(
+    guidance: &Guidance,
+    scene: &Scene,
+    fogs: &[Medium],
+    record: &PhotonRecord,
+    from: [usize; 2],
+) -> f32 {
+    let importance = guidance.importance();
+    let of_beams = record.beams[from[0]..].iter().map(|path| {
+        if !is_gathered(scene, path) {
+            return 0.0;
+        }
+        let beam = &path.beam;
+        let fog = &fogs[path.medium as usize];
+        mean(beam.power) * importance.of_segment(fog, beam.origin, beam.direction, beam.length).beam
+    });
+    let of_surfaces = record.surface[from[1]..]
+        .iter()
+        .map(|photon| mean(photon.power) * importance.at(photon.position).surface);
+    of_beams.chain(of_surfaces).sum()
+}
+
+/// Whether it becomes part of a map.
+pub(super) fn is_gathered(scene: &Scene, path: &PathBeam) -> bool {
+    path.kind != Kind::Straight || is_left_to_beams(scene, path.medium)
+}
+
+/// The share of paths that would bring about all there is, each the same: 1 where all do, k/n where k of n bring all of it; 0 without any.
+///
+/// (Σ √w)² / (n Σ w), for what each brings is far from any normal distribution: a variance would be that of the few largest.
+fn evenness(worth: &[f32]) -> f64 {
+    let sum: f64 = worth.iter().map(|worth| f64::from(*worth)).sum();
+    let roots: f64 = worth.iter().map(|worth| f64::from(*worth).sqrt()).sum();
+    if sum > 0.0 { roots * roots / (sum * worth.len() as f64) } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made::{Made, camera, cuboid, point};
+    use crate::pilot::Spread;
+    use crate::pilot::of_still;
+    use crate::scene::{Material, media};
+
+    /// None but one that brings all, all of them the same, and numbers w = u² with the density 1/(2√w): Σ√w = n/2 and Σw = n/3.
+    #[test]
+    fn evenness_is_the_share_of_paths_that_count() {
+        let squares: Vec<f32> = (0..1000).map(|i| ((i as f32 + 0.5) / 1000.0).powi(2)).collect();
+        assert_eq!([evenness(&[]), evenness(&[0.0; 4]), evenness(&[0.0, 4.0, 0.0, 0.0])], [0.0, 0.0, 0.25]);
+        assert!((evenness(&[3.0; 9]) - 1.0).abs() < 1e-12);
+        assert!((evenness(&squares) - 0.75).abs() < 1e-5);
+    }
+
+    /// A shaft, a bottle, thick fog, and two where fewer beams, and where as many, are no reason.
+    #[test]
+    fn guided_paths_are_better_where_they_are_more_even_or_nearly_so_with_fewer_beams() {
+        let cases = [
+            ([0.65, 0.18], [2.3, 1.4], true),
+            ([0.49, 0.64], [9.3, 83.0], true),
+            ([0.006, 0.041], [6.0, 24.0], false),
+            ([0.008, 0.052], [6.0, 84.0], false),
+            ([0.2, 0.3], [5.0, 5.0], false),
+        ];
+        for (evenness, beams, expected) in cases {
+            assert_eq!(is_better(evenness, beams), expected, "{evenness:?} {beams:?}");
+        }
+    }
+
+    /// A room of fog that absorbs nothing, and a lamp five metres from the camera.
+    #[test]
+    fn guided_paths_pay_in_thin_fog_and_not_where_light_is_scattered_dozens_of_times() {
+        let pays = [0.1, 0.3, 1.0, 1.5].map(|scattering| {
+            let scene = Made::new(camera([0.0, 0.5, -5.0], [0.0; 3], 35.0, [16, 16]))
+                .fog(scattering, 0.0)
+                .in_fog()
+                .object(cuboid([-4.0, -4.0, -6.0], [4.0; 3]), Material::Black)
+                .light(point([0.5, 2.5, 0.0], 25.0))
+                .scene();
+            let fogs = media::all(&scene);
+            let mut tracer = PhotonTracer::new(&scene, 0, Emission::LowDiscrepancy);
+            tracer.guide(of_still(&scene, &fogs).expect("light"));
+            Spread::of(&tracer, &fogs, &|| false).is_some()
+        });
+        assert_eq!(pays, [true, true, false, false]);
+    }
+}

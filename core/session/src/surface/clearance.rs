@@ -1,0 +1,242 @@
+//! How smooth diffuse light on a surface may be, by what is around the place.
+
+use crate::light::cosine_direction;
+use crate::random::Random;
+use crate::scene::Scene;
+use crate::scene::optics::facing_normal;
+use covbeam_geometry::hit::Hit;
+use glam::Vec3;
+use std::f32::consts::TAU;
+
+/// Photons count where the normal differs by less than this cosine: others lie on another surface.
+pub(crate) const FLAT: f32 = 0.9;
+
+/// Rays that look for other surfaces.
+const CONTACT_RAYS: u32 = 2;
+
+/// Places around a disk that look for the border of the surface, and where, as a share of its radius.
+const RING: u32 = 4;
+const RING_AT: f32 = 0.8;
+
+/// Places in it that say how much of it lies on the surface, and whether that is enough.
+const PLACES: u32 = 16;
+const FEW_PLACES: u32 = 8;
+
+/// With less of it on the surface a disk is halved, at most as often as this. (A corner has a quarter of any.)
+const LEAST_SHARE: f32 = 0.25;
+const NARROWINGS: u32 = 4;
+
+/// Height over the next place, as a share of the step there.
+const RISE: f32 = 0.25;
+
+/// Sides of glass that are looked through.
+const MOST_SIDES: u32 = 4;
+
+/// Turns from one place to the next: evenly around.
+const GOLDEN: f32 = 0.618_034;
+
+/// How far light that arrives diffusely may be spread around a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Clearance {
+    /// Radius of the disk \[m\].
+    pub(crate) radius: f32,
+    /// Share of it that lies on the surface, weighted as its photons are: light from the rest is none, and not dark.
+    pub(crate) share: f32,
+}
+
+impl Clearance {
+    /// All of it on the surface.
+    pub(crate) fn of(radius: f32) -> Self {
+        Self { radius, share: 1.0 }
+    }
+
+    /// At most `reach`: no farther than other surfaces are along random rays, since light varies over no less than about that (G. Ward,
+    /// F. Rubinstein and R. Clear 1988 bound the gradient of irradiance by the mean distance).
+    ///
+    /// - `start`: beside the surface; `normal`: of the surface, on that side, unit.
+    /// - `reach`: least radius near other surfaces, and largest \[m\] > 0. Where the surface itself is narrow it is less.
+    ///
+    /// Cost: ten short rays, and at borders 48 more, or up to 144 on what is narrow.
+    pub(crate) fn new(
+        scene: &Scene,
+        start: Vec3,
+        normal: Vec3,
+        [least, most]: [f32; 2],
+        random: &mut Random,
+    ) -> Self {
+        let (least, mut radius) = (least.min(most), most);
+        // Plain disks are narrowed by nothing.
+        let rays = if least < most { CONTACT_RAYS } else { 0 };
+        for _ in 0..rays {
+            let direction = cosine_direction(normal, [random.uniform(), random.uniform()]);
+            if let Some(hit) = scene.intersect_solid(start, direction, radius) {
+                radius = hit.distance.max(least);
+            }
+        }
+        let (across, aside) = normal.any_orthonormal_pair();
+        let is_on = |distance: f32, turned: f32| {
+            let (sin, cos) = (TAU * turned).sin_cos();
+            goes_on(scene, start, normal, distance * (cos * across + sin * aside))
+        };
+        let turn = random.uniform();
+        if (0..RING).all(|number| is_on(RING_AT * radius, turn + number as f32 / RING as f32)) {
+            return Self::of(radius);
+        }
+        let mut share = |radius: f32, places: u32| {
+            let (turn, shift) = (random.uniform(), random.uniform());
+            let on = (0..places).filter(|number| {
+                // As many below each radius as weigh there: 2 q² - q⁴ of an Epanechnikov kernel.
+                let below = (*number as f32 + shift) / places as f32;
+                is_on(radius * (1.0 - (1.0 - below).sqrt()).sqrt(), turn + *number as f32 * GOLDEN)
+            });
+            on.count() as f32 / places as f32
+        };
+        let mut found = share(radius, FEW_PLACES);
+        for _ in 0..NARROWINGS {
+            if found >= LEAST_SHARE {
+                break;
+            }
+            radius *= 0.5;
+            found = share(radius, FEW_PLACES);
+        }
+        // Places that decided nothing: what is accepted for being large is too large. Light is divided by it, so little is looked at closely.
+        let share = share(radius, if found < 0.5 { 2 * PLACES } else { PLACES });
+        Self { radius, share: share.max(0.5 * LEAST_SHARE) }
+    }
+}
+
+/// Whether the surface is also there a step further, with nothing in between.
+fn goes_on(scene: &Scene, start: Vec3, normal: Vec3, step: Vec3) -> bool {
+    // What is [`FLAT`] rises and falls by less.
+    let height = RISE * step.length();
+    let over = step + height * normal;
+    let length = over.length();
+    if nearest(scene, start, over / length, length).is_some() {
+        return false;
+    }
+    let below = nearest(scene, start + over, -normal, 2.0 * height);
+    below.is_some_and(|hit| facing_normal(&hit, -normal).dot(normal) > FLAT)
+}
+
+/// The nearest surface on a way but for glass, under which others have photons all the same.
+fn nearest(scene: &Scene, mut start: Vec3, direction: Vec3, mut length: f32) -> Option<Hit> {
+    for _ in 0..MOST_SIDES {
+        let hit = scene.intersect_solid(start, direction, length)?;
+        let material = *scene.material(&hit);
+        if !material.has_inside() || material.diffuse() != Vec3::ZERO {
+            return Some(hit);
+        }
+        (start, length) = (hit.leave(direction), length - hit.distance);
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kind::Kind;
+    use crate::made::{Made, camera, cuboid, point, rectangle, sphere};
+    use crate::scene::Material;
+    use crate::surface::{CROWD, Disks, SurfaceMap, SurfacePhoton, flat_within};
+    use covbeam::Curvature;
+
+    const REACH: f32 = 0.2;
+
+    /// A floor of 2 x 2 m that a box hovers over a part of, and a board beside it, 6 cm wide.
+    fn scene() -> Scene {
+        let square = rectangle([-1.0, 0.0, -1.0], [0.0, 0.0, 2.0], [2.0, 0.0, 0.0]);
+        let board = rectangle([4.0, 0.0, -1.0], [0.0, 0.0, 2.0], [0.06, 0.0, 0.0]);
+        Made::new(camera([0.0, 3.0, 0.0], [0.0, 0.0, 0.1], 1.0, [1, 1]))
+            .object(square, Material::Black)
+            .object(cuboid([-0.9, 0.01, -0.9], [-0.3, 0.5, 0.9]), Material::Black)
+            .object(board, Material::Black)
+            .object(sphere([8.0, 0.0, 0.0], 0.1), Material::Black)
+            .object(sphere([0.5, 0.1, 0.5], 0.09999), Material::Dielectric { index: 1.5 })
+            .light(point([0.0, 5.0, 0.0], 1.0))
+            .scene()
+    }
+
+    /// At a place on the floor.
+    fn found(place: [f32; 2]) -> Vec<Clearance> {
+        let (scene, start) = (scene(), Vec3::new(place[0], 1e-6, place[1]));
+        let of =
+            |index| Clearance::new(&scene, start, Vec3::Y, [0.0, REACH], &mut Random::new([index, 0, 0, 0]));
+        (0..4000).map(of).collect()
+    }
+
+    #[test]
+    fn nothing_is_in_the_way_on_an_open_floor() {
+        assert!(found([0.3, 0.0]).iter().all(|clear| *clear == Clearance::of(REACH)));
+    }
+
+    #[test]
+    fn in_a_gap_it_is_about_as_wide_as_the_gap() {
+        // A cosine-weighted ray goes farther than d with probability (h/d)², both of two with its square: 4/3 h is the mean.
+        let found = found([-0.6, 0.0]);
+        let mean = found.iter().map(|clear| clear.radius).sum::<f32>() / found.len() as f32;
+        assert!(mean < 1.34 * 0.01 && mean > 0.001, "{mean}");
+    }
+
+    #[test]
+    fn the_share_of_a_disk_beside_a_border_is_that_of_its_kernel() {
+        for q in [0.1, 0.3, 0.5] {
+            // Beyond a line at q of the radius: ∫ 8/(3π) (1 - x²)^(3/2) dx from q to 1, by midpoints.
+            let steps = 10_000;
+            let at = |step| q + (1.0 - q) * (f64::from(step) + 0.5) / f64::from(steps);
+            let sum: f64 = (0..steps).map(|step| (1.0 - at(step) * at(step)).powf(1.5)).sum();
+            let expected = 1.0 - 8.0 / (3.0 * std::f64::consts::PI) * sum * (1.0 - q) / f64::from(steps);
+            let found = found([1.0 - q as f32 * REACH, 0.0]);
+            assert!(found.iter().all(|clear| clear.radius == REACH));
+            let share = found.iter().map(|clear| f64::from(clear.share)).sum::<f64>() / found.len() as f64;
+            // 4,000 draws of 16 places or more, more even than at random: below .5/sqrt(64,000).
+            assert!((share - expected).abs() < 0.002, "{share} for {expected}");
+        }
+    }
+
+    #[test]
+    fn a_ball_is_a_surface_as_far_as_it_is_flat_and_glass_is_none_that_ends_another() {
+        let scene = scene();
+        let ball = flat_within(&Curvature { along: 10.0, across: 10.0, ..Curvature::default() });
+        let (on_ball, under_glass) = (Vec3::new(8.0, 0.100_001, 0.0), Vec3::new(0.5, 1e-6, 0.52));
+        for (start, reach) in [(on_ball, ball), (under_glass, 0.05)] {
+            for index in 0..1000 {
+                let random = &mut Random::new([index, 3, 0, 0]);
+                let clear = Clearance::new(&scene, start, Vec3::Y, [reach, reach], random);
+                assert_eq!(clear, Clearance::of(reach));
+            }
+        }
+    }
+
+    /// Disks that are wider than a board reach beyond it everywhere, or at its sides; light on it is as bright as if they did not.
+    #[test]
+    fn light_on_a_narrow_board_is_all_there() {
+        for reach in [0.02, 0.05, 0.1, 0.2, 0.6] {
+            light_on_a_board(reach);
+        }
+    }
+
+    fn light_on_a_board(reach: f32) {
+        const PHOTONS: u32 = 20_000;
+        let (scene, [across, along]) = (scene(), [0.06, 2.0]);
+        let place = |random: &mut Random| {
+            Vec3::new(4.0 + across * random.uniform(), 0.0, along * (random.uniform() - 0.5))
+        };
+        let photons = (0..PHOTONS).map(|index| {
+            let position = place(&mut Random::new([index, 1, 0, 0]));
+            SurfacePhoton { position, normal: Vec3::Y, power: Vec3::ONE, caustic: false }
+        });
+        let disks = Disks { diffuse: reach, caustic: 0.0, crowd: Some(CROWD), within: true };
+        let map = SurfaceMap::build(photons.collect(), disks);
+        let seen = |index| {
+            let random = &mut Random::new([index, 2, 0, 0]);
+            let point = place(random);
+            let clear = Clearance::new(&scene, point + 1e-6 * Vec3::Y, Vec3::Y, map.reach().unwrap(), random);
+            assert!(clear.radius > 0.01, "narrowed to {}", clear.radius);
+            map.irradiance(point, Vec3::Y, &Curvature::default(), clear)[Kind::Scattered as usize].x
+        };
+        let mean = (0..8000).map(seen).sum::<f32>() / 8000.0;
+        let expected = PHOTONS as f32 / (across * along);
+        // All photons are in some look-up: 1/sqrt(20,000). 1/share of so many places is up to 1.6 % too much.
+        assert!((mean / expected - 1.0).abs() < 0.023, "{mean} for {expected} with a reach of {reach}");
+    }
+}

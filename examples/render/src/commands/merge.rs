@@ -1,0 +1,115 @@
+//! `covbeam merge`: from shards to the picture, or to a larger shard.
+
+use crate::commands::cli::MergeArgs;
+use crate::commands::failure::{Refused, Usage};
+use covbeam_render::files::output::{check_writable, write_exr, write_png};
+use covbeam_render::files::shard::{PassRange, Passes, Shard, write_shard};
+use covbeam_render::progress::{Display, Standing, seconds};
+use serde_json::json;
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+pub(crate) fn run(args: &MergeArgs) -> Result<ExitCode, Box<dyn Error>> {
+    let start = Instant::now();
+    let (out, png) = (&args.out, args.out.with_extension("png"));
+    let is_picture = out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr"));
+    if !is_picture && (args.passes.is_some() || args.allow_gaps) {
+        return Err(
+            Usage("--passes and --allow-gaps are for pictures: a shard may have gaps".to_owned()).into()
+        );
+    }
+    let written: &[&Path] = if is_picture { &[out, &png] } else { &[out] };
+    written.iter().try_for_each(|path| check_writable(path))?;
+    let shards = args.shards.iter().map(|path| Shard::open(path)).collect::<Result<Vec<_>, _>>()?;
+    let passes = all_passes(&shards)?;
+    let missing = if is_picture { passes.gaps(expected(&passes, args.passes)?) } else { Vec::new() };
+    let missing: Vec<String> = missing.iter().map(ToString::to_string).collect();
+    let missing = missing.join(", ");
+    if !(missing.is_empty() || args.allow_gaps) {
+        return Err(Refused(format!(
+            "the passes {missing} are in no shard; render them, or take the picture without them with --allow-gaps"
+        ))
+        .into());
+    }
+
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads as usize).build()?;
+    let listener = args.progress.listener();
+    let display = Display::for_listener(listener);
+    let count = shards.len();
+    // One that was opened first says what all are of.
+    let Some(first) = shards.first() else {
+        return Err(Usage("there is no shard to merge".to_owned()).into());
+    };
+    let (origin, mut film) = (first.origin().clone(), first.film());
+    for (number, shard) in shards.iter().enumerate() {
+        let step = format!("shard {} of {count}: {}", number + 1, shard.path().display());
+        let share = number as f64 / count as f64;
+        let left = (number > 0).then(|| start.elapsed().mul_f64((1.0 - share) / share));
+        display.show_all(&Standing {
+            step: &step,
+            share: Some(share),
+            left,
+            facts: json!({ "shard": number, "shards": count }),
+        });
+        pool.install(|| shard.add_to(&mut film))?;
+    }
+    display.finish();
+
+    let mut text = format!("merged {count} shards, passes {passes}, in {}\n", seconds(start.elapsed()));
+    if is_picture {
+        let picture = pool.install(|| film.picture());
+        write_exr(out, &picture, &origin.info(film.passes()))?;
+        write_png(&png, &picture)?;
+        text += &format!(
+            "wrote {} (linear radiance and layers) and {} (preview)\n",
+            out.display(),
+            png.display()
+        );
+    } else {
+        pool.install(|| write_shard(out, &origin, &passes, &film))?;
+        text += &format!("wrote {} (sums)\n", out.display());
+    }
+    if !missing.is_empty() {
+        text += &format!("without the passes {missing}\n");
+    }
+    let files: Vec<PathBuf> = written.iter().map(|path| path.to_path_buf()).collect();
+    listener.done(&text, json!({ "files": files, "passes": passes.ranges(), "missing": missing }));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The passes that should be in a picture.
+fn expected(passes: &Passes, asked: Option<u32>) -> Result<PassRange, Refused> {
+    let last = passes.ranges().last().map_or(0, |range| range.end);
+    match asked.filter(|asked| *asked < last) {
+        None => Ok(PassRange { start: 0, end: asked.unwrap_or(last) }),
+        Some(asked) => Err(Refused(format!(
+            "there are shards with the passes {passes}, and --passes {asked} wants 0..{asked}; leave those beyond out, or --passes"
+        ))),
+    }
+}
+
+/// The passes of shards that are of one picture, none of them twice.
+fn all_passes(shards: &[Shard]) -> Result<Passes, Refused> {
+    let mut passes = Passes::default();
+    for (number, shard) in shards.iter().enumerate() {
+        let path = shard.path().display();
+        if let Some(difference) = shards[0].origin().difference(shard.origin()) {
+            let first = shards[0].path().display();
+            return Err(Refused(format!(
+                "'{path}' is not of the picture that '{first}' is of, which has {difference}"
+            )));
+        }
+        if let Some(twice) = passes.overlap(shard.passes()) {
+            let other =
+                shards[..number].iter().find(|other| other.passes().overlap(shard.passes()).is_some());
+            let other = other.map_or_else(|| path.to_string(), |other| other.path().display().to_string());
+            return Err(Refused(format!(
+                "the passes {twice} are in '{other}' and in '{path}'; leave one of them out"
+            )));
+        }
+        passes.add(shard.passes());
+    }
+    Ok(passes)
+}
