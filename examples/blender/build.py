@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Builds the extension for the machine that this runs on: covbeam-VERSION-PLATFORM.zip, to be dropped into Blender.
 
-Needs Python 3.11 or newer with hatchling. Builds the library with cargo, unless COVBEAM_RAYS_LIBRARY names a built one.
+Needs Python 3.11 or newer with hatchling. Builds the library with cargo, unless COVBEAM_LIBRARY names a built one.
 The same input gives the same bytes.
 """
 
@@ -17,9 +17,10 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 ADDON = HERE / "addon"
+REPOSITORY = HERE.parent.parent
 
-#: The project of the wheel.
-PROJECT = HERE / "rays" / "python"
+#: The project of the wheel: covbeam's Python module.
+PROJECT = REPOSITORY / "ffi" / "python"
 
 #: The line of the manifest that is replaced.
 PLACE = "# build.py puts version, platforms and wheels here.\n"
@@ -37,7 +38,7 @@ PLATFORMS = {
 
 def build_wheel(folder):
     """Builds the wheel into `folder`; returns its path."""
-    print(f"building the wheel of {PROJECT.relative_to(HERE.parent.parent)}, with its library", flush=True)
+    print(f"building the wheel of {PROJECT.relative_to(REPOSITORY)}, with its library", flush=True)
     command = [sys.executable, "-m", "hatchling", "build", "--target", "wheel", "--directory", str(folder)]
     ended = subprocess.run(command, cwd=PROJECT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     if ended.returncode != 0:

@@ -37,6 +37,8 @@ mod pair;
 mod phase;
 mod picture;
 mod segment;
+#[cfg(feature = "session")]
+mod session;
 mod spectrum;
 mod status;
 mod types;

@@ -15,9 +15,10 @@ fail() { echo "abi: $*" >&2; exit 1; }
 
 # describe FOLDER SONAME: of the headers in it, into $work/covbeam.abi, from a library whose functions do nothing.
 describe() {
-    cp "$1"/covbeam.h "$1"/covbeam_extra.h "$work"
+    cp "$1"/covbeam.h "$1"/covbeam_extra.h "$1"/covbeam_session.h "$work"
+    printf '#include "covbeam_extra.h"\n#include "covbeam_session.h"\n' > "$work/all.h"
     # A declaration begins a line and may go on; one that ends without a body gets one.
-    (cd "$work" && cc -E -P covbeam_extra.h | awk '
+    (cd "$work" && cc -E -P all.h | awk '
         /^[a-z]/ { text = ""; open = !/^(typedef|static|extern)/ }
         { text = text $0 "\n" }
         /;$/ && open && text ~ /covbeam_[a-z0-9_]+\(/ { sub(/;\n$/, " { __builtin_trap(); }\n", text) }
@@ -44,7 +45,7 @@ and, where a program must be compiled anew, another COVBEAM_ABI_VERSION and vers
 # What must be noticed: a field more, another type, a function less.
 broken() {
     mkdir -p "$work/broken"
-    cp "$root/include/covbeam_extra.h" "$work/broken"
+    cp "$root"/include/covbeam_{extra,session}.h "$work/broken"
     sed "$1" "$root/include/covbeam.h" > "$work/broken/covbeam.h"
     ! cmp -s "$work/broken/covbeam.h" "$root/include/covbeam.h" || fail "'$1' changes nothing"
     describe "$work/broken" "libcovbeam.so.0"

@@ -9,7 +9,7 @@ versions=(5.0.1 4.2.23)
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
 export PYTHONDONTWRITEBYTECODE=1 PIP_DISABLE_PIP_VERSION_CHECK=1
-unset PYTHONPATH COVBEAM_RAYS_LIBRARY
+unset PYTHONPATH COVBEAM_LIBRARY
 
 fail() { echo "blender: $*" >&2; exit 1; }
 # shellcheck source=tests/clients/beside.sh
@@ -47,10 +47,10 @@ for job in "${jobs[@]}"; do
 done
 
 # Once is enough for what does not depend on Blender, and for the long comparison of brightness with Cycles.
-once=" test_host.py test_host_hard.py test_rays.py test_calibration.py "
+once=" test_host.py test_host_hard.py test_session.py test_calibration.py "
 # What takes longest begins first, so that nothing long is left to the end. What measures time, and waits most of it, comes last.
 long=(test_calibration.py test_export_sky.py test_host_hard.py test_export_smoke.py test_export_vdb.py test_export_density.py test_host.py)
-timed=(test_robustness.py test_rays.py test_engine.py test_viewport.py test_view3d.py test_export.py)
+timed=(test_robustness.py test_session.py test_engine.py test_viewport.py test_view3d.py test_export.py)
 
 # try VERSION TEST: runs it, and tells what has come of it.
 try() {

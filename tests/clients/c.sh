@@ -13,7 +13,7 @@ strict="-Wall -Wextra -Wpedantic -Werror"
 fail() { echo "c: $*" >&2; exit 1; }
 
 # The headers, with nothing before them and nothing after them.
-echo '#include <covbeam_extra.h>' | tee "$work/alone.c" > "$work/alone.cpp"
+printf '#include <covbeam_extra.h>\n#include <covbeam_session.h>\n' | tee "$work/alone.c" > "$work/alone.cpp"
 known=()
 for compiler in gcc clang g++ clang++; do
     case "$compiler" in
@@ -32,7 +32,7 @@ for compiler in gcc clang g++ clang++; do
         known+=("$compiler:$standard")
     done
 done
-echo "c: covbeam.h and covbeam_extra.h alone, without a warning: ${known[*]}"
+echo "c: covbeam.h, covbeam_extra.h and covbeam_session.h alone, without a warning: ${known[*]}"
 
 # The example of the README at the root.
 awk '/^```c$/ { inside = 1; next } /^```$/ { inside = 0 } inside' "$root/README.md" > "$work/readme.c"

@@ -44,6 +44,7 @@ full="$(basename "$(realpath "$prefix/lib/$soname")")"
 same "the list of installed files" "$(cd "$prefix" && find . ! -type d | LC_ALL=C sort)" "./include/covbeam.h
 ./include/covbeam.hpp
 ./include/covbeam_extra.h
+./include/covbeam_session.h
 ./lib/cmake/covbeam/covbeam-config-version.cmake
 ./lib/cmake/covbeam/covbeam-config.cmake
 ./lib/libcovbeam.a
@@ -57,33 +58,43 @@ for link in libcovbeam.so "$soname"; do
 done
 readelf -d "$shared" > "$work/dynamic"
 same "the SONAME" "$(sed -n 's/.*SONAME.*\[\(.*\)\]/\1/p' "$work/dynamic")" "$soname"
-# The C library, its loader, and gcc's unwinder for panics.
+# The C library with its mathematics, its loader, and gcc's unwinder for panics.
 same "the list of libraries needed" \
     "$(sed -n 's/.*NEEDED.*\[\(.*\)\.so\.[0-9]*\]/\1/p' "$work/dynamic" | grep -v '^ld-linux' | LC_ALL=C sort)" "libc
-libgcc_s"
+libgcc_s
+libm"
 if ldd "$shared" | grep 'not found'; then fail "a library is missing (above)"; fi
 
 # What is exported is what the headers declare but for their inline functions, and nothing else.
 nm -D --defined-only "$shared" | awk '{ print $NF }' | LC_ALL=C sort > "$work/exported"
-printf '#include <covbeam_extra.h>\n' | cc -E -P -I"$prefix/include" - | grep -vE '^(static inline| +return) ' | tr '\n' ' ' |
+printf '#include <covbeam_extra.h>\n#include <covbeam_session.h>\n' | cc -E -P -I"$prefix/include" - | grep -vE '^(static inline| +return) ' | tr '\n' ' ' |
     grep -oE '\bcovbeam_[a-z0-9_]+ *\(' | tr -d ' (' | LC_ALL=C sort -u > "$work/declared"
 same "the list of exported symbols" "$(cat "$work/exported")" "$(cat "$work/declared")"
 
-# Writable memory that is not a thread's own. Rust's standard library has some, and the C runtime; covbeam has the hook of panics
+# The kernels alone, as hosts build them that need no sessions.
+cmake -S "$root/ffi" -B "$work/kernels" -DCOVBEAM_SESSION=OFF > "$work/log" || { cat "$work/log"; fail "COVBEAM_SESSION=OFF"; }
+CARGO_NET_OFFLINE=true CARGO_TARGET_DIR="$work/target" cmake --build "$work/kernels"
+kernels="$(find "$work/kernels" "$work/target" -path '*/release/libcovbeam.so' | head -n 1)"
+nm -D --defined-only "$kernels" | awk '{ print $NF }' | LC_ALL=C sort > "$work/exported-kernels"
+printf '#include <covbeam_extra.h>\n' | cc -E -P -I"$prefix/include" - | grep -vE '^(static inline| +return) ' | tr '\n' ' ' |
+    grep -oE '\bcovbeam_[a-z0-9_]+ *\(' | tr -d ' (' | LC_ALL=C sort -u > "$work/declared-kernels"
+same "the list of exported symbols of the kernels alone" "$(cat "$work/exported-kernels")" "$(cat "$work/declared-kernels")"
+
+# Writable memory of those that is not a thread's own. Rust's standard library has some, and the C runtime; covbeam has the hook of panics
 # that was there before it made its own quiet. What the processor can do is kept by those who asked it, always the same. Tables of constants that hold addresses are in .data.rel.ro, read-only once loaded.
-objdump -t "$shared" | awk '/ (\.data|\.bss)\t/ && !/ df / { print $NF }' | LC_ALL=C sort > "$work/globals"
+objdump -t "$kernels" | awk '/ (\.data|\.bss)\t/ && !/ df / { print $NF }' | LC_ALL=C sort > "$work/globals"
 standard='^(__dso_handle|__TMC_END__|completed\.0|DW\.ref\.rust_eh_personality|_rust_extern_with_linkage_.*)$|_(3std|6memchr)([0-9]|$)'
 grep -vE "$standard|^\.(data|bss)$" "$work/globals" > "$work/own" || true
 processor='10std_detect6detect5cache5CACHE|13fearless_simd9X86_LEVEL'
 [ "$(grep -cvE "$processor" "$work/own")" -eq 1 ] && grep -q '7covbeam6status17keep_panics_quiet6BEFORE' "$work/own" ||
     { cat "$work/own"; fail "covbeam has writable memory besides one hook (above)"; }
 
-# No thread can be started by what cannot call for one; no text can reach the host's streams but Rust's own for a panic
+# No thread can be started by the kernels alone, by what cannot call for one; no text can reach the host's streams but Rust's own for a panic
 # outside of a call.
-nm -D --undefined-only "$shared" | awk '{ sub("@.*", "", $NF); print $NF }' > "$work/undefined"
+nm -D --undefined-only "$kernels" | awk '{ sub("@.*", "", $NF); print $NF }' > "$work/undefined"
 if grep -E '^(pthread_create|thrd_create|clone3?|fork|vfork|system|posix_spawn.*|exit|_exit|.*printf|f?puts|fwrite|signal|sigaction)$' \
     "$work/undefined"; then
-    fail "the library calls what it should not (above)"
+    fail "the kernels call what they should not (above)"
 fi
 
 # pkg-config, here and after the tree has moved.
@@ -133,6 +144,6 @@ for wanted in 0.0 0.1.99 0.2 1.0; do
 done
 
 echo "install: $full ($(stat -c %s "$shared") bytes), libcovbeam.a ($(stat -c %s "$prefix/lib/libcovbeam.a") bytes)," \
-    "$(wc -l < "$work/exported") symbols, all declared in covbeam.h and covbeam_extra.h"
-echo "install: writable globals: 1 of covbeam (that panics are quiet), $(grep -cE "$processor" "$work/own") on what the processor can do," \
+    "$(wc -l < "$work/exported") symbols, all declared in covbeam.h, covbeam_extra.h and covbeam_session.h"
+echo "install: the kernels alone: $(strip -o "$work/stripped" "$kernels"; stat -c %s "$work/stripped") bytes of $(strip -o "$work/stripped" "$shared"; stat -c %s "$work/stripped"), both stripped; writable globals: 1 of covbeam (that panics are quiet), $(grep -cE "$processor" "$work/own") on what the processor can do," \
     "$(grep -cE "$standard" "$work/globals") of Rust's standard library and the C runtime; no thread can be started"

@@ -28,7 +28,7 @@ library() {
     shift
     # Sanitizers are unstable flags of a stable compiler; the standard library is that of the toolchain.
     # Optimised less than a release: these builds are made to be checked, not to be fast.
-    (cd "$root" && RUSTC_BOOTSTRAP=1 RUSTFLAGS="$*" CARGO_PROFILE_RELEASE_LTO=off CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16 cargo build --quiet --locked --release --package covbeam-ffi \
+    (cd "$root" && RUSTC_BOOTSTRAP=1 RUSTFLAGS="$*" CARGO_PROFILE_RELEASE_LTO=off CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16 cargo build --quiet --locked --release --package covbeam-ffi --no-default-features \
         --target "$host" --target-dir "$target/$name")
 }
 archive() { echo "$target/$1/$host/release/libcovbeam.a"; }
@@ -52,7 +52,7 @@ echo "-- every function of the headers is called"
 clang "${warnings[@]}" -O2 "${hostile[@]}" "$released" "${libraries[@]}" -o "$build/hostile"
 "$build/hostile" --list | sort > "$build/called"
 # Declarations begin a line; comments do not.
-cat "$root"/include/*.h | grep -E '^[a-z]' | grep -vE '^(typedef|static inline)' | grep -oE 'covbeam_[a-z0-9_]+\(' | tr -d '(' | sort > "$build/declared"
+cat "$root"/include/covbeam.h "$root"/include/covbeam_extra.h | grep -E '^[a-z]' | grep -vE '^(typedef|static inline)' | grep -oE 'covbeam_[a-z0-9_]+\(' | tr -d '(' | sort > "$build/declared"
 diff "$build/declared" "$build/called"
 wc -l < "$build/called"
 

@@ -393,7 +393,7 @@ impl Branch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::made::{Made, camera, cuboid, point};
+    use crate::scene::made::{Made, camera, cuboid, point};
 
     /// In a box of glass a ray along (1, 1, 1) meets every side at 54.7°, beyond the critical angle of 41.8°.
     #[test]

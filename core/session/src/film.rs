@@ -1,5 +1,6 @@
 //! What the passes add up to, with the same bits in whatever order they come.
 
+pub mod passes;
 mod picture;
 mod planes;
 pub mod samples;

@@ -6,14 +6,13 @@
 
 pub mod camera;
 pub mod color;
+pub mod describe;
 pub mod eye;
 pub mod film;
 pub mod gather;
 pub mod kind;
 pub mod lamps;
 pub mod light;
-#[cfg(test)]
-mod made;
 pub mod material;
 pub mod medium;
 pub mod object;
@@ -24,5 +23,7 @@ pub mod plan;
 pub mod random;
 pub mod render;
 pub mod scene;
+pub mod session;
 pub mod settings;
 pub mod surface;
+pub mod work;

@@ -285,6 +285,15 @@ impl<'a> Renderer<'a> {
         Some(())
     }
 
+    /// The next pass before pass `index` whose light fields its grids lack; grids that are beyond it are cleared.
+    fn missing_fields(&mut self, index: u32) -> Option<u32> {
+        let latest = latest_field_pass(index);
+        if self.grids.deposited() > latest {
+            self.grids.clear();
+        }
+        self.next_fields(latest).filter(|next| *next < index && !self.is_all_behind())
+    }
+
     /// Brings the radii of rules that count beams to the state after pass `index`, whose own paths left `record`.
     fn update_radii(
         &mut self,

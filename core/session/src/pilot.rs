@@ -56,8 +56,8 @@ pub(crate) fn of_still(scene: &crate::scene::Scene, fogs: &[covbeam::Medium]) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::made::{BOUND, Made, camera, lambert, point, rectangle, sphere, spot};
     use crate::scene::Scene;
+    use crate::scene::made::{BOUND, Made, camera, lambert, point, rectangle, sphere, spot};
     use crate::scene::media;
     use crate::scene::optics::Interior;
     use glam::Vec3;

@@ -2,6 +2,8 @@
 
 mod coincident;
 pub(crate) mod geometry;
+#[cfg(test)]
+pub(crate) mod made;
 pub mod media;
 mod nesting;
 pub mod optics;
@@ -142,6 +144,14 @@ impl Scene {
         let scatters = |medium: &SceneMedium| medium.medium.scattering != Vec3::ZERO;
         self.lights.iter().any(|light| light.flux() != Vec3::ZERO)
             && (self.media.iter().any(scatters) || self.glows())
+    }
+
+    /// Whether there is any light in its pictures: without, nothing can be traced in it, and they are black.
+    pub fn is_lit(&self) -> bool {
+        match self.sees {
+            Sees::Everything => self.lights.iter().any(|light| light.flux() != Vec3::ZERO),
+            Sees::FogAlone => self.lights_fog(),
+        }
     }
 
     /// Whether any medium sends out light.

@@ -14,9 +14,9 @@ class CovbeamPreferences(bpy.types.AddonPreferences):
         if problem is not None:
             text.draw(self.layout, problem, icon="ERROR", width=90)
             return
-        import covbeam_rays
+        import covbeam
 
-        text.draw(self.layout, f"Ready: covbeam {covbeam_rays.__version__}.", icon="CHECKMARK", width=90)
+        text.draw(self.layout, f"Ready: covbeam {covbeam.__version__}.", icon="CHECKMARK", width=90)
         text.draw(
             self.layout,
             "Choose Covbeam as the render engine, or keep Cycles and open Light in Fog in the render properties.",

@@ -58,7 +58,7 @@ def _problem():
             f"This is Blender {_dotted(bpy.app.version)}. "
             f"Covbeam needs Blender {_dotted(OLDEST_BLENDER[:2])} or newer; get it from blender.org."
         )
-    problems = map(_module_problem, ("numpy", "covbeam_rays"))
+    problems = map(_module_problem, ("numpy", "covbeam.session"))
     return next((problem for problem in problems if problem is not None), None)
 
 

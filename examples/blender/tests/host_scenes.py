@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes for tests of the host, made without Blender."""
 
-import covbeam_rays
 import numpy as np
 from addon.export.meshes import inset
 from addon.host.scene import MATERIAL, Camera, Density, Light, LightKind, Phase, Projection, Scene, Volume
+from covbeam.session import Geometry
 
 
 def icosphere(radius, center=(0, 0, 0), levels=5):
@@ -148,7 +148,7 @@ def point(position, intensity, radius=0.0):
 
 def scene(meshes, lights, volumes, view, world=-1):
     """A Scene of (mesh, material, volume index or -1) triples."""
-    geometry = covbeam_rays.Geometry()
+    geometry = Geometry()
     reach = max((float(np.abs(mesh[0]).max()) for mesh, _, _ in meshes), default=0.0)
     for number, ((positions, triangles, normals), surface, _) in enumerate(meshes):
         mesh, matrix = geometry.add_mesh(positions, triangles, number, normals), np.eye(4)

@@ -3,7 +3,7 @@
 
     python measure_renderer.py COVBEAM [--size 192] [--passes 24] [--photons 5000]
 
-COVBEAM: the renderer's program, from `cargo build --release`; the library that covbeam_rays finds must be of a release build, too. A pass is
+COVBEAM: the renderer's program, from `cargo build --release`; the library in the covbeam wheel must be of a release build, too. A pass is
 the difference between a short run and a long one; the start is what is left of the short one.
 """
 

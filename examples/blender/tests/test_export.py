@@ -9,9 +9,9 @@ from pathlib import Path
 from unittest import mock
 
 import bpy
-import covbeam_rays
 import numpy as np
 from bpy_extras.object_utils import world_to_camera_view
+from covbeam.session import Geometry
 from mathutils import Matrix, Vector
 
 sys.path[:0] = [str(Path(__file__).parents[1]), str(Path(__file__).parent)]
@@ -229,8 +229,8 @@ class GeometryTest(unittest.TestCase):
                 first.data.materials.append(None)
             thing.material_slots[0].link = "OBJECT"
             thing.material_slots[0].material = colours[k]
-        add_mesh = covbeam_rays.Geometry.add_mesh
-        with mock.patch.object(covbeam_rays.Geometry, "add_mesh", autospec=True, side_effect=add_mesh) as added:
+        add_mesh = Geometry.add_mesh
+        with mock.patch.object(Geometry, "add_mesh", autospec=True, side_effect=add_mesh) as added:
             hits, made = self.check(rays=1500)
         self.assertEqual(added.call_count, 1)
         seen = hits[np.isfinite(hits["distance"])]

@@ -108,6 +108,15 @@ class Sessions(unittest.TestCase):
         np.testing.assert_array_equal(first, rendered(scene, seed=5).in_scattered)
         self.assertGreater(np.abs(first - rendered(scene, seed=6).in_scattered).max(), 0)
 
+    def test_a_mirrored_camera_shows_what_another_one_does_from_right_to_left(self):
+        made = scenes.open_glass_ball(32)
+        view = made.camera
+        turned = rendered(made, 3).in_scattered[:, ::-1]
+        part = replace(view, right=-view.right, left=view.left + 4 * view.step[0], width=10)
+        found = rendered(replace(made, camera=part), 3).in_scattered
+        off = [np.abs(found - turned[:, first : first + 10]).mean() for first in range(23)]
+        self.assertEqual(np.argmin(off), 4, off)
+
     def test_radius_and_bandwidth_are_those_of_the_gather(self):
         made = session(scenes.open_glass_ball(50), radius=0.03)
         for _ in range(3):

@@ -93,11 +93,7 @@ class InProfile(unittest.TestCase):
 
     def run_blender(self, program, **options):
         """Runs a program in Blender; returns what it has printed. It must come to its end."""
-        environment = {
-            name: value
-            for name, value in os.environ.items()
-            if name not in ("PYTHONPATH", "COVBEAM_LIBRARY", "COVBEAM_RAYS_LIBRARY")
-        }
+        environment = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "COVBEAM_LIBRARY")}
         environment["BLENDER_USER_RESOURCES"] = str(self.profile)
         ended = subprocess.run(
             [sys.executable, "-c", BEGIN + program + END],
@@ -179,8 +175,8 @@ class Life(InProfile):
         output = self.run_blender("""
 install()
 print("enabled:", module in addons(), hasattr(bpy.types.Scene, "covbeam"))
-import covbeam_rays
-print("from:", covbeam_rays.__file__)
+import covbeam
+print("from:", covbeam.__file__)
 fog()
 render("picture.png")
 print("rendered:", os.path.getsize("picture.png") > 0, extension("latest").get().outcome)
@@ -206,11 +202,9 @@ bpy.ops.extensions.package_uninstall(repo_directory=directory, pkg_id="covbeam")
             "disabled: False False",
             "engine: False",
         )
-        self.assertIn(
-            f"from: {self.site / 'covbeam_rays' / '__init__.py'}", output
-        )
+        self.assertIn(f"from: {self.site / 'covbeam' / '__init__.py'}", output)
         self.assertFalse(self.installed.exists())
-        self.assertFalse((self.site / "covbeam_rays").exists())
+        self.assertFalse((self.site / "covbeam").exists())
 
     def test_an_installed_extension_works_after_a_restart(self):
         self.run_blender("install()")
@@ -270,16 +264,16 @@ extension("preferences").CovbeamPreferences.draw(Self, bpy.context)
         return read
 
     def library(self):
-        return next((self.site / "covbeam_rays").glob("libcovbeam_rays.*"))
+        return next((self.site / "covbeam").glob("libcovbeam.*"))
 
     def test_a_missing_library(self):
         read = self.after_breaking(lambda: self.library().unlink())
-        self.assertIn("module covbeam_rays does not run here", read)
+        self.assertIn("module covbeam.session does not run here", read)
         self.assertIn("Install from Disk", read)
 
     def test_a_damaged_library(self):
         read = self.after_breaking(lambda: self.library().write_text("no library"))
-        self.assertIn("module covbeam_rays does not run here", read)
+        self.assertIn("module covbeam.session does not run here", read)
         self.assertIn("damaged", read)
 
     def test_a_library_for_another_processor(self):
@@ -292,27 +286,27 @@ extension("preferences").CovbeamPreferences.draw(Self, bpy.context)
 
         self.assertIn("for another system", self.after_breaking(other_processor))
 
-    def change(self, before, after):
-        """Changes the text of the module that loads the library."""
-        path = self.site / "covbeam_rays" / "_library.py"
+    def change(self, file, before, after):
+        """Changes the text of a file of the module."""
+        path = self.site / "covbeam" / file
         text = path.read_text()
         self.assertEqual(text.count(before), 1)
         path.write_text(text.replace(before, after))
 
     def test_a_library_with_another_abi(self):
-        read = self.after_breaking(lambda: self.change("\nABI_VERSION = ", "\nABI_VERSION = 999 + "))
+        read = self.after_breaking(lambda: self.change("_abi.py", "\nABI_VERSION = ", "\nABI_VERSION = 999 + "))
         self.assertIn("of another version", read)
         self.assertRegex(read, "ABI 10[0-9][0-9]|ABI 999")
 
     def test_a_library_that_lacks_a_function(self):
-        read = self.after_breaking(lambda: self.change("\nPROTOTYPES = {", '\nPROTOTYPES = {"covbeam_rays_nothing": [],'))
+        read = self.after_breaking(lambda: self.change("_session_abi.py", "\nPROTOTYPES = {", '\nPROTOTYPES = {"covbeam_nothing": "",'))
         self.assertIn("of another version", read)
-        self.assertIn("covbeam_rays_nothing", read)
+        self.assertIn("covbeam_nothing", read)
 
     def test_a_missing_wheel(self):
-        read = self.after_breaking(lambda: shutil.rmtree(self.site / "covbeam_rays"))
+        read = self.after_breaking(lambda: shutil.rmtree(self.site / "covbeam"))
         self.assertIn("not installed completely", read)
-        self.assertIn("covbeam_rays", read)
+        self.assertIn("its module covbeam is missing", read)
 
     def test_no_numpy(self):
         read = self.after_breaking(lambda: None, before="sys.modules['numpy'] = None\n")

@@ -42,27 +42,56 @@ const SOURCES: [&str; 22] = [
     "importance.rs",
 ];
 
+/// Those of sessions, the same.
+const SESSION_SOURCES: [&str; 7] = [
+    "session/fields.rs",
+    "session/description.rs",
+    "session/geometry.rs",
+    "session/scene.rs",
+    "session/settings.rs",
+    "session/render.rs",
+    "session/picture.rs",
+];
+
+/// Enumerations whose values are fields of theirs, as numbers.
+const SESSION_ENUMS: [&str; 6] = [
+    "covbeam_shape_kind",
+    "covbeam_light_kind",
+    "covbeam_projection",
+    "covbeam_method",
+    "covbeam_end",
+    "covbeam_layer",
+];
+
 /// The folder of the repository.
 pub fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The two headers.
+/// The headers.
 pub struct Headers {
     /// `covbeam.h`: what hosts that gather beams call.
     pub main: String,
     /// `covbeam_extra.h`: the rest.
     pub extra: String,
-    /// What the library exports.
+    /// What the library exports, but for sessions.
     pub functions: Vec<Function>,
+    /// `covbeam_session.h`: sessions.
+    pub session: String,
+    /// What the library exports for sessions.
+    pub session_functions: Vec<Function>,
 }
 
-/// What cbindgen makes of `ffi/src`, as `ffi/cbindgen.toml` says.
-fn declarations() -> Result<String, String> {
+/// How cbindgen makes headers of `ffi/src`.
+fn config() -> Result<cbindgen::Config, String> {
+    cbindgen::Config::from_file(repository().join("ffi/cbindgen.toml"))
+}
+
+/// What cbindgen makes of some sources.
+fn declarations(config: cbindgen::Config, sources: &[&str]) -> Result<String, String> {
     let ffi = repository().join("ffi");
-    let config = cbindgen::Config::from_file(ffi.join("cbindgen.toml"))?;
     // The sources alone: without the crate's metadata cbindgen needs neither cargo nor a network.
-    let builder = SOURCES.iter().fold(cbindgen::Builder::new().with_config(config), |builder, file| {
+    let builder = sources.iter().fold(cbindgen::Builder::new().with_config(config), |builder, file| {
         builder.with_src(ffi.join("src").join(file))
     });
     let bindings = builder.generate().map_err(|error| error.to_string())?;
@@ -81,14 +110,10 @@ const CLOSE: &str = "#ifdef __cplusplus\n}  // extern \"C\"\n#endif  // __cplusp
 /// # Errors
 /// What cbindgen could not read, or this cannot.
 pub fn headers() -> Result<Headers, String> {
-    let text = declarations()?;
+    let text = declarations(config()?, &SOURCES)?;
     let (types, rest) = text.split_once(OPEN).ok_or("no functions")?;
     let (functions, end) = rest.split_once(CLOSE).ok_or("no end of the functions")?;
     let (types, calls) = (items(types)?, items(functions)?);
-    let write = |all: &[Item], extra: bool| {
-        let of = all.iter().filter(|item| item.extra == extra).map(Item::text);
-        Ok::<_, String>(of.collect::<Result<Vec<_>, _>>()?.join("\n\n") + "\n")
-    };
     let main = [&write(&types, false)?, "\n", OPEN, &write(&calls, false)?, "\n", CLOSE, end].concat();
     let extra = [
         include_str!("extra.h"),
@@ -102,7 +127,36 @@ pub fn headers() -> Result<Headers, String> {
     ]
     .concat();
     let functions = calls.into_iter().filter_map(|item| item.function).collect();
-    Ok(Headers { main, extra, functions })
+    let (session, session_functions) = session()?;
+    Ok(Headers { main, extra, functions, session, session_functions })
+}
+
+/// The items that belong into the first or the second header.
+fn write(all: &[Item], extra: bool) -> Result<String, String> {
+    let of = all.iter().filter(|item| item.extra == extra).map(Item::text);
+    Ok(of.collect::<Result<Vec<_>, _>>()?.join("\n\n") + "\n")
+}
+
+/// The header of sessions, and their functions.
+fn session() -> Result<(String, Vec<Function>), String> {
+    let mut config = config()?;
+    (config.header, config.include_guard, config.sys_includes) = (None, None, Vec::new());
+    config.export.include = SESSION_ENUMS.map(str::to_owned).to_vec();
+    let text = declarations(config, &SESSION_SOURCES)?;
+    let (types, rest) = text.split_once(OPEN).ok_or("no functions of sessions")?;
+    let (functions, _) = rest.split_once(CLOSE).ok_or("no end of the functions of sessions")?;
+    let (types, calls) = (items(types.trim_start())?, items(functions)?);
+    let header = [
+        include_str!("session.h"),
+        &write(&types, false)?,
+        "\n",
+        OPEN,
+        &write(&calls, false)?,
+        "\n",
+        CLOSE,
+        "\n#endif  /* COVBEAM_SESSION_H */\n",
+    ];
+    Ok((header.concat(), calls.into_iter().filter_map(|item| item.function).collect()))
 }
 
 /// All files that are made, from the root of the repository, and what they must contain.
@@ -115,6 +169,7 @@ pub fn files() -> Result<Vec<(&'static str, String)>, String> {
     let headers = headers()?;
     Ok(vec![
         ("ffi/python/src/covbeam/_abi.py", python::abi(&headers)?),
+        ("ffi/python/src/covbeam/_session_abi.py", python::session_abi(&headers)?),
         ("tests/clients/hostile/calls.h", hostile::calls(&headers)?),
         ("tests/clients/vectors/plain.h", replay::plain(&headers)?),
         ("tests/clients/vectors/operators.hpp", operators::replay(&headers)?),
@@ -122,6 +177,7 @@ pub fn files() -> Result<Vec<(&'static str, String)>, String> {
         ("tests/bare-metal/src/operators.rs", operators::bare_metal(&headers)?),
         ("tests/clients/layout.h", layout::assertions(&read("ffi/src/layout.rs")?)),
         ("include/covbeam.h", headers.main),
+        ("include/covbeam_session.h", headers.session),
         ("include/covbeam_extra.h", headers.extra),
     ])
 }

@@ -8,16 +8,31 @@ use std::fmt::Write;
 const STRUCTS: [&str; 7] =
     ["grid_layout", "phase", "medium", "column", "kernel", "schedule", "march_expected"];
 
+/// Structs of sessions, those that others have before these.
+const SESSION_STRUCTS: [&str; 14] = [
+    "material",
+    "object",
+    "shape",
+    "volume",
+    "light",
+    "camera",
+    "description",
+    "mesh",
+    "instance",
+    "geometry_info",
+    "surface_hit",
+    "session_settings",
+    "goal",
+    "session_info",
+];
+
 /// The whole file.
 pub(super) fn abi(headers: &Headers) -> Result<String, String> {
     let mut text = include_str!("abi.py").to_owned();
     let all = headers.main.clone() + &headers.extra;
     let mark = "#define COVBEAM_ABI_VERSION ";
     let version = all.lines().find_map(|line| line.strip_prefix(mark)).ok_or("no ABI version")?;
-    let mut structs = String::new();
-    for name in STRUCTS {
-        structs += &class(&all, name)?;
-    }
+    let structs = STRUCTS.iter().map(|name| class(&all, name)).collect::<Result<String, _>>()?;
     let mut results = String::new();
     let mut prototypes = String::new();
     for function in &headers.functions {
@@ -42,6 +57,18 @@ pub(super) fn abi(headers: &Headers) -> Result<String, String> {
     Ok(text)
 }
 
+/// `_session_abi.py`: that of sessions.
+pub(super) fn session_abi(headers: &Headers) -> Result<String, String> {
+    let structs = SESSION_STRUCTS.iter().map(|name| class(&headers.session, name));
+    let structs = structs.collect::<Result<String, _>>()?;
+    let mut prototypes = String::new();
+    for function in &headers.session_functions {
+        writeln!(prototypes, "    \"{}\": \"{}\",", function.name, letters(function)?).unwrap();
+    }
+    let text = include_str!("session_abi.py");
+    Ok(text.replace("{structs}", &structs).replace("{prototypes}\n", &prototypes))
+}
+
 /// A letter for each parameter.
 fn letters(function: &Function) -> Result<String, String> {
     let letter = |kind: &str| match kind {
@@ -63,17 +90,21 @@ fn class(header: &str, name: &str) -> Result<String, String> {
     let (body, _) = body.split_once('}').ok_or(format!("no end of {name}"))?;
     let mut text = format!("\n\nclass {}(ctypes.Structure):\n    _fields_ = [\n", camel_case(name));
     for field in body.lines().filter_map(|line| line.trim().strip_suffix(';')) {
-        let (declared, length) = match field.split_once('[') {
-            Some((declared, length)) => (declared, format!(" * {}", length.trim_end_matches(']'))),
-            None => (field, String::new()),
-        };
+        let (declared, lengths) = field.split_once('[').unwrap_or((field, ""));
+        // Of arrays of arrays the inner ones first.
+        let lengths = lengths.split('[').rev().map(|length| length.trim_end_matches(']'));
+        let length: String =
+            lengths.filter(|length| !length.is_empty()).map(|length| format!(" * {length}")).collect();
         let (kind, field) = typed(declared)?;
         let kind = match kind.as_str() {
             "float" => "ctypes.c_float".to_owned(),
+            "double" => "ctypes.c_double".to_owned(),
             "uint32_t" => "ctypes.c_uint32".to_owned(),
+            "int32_t" => "ctypes.c_int32".to_owned(),
+            "uint64_t" => "ctypes.c_uint64".to_owned(),
             "size_t" => "ctypes.c_size_t".to_owned(),
             pointer if pointer.ends_with('*') => "ctypes.c_void_p".to_owned(),
-            other => camel_case(other.trim_start_matches("struct covbeam_")),
+            other => camel_case(other.trim_start_matches("struct ").trim_start_matches("covbeam_")),
         };
         writeln!(text, "        (\"{field}\", {kind}{length}),").unwrap();
     }

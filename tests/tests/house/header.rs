@@ -3,8 +3,10 @@
 use covbeam_tests::header::{Function, files, headers, repository};
 use std::fs;
 
+/// All that are exported.
 fn functions() -> Vec<Function> {
-    headers().unwrap().functions
+    let headers = headers().unwrap();
+    headers.functions.into_iter().chain(headers.session_functions).collect()
 }
 
 #[test]
@@ -18,8 +20,10 @@ fn the_committed_files_are_the_generated_ones() {
 #[test]
 fn every_exported_function_is_declared() {
     let mut exported = Vec::new();
-    for entry in fs::read_dir(repository().join("ffi/src")).unwrap() {
-        let source = fs::read_to_string(entry.unwrap().path()).unwrap();
+    let files = ["ffi/src", "ffi/src/session"].map(|folder| fs::read_dir(repository().join(folder)).unwrap());
+    let files = files.into_iter().flatten().map(|entry| entry.unwrap().path()).filter(|path| path.is_file());
+    for path in files {
+        let source = fs::read_to_string(path).unwrap();
         for (_, item) in
             source.match_indices("#[unsafe(no_mangle)]\n").map(|(at, mark)| source.split_at(at + mark.len()))
         {
@@ -76,7 +80,7 @@ fn every_parameter_has_its_line_in_the_manual() {
 #[test]
 fn names_are_covbeams_and_text_is_ascii() {
     let headers = headers().unwrap();
-    for header in [&headers.main, &headers.extra] {
+    for header in [&headers.main, &headers.extra, &headers.session] {
         assert!(header.is_ascii(), "compilers may read the header in any code page");
         for line in header.lines().filter_map(|line| line.strip_prefix("#define ")) {
             assert!(line.starts_with("COVBEAM_"), "{line}");

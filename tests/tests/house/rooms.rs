@@ -11,7 +11,6 @@ pub(crate) const CRATES: &[(&str, &str)] = &[
     ("geometry", "core/geometry/src"),
     ("session", "core/session/src"),
     ("program", "examples/render/src"),
-    ("rays", "examples/blender/rays/src"),
 ];
 
 /// Texts of a crate by path in its folder, `beam_map/eight.rs`.

@@ -73,7 +73,7 @@ mod tests {
     use super::*;
     use crate::camera::Camera;
     use crate::eye::starts::EyeStarts;
-    use crate::made::{BOUND, Made, camera, cuboid, point};
+    use crate::scene::made::{BOUND, Made, camera, cuboid, point};
 
     /// Boxes around the z axis that hold fog and bend nothing, along which the camera at `z` looks; with fog around them if asked for.
     fn scene(z: f32, near: f32, in_fog: bool, boxes: &[[f32; 2]]) -> Scene {

@@ -89,7 +89,7 @@ impl<'a> EyeStarts<'a> {
 mod tests {
     use super::*;
     use crate::camera::Lens;
-    use crate::made::{Made, camera, point};
+    use crate::scene::made::{Made, camera, point};
 
     #[test]
     fn looks_of_a_pixel_fill_the_lens_evenly_and_others_otherwise() {

@@ -266,8 +266,8 @@ impl Straight<'_> {
 mod tests {
     use super::*;
     use crate::eye::straight_irradiance;
-    use crate::made::{Made, camera, point, sphere, spot};
     use crate::scene::Material;
+    use crate::scene::made::{Made, camera, point, sphere, spot};
     use crate::scene::optics::Interior;
 
     const CENTRE: Vec3 = Vec3::new(0.0, 1.0, 0.0);

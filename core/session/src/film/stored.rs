@@ -12,6 +12,9 @@ use std::sync::Arc;
 /// Pixels that are written together.
 const BAND: usize = 256 * RUN;
 
+/// Ways to split light into layers, in the order of their numbers.
+const SPLITS: [Split; 3] = [Split::TOGETHER, Split::STRAIGHT_APART, Split::EACH];
+
 /// Bands that are encoded or decoded at a time.
 const BANDS_AT_A_TIME: usize = 32;
 
@@ -68,13 +71,39 @@ impl FilmLayout {
     pub fn is_sound(&self) -> bool {
         let side = 1..=crate::scene::MAX_IMAGE_SIDE;
         let typical = f32::from_bits(self.typical);
-        let splits = [Split::TOGETHER, Split::STRAIGHT_APART, Split::EACH];
         side.contains(&self.width)
             && side.contains(&self.height)
             && (typical.is_finite() && typical >= 0.0)
-            && self.kinds.is_none_or(|kinds| splits.contains(&kinds))
+            && self.kinds.is_none_or(|kinds| SPLITS.contains(&kinds))
             && self.fog.len() <= self.kinds.map_or(1, Split::count)
             && self.fog.iter().all(|(_, pass)| *pass > 0)
+    }
+
+    /// As numbers, for [`FilmLayout::from_words`].
+    pub fn to_words(&self) -> Vec<u32> {
+        let split =
+            |split: Split| SPLITS.iter().position(|known| *known == split).map_or(0, |at| at as u32 + 1);
+        let kind = |kind: Option<Kind>| kind.map_or(0, |kind| kind as u32 + 1);
+        let head = [self.width, self.height, self.typical, self.gather.into(), self.kinds.map_or(0, split)];
+        let fog = self.fog.iter().flat_map(|&(light, pass)| [kind(light), pass]);
+        head.into_iter().chain(fog).collect()
+    }
+
+    /// What [`FilmLayout::to_words`] has made; None: no such numbers.
+    pub fn from_words(words: &[u32]) -> Option<Self> {
+        let (&[width, height, typical, gather, split], fog) = words.split_first_chunk()?;
+        let (fog, []) = fog.as_chunks::<2>() else { return None };
+        let at = |number: u32| (number as usize).checked_sub(1);
+        let kinds = match at(split) {
+            Some(split) => Some(*SPLITS.get(split)?),
+            None => None,
+        };
+        let layer = |&[light, pass]: &[u32; 2]| match at(light) {
+            Some(kind) => Some((Some(*Kind::ALL.get(kind)?), pass)),
+            None => Some((None, pass)),
+        };
+        let fog = fog.iter().map(layer).collect::<Option<_>>()?;
+        (gather <= 1).then_some(Self { width, height, typical, gather: gather == 1, kinds, fog })
     }
 
     /// Whether sums of both can be added.

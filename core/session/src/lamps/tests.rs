@@ -1,8 +1,8 @@
 use super::*;
 use crate::light::Area;
-use crate::made::{Made, camera, point, sphere, spot};
 use crate::random::Random;
 use crate::scene::Material;
+use crate::scene::made::{Made, camera, point, sphere, spot};
 use std::cell::Cell;
 use std::f32::consts::PI;
 

@@ -200,7 +200,7 @@ impl Renderer<'_> {
 
     /// Whether all fog lies behind glass, where no filter thins rays out: wide kernels cost more than they are worth there, and spectra are of no
     /// other use. Radii by a rule are as the rule says.
-    fn is_all_behind(&self) -> bool {
+    pub(super) fn is_all_behind(&self) -> bool {
         self.radii.is_none() && !self.sees_fog_first()
     }
 

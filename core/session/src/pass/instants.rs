@@ -40,13 +40,24 @@ impl<'a> Instants<'a> {
         index: u32,
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Option<(PassImage, PassTimes)> {
-        let instant = instant_of(index, self.renderers.len());
+        let count = self.renderers.len();
+        // Asked for out of order: light fields of earlier passes are those of their own instants.
+        while count > 1
+            && let Some(earlier) = self.renderers[self.latest].missing_fields(index)
+        {
+            self.go_to(instant_of(earlier, count)).add_light_fields(cancelled)?;
+        }
+        self.go_to(instant_of(index, count)).pass(index, cancelled)
+    }
+
+    /// The renderer of an instant, which has the light fields from now on.
+    fn go_to(&mut self, instant: usize) -> &mut Renderer<'a> {
         let before = std::mem::replace(&mut self.latest, instant);
         // All instants' light fields are in one grid: kernels and filters may blur what the mean of them bears.
         if let Ok([made, before]) = self.renderers.get_disjoint_mut([instant, before]) {
             made.go_on_from(before);
         }
-        self.renderers[instant].pass(index, cancelled)
+        &mut self.renderers[instant]
     }
 }
 

@@ -500,10 +500,10 @@ fn survives(photon: &mut Photon, chance: f32, sampler: &mut PathSampler, out: &m
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::made::{BOUND, Made, camera, cuboid, lambert, point, rectangle, sphere, spot};
     use crate::pilot::of_still;
     use crate::random::Emission;
     use crate::scene::Scene;
+    use crate::scene::made::{BOUND, Made, camera, cuboid, lambert, point, rectangle, sphere, spot};
     use crate::scene::media;
 
     const PATHS: u32 = 2000;

@@ -86,11 +86,11 @@ impl Photon {
 #[cfg(test)]
 mod tests {
     use crate::kind::Kind;
-    use crate::made::{BOUND, Made, camera, cuboid, rectangle, sphere};
     use crate::paths::PhotonTracer;
     use crate::paths::record::{PhotonRecord, Record};
     use crate::pilot::of_still;
     use crate::random::{Emission, Random};
+    use crate::scene::made::{BOUND, Made, camera, cuboid, rectangle, sphere};
     use crate::scene::optics::Interior;
     use crate::scene::passage::passage;
     use crate::scene::{Area, Cone, Lamp, Light, Lobes, Material, Scene, ShiningMesh, media};

@@ -140,10 +140,10 @@ pub(super) fn of_passage(weights: Vec3, medium: &Medium, column: f32) -> Vec3 {
 mod tests {
     use super::*;
     use crate::kind::Kind;
-    use crate::made::{Made, camera, lambert, medium, rectangle};
     use crate::paths::{PhotonRecord, PhotonTracer, Record};
     use crate::pilot::of_still;
     use crate::random::Emission;
+    use crate::scene::made::{Made, camera, lambert, medium, rectangle};
     use crate::scene::{Light, Lobes, Material, media};
     use covbeam::PhaseFunction;
 

@@ -189,9 +189,9 @@ fn spread(looks: &[Look; 2], paths: u32, cancelled: Poll) -> Spread {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::made::{Made, camera, cuboid, lambert, point, spot};
     use crate::pilot::of_still;
     use crate::random::Emission;
+    use crate::scene::made::{Made, camera, cuboid, lambert, point, spot};
     use crate::scene::{Material, Scene, media};
 
     const SPREAD: Spread = Spread { rays: 1e-2, paths: 10.0, beams: 2.0, pairs: 0.01, shadow_rays: 16.0 };

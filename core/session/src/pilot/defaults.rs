@@ -192,8 +192,8 @@ fn settings() -> Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::made::{Made, camera, cuboid, lambert, point, sphere, spot};
     use crate::scene::Material;
+    use crate::scene::made::{Made, camera, cuboid, lambert, point, sphere, spot};
 
     /// Medium with a spot, and with a ball before a wall; lengths in `scale`, all of it moved by `shift`.
     fn fog(scale: f32, shift: Vec3, objects: bool) -> Scene {

@@ -265,8 +265,8 @@ fn thick((min, max): (Vec3, Vec3)) -> (Vec3, Vec3) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::made::{Made, camera, cuboid, point};
     use crate::scene::Material;
+    use crate::scene::made::{Made, camera, cuboid, point};
 
     /// A lamp N paths of which pass a distance d with a density of N/(4πd²): along a line at the distance h, from -L to L about the
     /// nearest point, N ∫ dt/(4π(h² + t²)) = N atan(L/h)/(2π h).

@@ -96,9 +96,9 @@ fn evenness(worth: &[f32]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::made::{Made, camera, cuboid, point};
     use crate::pilot::Spread;
     use crate::pilot::of_still;
+    use crate::scene::made::{Made, camera, cuboid, point};
     use crate::scene::{Material, media};
 
     /// None but one that brings all, all of them the same, and numbers w = u² with the density 1/(2√w): Σ√w = n/2 and Σw = n/3.

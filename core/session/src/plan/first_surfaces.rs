@@ -458,8 +458,8 @@ fn around(camera: &Camera, x: u32, y: u32) -> impl Iterator<Item = usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::made::{BOUND, Made, cuboid, parallel, point};
     use crate::scene::Material;
+    use crate::scene::made::{BOUND, Made, cuboid, parallel, point};
 
     /// A bar before fog, its left side at x.
     fn looks(x: f32) -> FirstSurfaces {

@@ -258,8 +258,8 @@ impl Boundary {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::made::{Made, camera, point, sphere};
     use crate::scene::Material;
+    use crate::scene::made::{Made, camera, point, sphere};
 
     #[test]
     fn fresnel_matches_the_textbook_values_of_glass() {

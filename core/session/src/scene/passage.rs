@@ -113,11 +113,11 @@ fn among_placed(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::made::{Made, camera, cuboid, point, sphere};
     use crate::medium::SceneMedium;
     use crate::medium::density::MediumDensity;
     use crate::object::placed;
     use crate::random::Random;
+    use crate::scene::made::{Made, camera, cuboid, point, sphere};
 
     /// A lamp above the middle.
     fn made() -> Made {

@@ -135,8 +135,8 @@ fn nearest(scene: &Scene, mut start: Vec3, direction: Vec3, mut length: f32) -> 
 mod tests {
     use super::*;
     use crate::kind::Kind;
-    use crate::made::{Made, camera, cuboid, point, rectangle, sphere};
     use crate::scene::Material;
+    use crate::scene::made::{Made, camera, cuboid, point, rectangle, sphere};
     use crate::surface::{CROWD, Disks, SurfaceMap, SurfacePhoton, flat_within};
     use covbeam::Curvature;
 

@@ -306,9 +306,9 @@ fn coat(lobes: &Lobes, direction: Vec3, facet: Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::made::{Made, camera, cuboid, point};
     use crate::random::{Random, spread};
     use crate::scene::Material;
+    use crate::scene::made::{Made, camera, cuboid, point};
     use glam::DVec3;
     use std::f64::consts::{PI, TAU};
 

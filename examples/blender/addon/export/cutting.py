@@ -206,7 +206,7 @@ def _of_kinds(fields, areas, kinds):
         if of.any():
             weights = np.maximum(areas[of], 1e-300)
             found[kind] = weights @ fields[of] / weights.sum()
-            for name in ("ior", "roughness"):
+            for name in ("ior", "alpha"):
                 column = MATERIAL.fields[name][1] // 4
                 found[kind, column] = (weights * specular[of]) @ fields[of, column] / (weights * specular[of]).sum()
     found[0] = 0

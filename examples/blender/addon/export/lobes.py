@@ -52,7 +52,7 @@ class Lobes:
         for name, weight in self.weights.items():
             rows[name] = weight * scale[:, None]
         rows["ior"] = self._strongest(1, note, "indices of refraction", 1.0, count)
-        rows["roughness"] = self._strongest(2, note, "roughnesses", 0.0, count) ** 2
+        rows["alpha"] = self._strongest(2, note, "roughnesses", 0.0, count) ** 2
         return rows
 
     def _total(self):

@@ -4,8 +4,8 @@
 from dataclasses import fields, is_dataclass, replace
 from math import floor
 
-import covbeam_rays
 import numpy as np
+from covbeam.session import Geometry
 
 from ..host.scene import LightKind
 from .scene import export
@@ -84,7 +84,7 @@ def _alike(one, other):
         return len(one) == len(other) and all(map(_alike, one, other))
     if isinstance(one, np.ndarray):
         return np.array_equal(one, other)
-    if isinstance(one, covbeam_rays.Geometry):
+    if isinstance(one, Geometry):
         return one.digest == other.digest
     return one == other
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The objects and instances of an evaluated depsgraph -> geometry, fog and lights."""
 
-import covbeam_rays
 import numpy as np
+from covbeam.session import Geometry
 
 from ..host import ask
 from ..host.scene import MATERIAL, Light, LightKind
@@ -21,7 +21,7 @@ class Objects:
 
     def __init__(self, depsgraph, shows, report, poll):
         # Motion blur compares what is there at its instants.
-        self.geometry = covbeam_rays.Geometry(has_digest=depsgraph.scene_eval.render.use_motion_blur)
+        self.geometry = Geometry(has_digest=depsgraph.scene_eval.render.use_motion_blur)
         self.lights, self.filled, self.object_volumes, self.object_closed = [], [], [], []
         self._report, self._view_layer = report, depsgraph.view_layer_eval
         # Objects that make instances and have been looked at.
@@ -123,6 +123,6 @@ class Objects:
 
 
 def _invertible(matrix):
-    """Whether a transform does not flatten, seen as covbeam_rays does: its columns, made unit, span a volume."""
+    """Whether a transform does not flatten, seen as covbeam does: its columns, made unit, span a volume."""
     lengths = np.linalg.norm(matrix[:3, :3], axis=0)
     return bool(np.all(lengths > 0)) and abs(np.linalg.det(matrix[:3, :3] / lengths)) > 1e-6

@@ -45,7 +45,7 @@ class Shape:
 
 
 class Shapes:
-    """Makes Shapes in a covbeam_rays.Geometry."""
+    """Makes Shapes in a covbeam.session.Geometry."""
 
     def __init__(self, geometry, depsgraph, report, poll):
         #: materials.Translated, by material number.

@@ -7,9 +7,8 @@ All vectors are in world space. Channels are linear Rec. 709.
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
 
-import covbeam_rays
 import numpy as np
-from covbeam_rays import MATERIAL
+from covbeam.session import MATERIAL, Geometry
 
 __all__ = ["MATERIAL", "Aperture", "Camera", "Density", "Glow", "Light", "LightKind", "Pattern", "Phase", "Projection", "Scene", "Volume"]
 
@@ -207,7 +206,7 @@ class Camera:
 class Scene:
     """What is rendered. `geometry` has been built; its hits' `material` and `object` index `materials` and `object_volumes`."""
 
-    geometry: covbeam_rays.Geometry
+    geometry: Geometry
     #: MATERIAL, (n,)
     materials: np.ndarray
     #: For each object: the index in `volumes` of what it is filled with, or -1: int32, (m,).

@@ -1,8 +1,6 @@
 //! Some passes of a picture in a file: exact sums, that other passes can be added to with the same bits in any order and grouping.
 
-mod passes;
-
-pub use passes::{PassRange, Passes};
+pub use covbeam_session::film::passes::{PassRange, Passes};
 
 use crate::files::output::{OutputError, RenderInfo, replace_file};
 use crate::files::stored::{Kind, Reason, Records, StoredError, open, write_header, write_record};

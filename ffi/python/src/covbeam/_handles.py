@@ -12,9 +12,9 @@ class Owner:
 
     __slots__ = ("handle", "_free", "_borrowed", "__weakref__")
 
-    def __init__(self, make, free, *arguments, borrowed=()):
+    def __init__(self, make, free, *arguments, borrowed=(), ended=check):
         handle = ctypes.c_void_p()
-        check(make(*arguments, ctypes.addressof(handle)))
+        ended(make(*arguments, ctypes.addressof(handle)))
         self.handle = handle.value
         self._free = free
         self._borrowed = borrowed

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from ._abi import ABI_VERSION, PROTOTYPES, RESULTS, TYPES
-from .errors import Cancelled, Error, Status
+from .errors import Cancelled, Error, InvalidValue, OutOfMemory, Status
 
 FILE_NAME = {"darwin": "libcovbeam.dylib", "win32": "covbeam.dll"}.get(sys.platform, "libcovbeam.so")
 
@@ -63,8 +63,10 @@ lib = load(find())
 version = lib.covbeam_version().decode()
 
 
+_RAISED = {Status.INVALID_VALUE: InvalidValue, Status.OUT_OF_MEMORY: OutOfMemory, Status.CANCELLED: Cancelled}
+
+
 def check(status: int):
     """Raises what a status means."""
     if status != Status.OK:
-        kind = Cancelled if status == Status.CANCELLED else Error
-        raise kind(Status(status), lib.covbeam_last_error().decode())
+        raise _RAISED.get(status, Error)(Status(status), lib.covbeam_last_error().decode())

@@ -40,5 +40,13 @@ class Error(Exception):
         return type(self), (self.status, self.message)
 
 
+class InvalidValue(Error, ValueError):
+    """A number, or what it stands for, is wrong."""
+
+
+class OutOfMemory(Error, MemoryError):
+    """There is not enough memory."""
+
+
 class Cancelled(Error):
     """The poll of the call asked to stop."""

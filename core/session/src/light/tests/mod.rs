@@ -4,9 +4,9 @@ mod skies;
 
 use super::directions::cap_direction;
 use super::*;
-use crate::made::{BOUND, Made, camera, cuboid, rectangle};
 use crate::random::Emission;
 use crate::scene::Material;
+use crate::scene::made::{BOUND, Made, camera, cuboid, rectangle};
 use glam::{DVec3, Mat3};
 use std::f32::consts::FRAC_PI_2;
 use std::sync::Arc;

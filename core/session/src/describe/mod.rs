@@ -1,0 +1,123 @@
+//! Descriptions of scenes by a host: plain numbers, any of which may be wrong, checked and turned into a [`Scene`].
+//!
+//! What is wrong is refused with the name of its field: nothing here trusts a number, and what comes out is what [`Scene`] promises to be.
+
+mod camera;
+pub mod cast;
+mod extent;
+mod fields;
+pub mod geometry;
+mod lights;
+mod materials;
+mod meshes;
+mod shapes;
+mod volumes;
+
+pub use camera::CameraFields;
+pub use lights::{Light, LightFields, LightKind};
+pub use materials::MaterialFields;
+pub use meshes::MeshArrays;
+pub use shapes::ShapeFields;
+pub use volumes::{Volume, VolumeFields};
+
+use crate::light::shown::Shown;
+use crate::pilot::defaults::{Given, NO_GRID};
+use crate::scene::{GlowingFog, Light as SceneLight, Placed, PlacedObject, Scene, Sees, nest};
+use crate::work::failure::{Result, invalid};
+use covbeam_geometry::instances::Instances;
+use std::sync::Arc;
+use volumes::Media;
+
+/// All that a scene is made of but its placed meshes. Copied by [`Description::scene`].
+#[derive(Clone, Debug)]
+pub struct Description<'a> {
+    /// What the materials of meshes, instances and shapes are numbers of.
+    pub materials: &'a [MaterialFields],
+    /// What the objects of instances are numbers of.
+    pub objects: &'a [ObjectFields],
+    /// Spheres, boxes and rectangles.
+    pub shapes: &'a [ShapeFields],
+    /// Media and where they are.
+    pub volumes: Vec<Volume<'a>>,
+    /// Number of the volume outside of all objects and shapes, or -1.
+    pub world_volume: i32,
+    /// Lights.
+    pub lights: Vec<Light<'a>>,
+    /// The camera.
+    pub camera: CameraFields,
+    /// What pictures show.
+    pub sees: Sees,
+}
+
+/// What instances of one number have in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ObjectFields {
+    /// Number of the volume that fills it, or -1.
+    pub volume: i32,
+    /// Whether it has an inside: fog inside of what is of glass is kept apart from that outside.
+    pub is_closed: bool,
+}
+
+impl Description<'_> {
+    /// The scene, without a grid and with settings that nobody has chosen yet ([`Scene::complete`]). It has no lights if none reaches
+    /// anything, and then no renderer can be made of it.
+    ///
+    /// # Errors
+    /// [`Failure::Invalid`](crate::work::failure::Failure::Invalid) names the field, what it is, and what to give.
+    pub fn scene(&self, geometry: Arc<Instances>) -> Result<Scene> {
+        let camera = self.camera.camera()?;
+        let materials = self.materials.iter().enumerate().map(|(index, fields)| fields.material(index));
+        let materials = materials.collect::<Result<Vec<_>>>()?;
+        let in_shapes: Vec<i32> = self.shapes.iter().map(|shape| shape.volume).collect();
+        let media = Media::new(&self.volumes, self.world_volume, &in_shapes)?;
+        let placed_objects = self.objects(&media)?;
+        let of_shapes = self.materials.iter().zip(&materials).map(|(fields, made)| fields.on_shapes(*made));
+        let of_shapes: Vec<_> = of_shapes.collect();
+        let shape = |(index, fields): (usize, &ShapeFields)| fields.object(index, &of_shapes, &media);
+        let mut objects = self.shapes.iter().enumerate().map(shape).collect::<Result<Vec<_>>>()?;
+        nest(&mut objects);
+        let bounds = extent::bounds(&geometry, &objects);
+        let lit = extent::lit(&self.volumes, self.world_volume, &self.lights, (bounds, &objects), &camera);
+        let (mut lights, visible) = lights::lights(&self.lights, &media, &lit)?;
+        let shown = Shown::new(&lights, |number| visible[number]);
+        lights.extend(GlowingFog::all(&media.all).map(SceneLight::Glow));
+        let placed = match geometry.is_empty() {
+            true => None,
+            false => {
+                let placed = Placed::new(geometry, materials, placed_objects, media.fogs);
+                Some(placed.map_err(|error| invalid!("{error}"))?)
+            }
+        };
+        let Given { settings, .. } = Given::default();
+        Ok(Scene {
+            objects,
+            placed,
+            lights,
+            shown,
+            media: media.all,
+            outside: media.outside,
+            camera,
+            grid: NO_GRID,
+            settings,
+            sees: self.sees,
+            notes: Vec::new(),
+        })
+    }
+
+    fn objects(&self, media: &Media) -> Result<Vec<PlacedObject>> {
+        let object = |(index, &ObjectFields { volume, is_closed }): (usize, &ObjectFields)| {
+            let fog = match volume {
+                -1 => None,
+                _ => Some(media.place_of(volume).ok_or_else(|| {
+                    invalid!(
+                        "objects[{index}].volume: {volume}; give -1, or the number of one of the {} volumes that is neither the \
+                         world's nor a sum, and fills no shape",
+                        self.volumes.len()
+                    )
+                })?),
+            };
+            Ok(PlacedObject { fog, is_closed })
+        };
+        self.objects.iter().enumerate().map(object).collect()
+    }
+}

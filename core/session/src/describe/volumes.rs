@@ -1,0 +1,226 @@
+//! Media, and where they are.
+
+use super::fields::{BRIGHTEST, Fields};
+use crate::medium::fogs::{AddedFogs, FogSum, FogVolume};
+use crate::medium::glow::Glow;
+use crate::medium::volume::{MAX_DENSITY, MAX_VOXELS, Volume as Voxels};
+use crate::scene::{MediumDensity, MediumId, SceneMedium};
+use crate::work::failure::{Result, invalid};
+use covbeam::{GridLayout, Medium, PhaseFunction, PhaseKind};
+use covbeam_geometry::MAX_COORDINATE;
+use glam::{DVec3, Vec3};
+use std::sync::Arc;
+
+/// A medium and where it is. See Volume in the extension's `host/scene.py`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VolumeFields {
+    /// Coefficient where the relative density is 1 \[1/m\].
+    pub scattering: [f64; 3],
+    /// The same.
+    pub absorption: [f64; 3],
+    /// Lower corner of what it fills \[m\]; the world's is not read.
+    pub min: [f64; 3],
+    /// Upper corner.
+    pub max: [f64; 3],
+    /// Mean cosine of Henyey-Greenstein, in (-1, 1).
+    pub asymmetry: f64,
+    /// Lower corner of the voxels of the density \[m\]; these three are not read without.
+    pub density_min: [f64; 3],
+    /// Upper corner.
+    pub density_max: [f64; 3],
+    /// Lower corner of the voxels of what it sends out \[m\]; these three are not read without.
+    pub glow_min: [f64; 3],
+    /// Upper corner.
+    pub glow_max: [f64; 3],
+    /// Voxels of the density along x, y and z.
+    pub cells: [u32; 3],
+    /// Voxels of what it sends out.
+    pub glow_cells: [u32; 3],
+    /// 0 = isotropic, 1 = Henyey-Greenstein, 2 = Rayleigh.
+    pub phase: u32,
+}
+
+/// The same with its arrays.
+#[derive(Clone, Copy, Debug)]
+pub struct Volume<'a> {
+    /// All that is a number.
+    pub fields: VolumeFields,
+    /// Density, one number a voxel; None = 1 everywhere.
+    pub densities: Option<&'a [f32]>,
+    /// Emission coefficient, one colour a voxel [W/(m³ sr)]; None = it is dark.
+    pub glow: Option<&'a [[f32; 3]]>,
+    /// Numbers of the volumes that this is the sum of, where all of them and no others are.
+    pub parts: &'a [i32],
+}
+
+impl Volume<'_> {
+    /// Corners, as given.
+    pub(super) fn bounds(&self) -> (DVec3, DVec3) {
+        (DVec3::from(self.fields.min), DVec3::from(self.fields.max))
+    }
+
+    /// Mean extinction of the channels, as given \[1/m\].
+    pub(super) fn extinction(&self) -> f64 {
+        let VolumeFields { scattering, absorption, .. } = self.fields;
+        scattering.iter().chain(&absorption).sum::<f64>() / 3.0
+    }
+
+    fn medium(&self, index: usize) -> Result<SceneMedium> {
+        let fields = Fields::of("volumes", index);
+        let coefficient = |name, value| fields.color(name, value, f64::from(MAX_COORDINATE));
+        let kind = match self.fields.phase {
+            0 => PhaseKind::Isotropic,
+            1 => PhaseKind::HenyeyGreenstein,
+            2 => PhaseKind::Rayleigh,
+            other => return Err(fields.wrong("phase", other, "0, 1 or 2")),
+        };
+        let most = f64::from(1.0_f32.next_down());
+        let asymmetry = fields.number("asymmetry", self.fields.asymmetry, -most..=most)?;
+        let medium = Medium {
+            scattering: coefficient("scattering", self.fields.scattering)?,
+            absorption: coefficient("absorption", self.fields.absorption)?,
+            phase: PhaseFunction { kind, asymmetry },
+            ..Medium::default()
+        };
+        let density = match self.densities {
+            None => MediumDensity::Uniform,
+            Some(densities) => MediumDensity::Grid(self.voxels(&fields, densities)?),
+        };
+        let glow = self.glow.map(|glow| self.glow(&fields, glow)).transpose()?.flatten().map(Arc::new);
+        Ok(SceneMedium { medium, density, glow })
+    }
+
+    /// None: it is dark.
+    fn glow(&self, fields: &Fields, glow: &[[f32; 3]]) -> Result<Option<Glow>> {
+        let VolumeFields { glow_cells, glow_min, glow_max, .. } = self.fields;
+        let layout = layout(fields, "glow", glow_cells, [glow_min, glow_max])?;
+        let is_emission = |value: &f32| (0.0..=BRIGHTEST as f32).contains(value);
+        if let Some(wrong) = glow.iter().position(|emission| !emission.iter().all(is_emission)) {
+            let wanted = format_args!("numbers from 0 to {BRIGHTEST:e}");
+            return Err(fields.wrong(&format!("glow.values[{wrong}]"), glow[wrong], wanted));
+        }
+        let made = Glow::new(layout, glow.iter().map(|&emission| Vec3::from(emission)).collect());
+        match made.as_ref().map(Glow::flux).filter(|flux| !flux.is_finite()) {
+            Some(flux) => {
+                let wanted = "a glow whose power single precision holds";
+                Err(fields.wrong("glow.values", flux.to_array(), wanted))
+            }
+            None => Ok(made),
+        }
+    }
+
+    fn voxels(&self, fields: &Fields, densities: &[f32]) -> Result<Voxels> {
+        let VolumeFields { cells, density_min, density_max, .. } = self.fields;
+        let layout = layout(fields, "density", cells, [density_min, density_max])?;
+        let most = f64::from(MAX_DENSITY) / self.extinction().max(1.0);
+        let is_density = |density: &f32| (0.0..=most).contains(&f64::from(*density));
+        if let Some(wrong) = densities.iter().position(|density| !is_density(density)) {
+            let name = format!("density.values[{wrong}]");
+            let wanted = "numbers from 0 to 1e9, and products with the coefficients up to 1e9";
+            return Err(fields.wrong(&name, densities[wrong], wanted));
+        }
+        Ok(Voxels { layout, values: densities.to_vec() })
+    }
+}
+
+/// That of voxels between two corners; `name`: of the field that has them.
+fn layout(fields: &Fields, name: &str, cells: [u32; 3], [min, max]: [[f64; 3]; 2]) -> Result<GridLayout> {
+    let count = cells.iter().map(|&count| u128::from(count)).product::<u128>();
+    if !(1..=u128::from(MAX_VOXELS)).contains(&count) {
+        let wanted = format_args!("1 to {MAX_VOXELS} voxels in all");
+        return Err(fields.wrong(&format!("{name}.cells"), cells, wanted));
+    }
+    let field = |corner| format!("{name}.{corner}");
+    let (low, high) = (fields.point(&field("min"), min)?, fields.point(&field("max"), max)?);
+    let voxel = (high - low) / glam::UVec3::from(cells).as_dvec3();
+    if !(voxel.min_element() >= f64::from(1.0 / MAX_COORDINATE)) {
+        return Err(fields.wrong(&field("max"), max, "a box whose voxels are at least 1e-9 m wide"));
+    }
+    Ok(GridLayout { min: low.as_vec3(), max: high.as_vec3(), cells })
+}
+
+/// The media of a scene.
+pub(super) struct Media {
+    /// By volume.
+    pub(super) all: Vec<SceneMedium>,
+    /// That of the world.
+    pub(super) outside: Option<MediumId>,
+    /// Which fills a place.
+    pub(super) fogs: AddedFogs,
+    /// Those that are sums.
+    pub(super) sums: Vec<MediumId>,
+    /// By volume: its number among those that fill objects.
+    places: Vec<Option<u8>>,
+}
+
+impl Media {
+    /// - `in_shapes`: numbers of the volumes that fill shapes.
+    pub(super) fn new(volumes: &[Volume], world: i32, in_shapes: &[i32]) -> Result<Self> {
+        let all = volumes.iter().enumerate().map(|(index, volume)| volume.medium(index));
+        let all = all.collect::<Result<Vec<_>>>()?;
+        let outside = match world {
+            -1 => None,
+            _ => {
+                let number = usize::try_from(world).ok().filter(|number| *number < volumes.len());
+                let count = volumes.len();
+                Some(number.ok_or_else(|| {
+                    invalid!("world_volume: {world}; give -1, or the number of one of the {count} volumes")
+                })? as MediumId)
+            }
+        };
+        if let Some(index) = outside.filter(|&id| all[id as usize].glow.is_some()) {
+            let wanted = "None: what the world's volume sends out has no end";
+            return Err(Fields::of("volumes", index as usize).wrong("glow", "voxels", wanted));
+        }
+        let (mut places, mut bodies, mut sums) = (Vec::new(), Vec::new(), Vec::new());
+        for (index, volume) in volumes.iter().enumerate() {
+            let medium = index as MediumId;
+            let fills_shapes = in_shapes.contains(&(index as i32));
+            let is_body = Some(medium) != outside && volume.parts.is_empty() && !fills_shapes;
+            places.push(is_body.then_some(bodies.len()));
+            if is_body {
+                let fields = Fields::of("volumes", index);
+                let corner = |name, value| fields.point(name, value).map(|corner| corner.as_vec3());
+                let [min, max] = [corner("min", volume.fields.min)?, corner("max", volume.fields.max)?];
+                if !(min.cmple(max).all()) {
+                    return Err(fields.wrong(
+                        "max",
+                        volume.fields.max,
+                        "an upper corner above the lower one",
+                    ));
+                }
+                bodies.push(FogVolume { medium, min, max });
+            }
+        }
+        for (index, volume) in volumes.iter().enumerate().filter(|(_, volume)| !volume.parts.is_empty()) {
+            let place = |&part: &i32| {
+                let place = usize::try_from(part).ok().and_then(|part| *places.get(part)?);
+                place.ok_or_else(|| {
+                    let wanted =
+                        "numbers of volumes that are neither the world's nor sums, and fill no shape";
+                    Fields::of("volumes", index).wrong("parts", volume.parts, wanted)
+                })
+            };
+            let parts = volume.parts.iter().map(place).collect::<Result<_>>()?;
+            sums.push(FogSum { parts, medium: index as MediumId });
+        }
+        let fogs = AddedFogs::new(bodies, &sums).map_err(|error| invalid!("volumes: {error}"))?;
+        let sums = sums.into_iter().map(|sum| sum.medium).collect();
+        // At most 64.
+        let places = places.into_iter().map(|place| place.map(|place| place as u8)).collect();
+        Ok(Self { all, outside, fogs, sums, places })
+    }
+
+    /// The number among what fills objects of a volume; None: it is none of these.
+    pub(super) fn place_of(&self, volume: i32) -> Option<u8> {
+        usize::try_from(volume).ok().and_then(|volume| *self.places.get(volume)?)
+    }
+
+    /// Per channel, 1 where light from infinitely far away gets through what is outside of all objects, else 0.
+    pub(super) fn far_light(&self) -> Vec3 {
+        let Some(outside) = self.outside else { return Vec3::ONE };
+        let SceneMedium { medium, .. } = &self.all[outside as usize];
+        let extinction = medium.scattering + medium.absorption;
+        Vec3::from(extinction.to_array().map(|extinction| if extinction == 0.0 { 1.0 } else { 0.0 }))
+    }
+}

@@ -1,0 +1,12 @@
+//! Scenes that hosts describe, and sessions that render them.
+
+mod builds;
+mod curvature;
+mod edges;
+mod goals;
+mod instances;
+mod scenes;
+mod sessions;
+mod shapes;
+mod shapes_described;
+mod sums;

@@ -1,0 +1,123 @@
+"""Parts of a scene: lights, volumes, cameras, with defaults for what a kind does not need."""
+
+import math
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+import numpy as np
+
+
+class LightKind(IntEnum):
+    """Kinds of lights, and the fields that they need."""
+
+    #: position, intensity; radius, soft, pattern
+    POINT = 0
+    #: The same; axis, cosine, blend.
+    SPOT = 1
+    #: position, u, v, radiance; spread, round
+    AREA = 2
+    #: axis, irradiance; angle
+    SUN = 3
+    #: triangles, radiance
+    MESH = 4
+    #: sky, turn
+    SKY = 5
+
+
+class Projection(IntEnum):
+    """How places in a picture become rays."""
+
+    PERSPECTIVE = 0
+    ORTHOGRAPHIC = 1
+    EQUIRECTANGULAR = 2
+    FISHEYE = 3
+
+
+def _zero():
+    return np.zeros(3)
+
+
+@dataclass(eq=False)
+class Light:
+    """A light; fields that its kind does not need are not read. covbeam_light of the header tells their meaning.
+
+    - pattern: None, or what has `cells` (rows, columns, 3), `axes` (3, 3) and `reach`; sky: cells (rows, columns, 3), turned by `turn`.
+    """
+
+    kind: LightKind
+    position: np.ndarray = field(default_factory=_zero)
+    axis: np.ndarray = field(default_factory=_zero)
+    u: np.ndarray = field(default_factory=_zero)
+    v: np.ndarray = field(default_factory=_zero)
+    intensity: np.ndarray = field(default_factory=_zero)
+    radiance: np.ndarray = field(default_factory=_zero)
+    irradiance: np.ndarray = field(default_factory=_zero)
+    radius: float = 0.0
+    cosine: float = 0.0
+    blend: float = 0.0
+    spread: float = 0.0
+    angle: float = 0.0
+    visible: bool = False
+    soft: bool = False
+    round: bool = False
+    triangles: np.ndarray = field(default_factory=lambda: np.zeros((0, 3, 3), np.float32))
+    pattern: object = None
+    sky: np.ndarray | None = None
+    turn: np.ndarray = field(default_factory=lambda: np.eye(3))
+
+
+@dataclass(eq=False)
+class Voxels:
+    """Numbers at the middles of voxels of a box: float32 (z, y, x), or (z, y, x, 3) for colours."""
+
+    min: np.ndarray
+    max: np.ndarray
+    values: np.ndarray
+
+
+@dataclass(eq=False)
+class Volume:
+    """A medium and where it is.
+
+    - scattering, absorption: coefficients where the relative density is 1 [1/m], (3,).
+    - min, max: corners of what it fills; not read for the world's and for what fills shapes.
+    - phase: 0 isotropic, 1 Henyey-Greenstein with the mean cosine `asymmetry`, 2 Rayleigh.
+    - density, glow: None, or Voxels: relative densities, and emission coefficients [W/(m^3 sr)].
+    - parts: of a sum: the indices of the volumes that overlap where it counts.
+    """
+
+    scattering: np.ndarray
+    absorption: np.ndarray = field(default_factory=_zero)
+    min: np.ndarray = field(default_factory=_zero)
+    max: np.ndarray = field(default_factory=_zero)
+    phase: int = 0
+    asymmetry: float = 0.0
+    density: Voxels | None = None
+    glow: Voxels | None = None
+    parts: tuple = ()
+
+
+@dataclass(eq=False)
+class Camera:
+    """A camera. `Camera.at` makes one that looks at a point.
+
+    - forward, up: any length but 0; half_height: of the picture in its projection's unit, tan(fov / 2) in perspective.
+    - aperture: None, or what has `radius`, `focus`, `blades`, `rotation`, `ratio`.
+    """
+
+    position: np.ndarray
+    forward: np.ndarray
+    up: np.ndarray
+    half_height: float
+    width: int
+    height: int
+    projection: Projection = Projection.PERSPECTIVE
+    widest: float = math.pi
+    near: float = 0.0
+    aperture: object = None
+
+    @classmethod
+    def at(cls, position, look_at, fov, width, height, up=(0.0, 1.0, 0.0)):
+        """A pinhole that looks at a point, with a vertical field of view [rad]."""
+        position = np.asarray(position, float)
+        return cls(position, np.asarray(look_at, float) - position, np.asarray(up, float), math.tan(0.5 * fov), width, height)
