@@ -1,4 +1,13 @@
-//! Light scattered once, by shadow rays from places along the eye rays, and the ways to choose these places.
+//! Light scattered once, by shadow rays from places along the eye rays.
+
+mod guide;
+mod placement;
+mod shadow_rays;
+mod spread;
+mod stretch;
+
+pub(crate) use guide::Guide;
+pub use placement::Placement;
 
 use crate::color::luminance;
 use crate::eye::EyeTracer;
@@ -6,49 +15,27 @@ use crate::eye::segment::EyeSegment;
 use crate::eye::shown::SmallLamps;
 use crate::eye::starts::EyeStarts;
 use crate::film::samples::{PassImage, Room, Seen, SparseSample};
-use crate::gather::first_hits::FirstHits;
 use crate::kind::{ByKind, Kind};
 use crate::lamps::LampTree;
 use crate::plan::Plan;
 use crate::random::{Random, spread};
+use crate::scene::Scene;
 use crate::scene::media;
-use crate::scene::passage::passage;
-use crate::scene::{Light, MediumDensity, Scene};
 use crate::surface::SurfaceMap;
-use covbeam::{Column, FluenceGrid, Knot, MARCH_KNOTS, March, MarchCell, MarchKnot, MarchSample, Medium};
+use covbeam::{Knot, Medium};
 use glam::Vec3;
+use placement::Places;
 use rayon::prelude::*;
+use shadow_rays::ShadowRays;
+use spread::Spread;
 use std::time::Instant;
+use stretch::Stretch;
 
 /// Every so many pixels across and down, one is looked at to find out how the shadow rays are to be spread.
 const LATTICE: u32 = 4;
 
-/// No pixel gets more than this many times the mean number of shadow rays.
-const MOST: f32 = 8.0;
-
-/// Errors below this share of the mean radiance do not count more than others.
-const DARK: f32 = 0.01;
-
-/// Rays from each light that tell where its light is to be expected.
-const FEWEST_FIRST_HITS: usize = 1024;
-const MOST_FIRST_HITS: usize = 1 << 18;
-
 /// Purpose of random numbers.
 const MARCH_KEY: u32 = 0x3a7c;
-
-/// How places along an eye ray are chosen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Placement {
-    /// By the covariance grid and a first round of shadow rays (thesis 5.3.3, [`March`]).
-    #[default]
-    Adaptive,
-    /// One at random in each of equal steps.
-    Uniform,
-    /// One at random in each of equal steps of the angle seen from the light (C. Kulla and M. Fajardo 2012).
-    EquiAngular,
-    /// Where a photon flying along the eye ray collides, by Woodcock's tracking with the greatest density.
-    MaximumDensity,
-}
 
 /// What the method `march` does with an eye ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,32 +52,6 @@ pub struct Marching {
 impl Default for Marching {
     fn default() -> Self {
         Self { placement: Placement::Adaptive, samples: 16, centred: false }
-    }
-}
-
-/// What is known about the light that comes straight from the lights before any shadow ray.
-pub(crate) struct Guide<'a> {
-    pub(crate) grid: FluenceGrid<'a>,
-    /// By light.
-    pub(crate) first_hits: Vec<FirstHits>,
-}
-
-impl<'a> Guide<'a> {
-    /// With an eighth of the shadow rays that `samples` a pixel are. None: it was `cancelled`.
-    pub(crate) fn new(
-        scene: &Scene,
-        grid: FluenceGrid<'a>,
-        samples: u32,
-        key: [u32; 2],
-        cancelled: &dyn Fn() -> bool,
-    ) -> Option<Self> {
-        let pixels = scene.camera.width as usize * scene.camera.height as usize;
-        let rays = (pixels * samples as usize / 8).clamp(FEWEST_FIRST_HITS, MOST_FIRST_HITS);
-        let lights = scene.lights.iter().zip(0..);
-        let first_hits = lights.map(|(light, index)| {
-            (!cancelled()).then(|| FirstHits::new(scene, light, rays, [key[0] ^ index << 16, key[1]]))
-        });
-        Some(Self { grid, first_hits: first_hits.collect::<Option<_>>()? })
     }
 }
 
@@ -115,19 +76,6 @@ pub(crate) struct Marcher<'a> {
     pub(crate) wants_rest: bool,
 }
 
-/// A stretch of an eye ray that a light may reach.
-struct Stretch<'a> {
-    segment: EyeSegment,
-    light: &'a Light,
-    from: f32,
-    to: f32,
-    knots: Vec<MarchKnot>,
-    /// Luminance of the throughput.
-    share: f32,
-    /// [`March::expected_error`] as the camera sees it.
-    error: f32,
-}
-
 /// An eye ray that a pass wants.
 struct Wanted {
     x: u32,
@@ -148,10 +96,7 @@ struct Cost {
 struct Scratch {
     segments: Vec<EyeSegment>,
     column: Vec<Knot>,
-    cells: Vec<MarchCell>,
-    jitter: Vec<f32>,
-    first: Vec<MarchSample>,
-    samples: Vec<MarchSample>,
+    places: Places,
 }
 
 /// What a pixel's stretches are expected to need.
@@ -210,7 +155,7 @@ impl<'a> Marcher<'a> {
                 Some(Cost { seconds: start.elapsed().as_secs_f64(), shadow_rays })
             })
             .collect();
-        let mut all_rays = self.guide.map_or(0, |guide| guide.first_hits.iter().map(FirstHits::rays).sum());
+        let mut all_rays = self.guide.map_or(0, Guide::rays);
         for cost in costs? {
             seconds += cost.seconds;
             all_rays += cost.shadow_rays;
@@ -258,10 +203,9 @@ impl<'a> Marcher<'a> {
         }
         if self.marching.placement == Placement::Adaptive {
             for stretch in &mut seen.stretches {
-                let cells = scratch.cells(stretch.knots.len());
-                let march = March::new(&stretch.knots, cells).expect("knots as they were laid");
-                seen.expected += stretch.share * march.expected_radiance();
-                stretch.error = stretch.share * march.expected_error();
+                let [radiance, error] = scratch.places.expected(stretch);
+                seen.expected += stretch.share * radiance;
+                stretch.error = stretch.share * error;
             }
             seen.stretches.retain(|stretch| stretch.error > 0.0);
         }
@@ -270,82 +214,17 @@ impl<'a> Marcher<'a> {
 
     /// The part of a piece of an eye path that a light may reach; with a table for the adaptive placement.
     fn stretch(&self, segment: EyeSegment, number: usize, scratch: &mut Scratch) -> Option<Stretch<'a>> {
-        let light = &self.scene.lights[number];
-        let fog = &self.fogs[segment.medium as usize];
-        let ray = segment.ray;
+        let (fog, ray) = (&self.fogs[segment.medium as usize], segment.ray);
         let column = media::column(fog, ray.origin, ray.direction, ray.length, &mut scratch.column);
-        let mut from = 0.0;
-        let mut to = ray.length.min(media::opaque_distance(fog, ray.origin, ray.direction, &column));
-        if let Column::Knots(knots) = column {
-            from = knots.first()?.distance.max(0.0);
-            to = to.min(knots.last()?.distance);
+        let is_tabulated = self.marching.placement == Placement::Adaptive;
+        let mut stretch = Stretch::new(segment, fog, &column, &self.scene.lights[number], is_tabulated)?;
+        if is_tabulated {
+            stretch.tabulate(self.scene, &column, number, self.guide);
         }
-        let adaptive = self.marching.placement == Placement::Adaptive;
-        if adaptive {
-            (from, to) = light.lit_stretch(ray.origin, ray.direction, from, to)?;
-        }
-        let mut knots = vec![MarchKnot::default(); if adaptive { MARCH_KNOTS } else { 2 }];
-        MarchKnot::lay(ray.origin, ray.direction, from, to, light.position(), &mut knots).ok()?;
-        // What stands for infinity.
-        to = knots[knots.len() - 1].distance;
-        if !(from < to) || fog.scattering == Vec3::ZERO {
-            return None;
-        }
-        let share = luminance(segment.throughput);
-        let mut stretch = Stretch { segment, light, from, to, knots: Vec::new(), share, error: 0.0 };
-        if adaptive {
-            for knot in &mut knots {
-                let place = ray.origin + knot.distance * ray.direction;
-                let expected = light.expected(place);
-                knot.radiance = luminance(self.scattered(&stretch, &column, knot.distance, expected));
-                if let (true, Some(guide)) = (knot.radiance > 0.0, self.guide) {
-                    knot.visibility = guide.first_hits[number].visibility(place);
-                    if let Some(spectrum) = guide.grid.look_up(place) {
-                        knot.deviation = spectrum.variance_along(ray.direction).sqrt();
-                    }
-                }
-            }
-        }
-        stretch.knots = knots;
         Some(stretch)
     }
 
-    /// Radiance that a metre of the stretch scatters to the ray's start if nothing is in the light's way.
-    ///
-    /// - `density`, `from`: the light's flux density there, and where it comes from.
-    fn scattered(
-        &self,
-        stretch: &Stretch,
-        column: &Column,
-        distance: f32,
-        (density, from): (Vec3, Vec3),
-    ) -> Vec3 {
-        let fog = &self.fogs[stretch.segment.medium as usize];
-        let ray = &stretch.segment.ray;
-        let place = ray.origin + distance * ray.direction;
-        if density == Vec3::ZERO {
-            return Vec3::ZERO;
-        }
-        let incoming = (place - from).normalize_or_zero();
-        let phase = fog.phase.evaluate(-incoming.dot(ray.direction));
-        let amount = fog.scattering * (fog.density.at(place) * phase);
-        // What other media on its way leave of light is found together with what stands there.
-        let left = match self.scene.may_be_seen_through() {
-            true => Vec3::ONE,
-            false => media::transmittance(fog, place, from),
-        };
-        density * amount * fog.transmittance(column.at(distance)) * left
-    }
-
-    /// The same of a point of the light by two uniform numbers, and where that is.
-    fn sent(&self, stretch: &Stretch, column: &Column, distance: f32, xi: [f32; 2]) -> (Vec3, Vec3) {
-        let ray = &stretch.segment.ray;
-        let sent = stretch.light.flux_density(ray.origin + distance * ray.direction, xi);
-        (self.scattered(stretch, column, distance, sent), sent.1)
-    }
-
-    /// Mean over some pixels of what decides about the number of shadow rays, and the expected luminance under which errors do not
-    /// count more.
+    /// How shadow rays are to be spread, from a look at some pixels.
     fn spread(&self, tracer: &EyeTracer) -> Spread {
         if self.marching.placement != Placement::Adaptive {
             return Spread::default();
@@ -362,13 +241,7 @@ impl<'a> Marcher<'a> {
                 (seen.expected, seen.stretches.iter().map(|stretch| stretch.error).collect())
             })
             .collect();
-        let floor = DARK * looked.iter().map(|seen| seen.0).sum::<f32>() / looked.len() as f32;
-        let spread = Spread { floor, mean: 1.0 };
-        let needs = looked
-            .iter()
-            .flat_map(|(expected, errors)| errors.iter().map(move |error| spread.need(*error, *expected)));
-        let (sum, count) = needs.fold((0.0, 0_u32), |(sum, count), need| (sum + need, count + 1));
-        Spread { floor, mean: if sum > 0.0 { sum / count as f32 } else { 1.0 } }
+        Spread::new(&looked)
     }
 
     /// Adds what the eye ray of a pixel sees; returns the number of shadow rays.
@@ -398,8 +271,7 @@ impl<'a> Marcher<'a> {
         for stretch in &pieces.stretches {
             let mut samples = self.marching.samples as usize;
             if self.marching.placement == Placement::Adaptive {
-                let share = spread.need(stretch.error, pieces.expected) / spread.mean;
-                samples = ((self.marching.samples as f32 * share.min(MOST)).round() as usize).max(1);
+                samples = spread.samples(self.marching.samples, stretch.error, pieces.expected);
             }
             let (scattered, count) = self.march(stretch, samples, &mut random, scratch);
             seen.add(ray, fog, &stretch.segment, Kind::Straight, scattered);
@@ -417,162 +289,18 @@ impl<'a> Marcher<'a> {
         random: &mut Random,
         scratch: &mut Scratch,
     ) -> (Vec3, u32) {
-        let fog = &self.fogs[stretch.segment.medium as usize];
+        let Scratch { column, places, .. } = scratch;
         let ray = &stretch.segment.ray;
-        let mut knots = std::mem::take(&mut scratch.column);
-        let column = media::column(fog, ray.origin, ray.direction, ray.length, &mut knots);
-        let mut rays = 0;
-        let mut radiance = Vec3::ZERO;
-        scratch.samples.clear();
-        match self.marching.placement {
-            Placement::Adaptive => {
-                let mut cells = std::mem::take(&mut scratch.cells);
-                let march = March::new(&stretch.knots, &mut cells[..stretch.knots.len()])
-                    .expect("knots as they were laid");
-                let sparse = if stretch.light.has_size() { 0 } else { march.first_round(samples) };
-                let Scratch { jitter, first, .. } = scratch;
-                first.clear();
-                first.resize(sparse, MarchSample::default());
-                march.place(fill(jitter, sparse, random), first);
-                let shift = [random.uniform(), random.uniform()];
-                for (index, sample) in first.iter_mut().enumerate().filter(|(_, sample)| sample.weight > 0.0)
-                {
-                    let (found, from) = self.sent(stretch, &column, sample.distance, spread(shift, index));
-                    let arrives = self.arrives(stretch, sample.distance, found, from, &mut rays);
-                    sample.visibility = arrives.max_element().min(1.0);
-                }
-                scratch.samples.resize(samples - sparse, MarchSample::default());
-                march.refine(
-                    &scratch.first,
-                    fill(&mut scratch.jitter, samples - sparse, random),
-                    &mut scratch.samples,
-                );
-                scratch.cells = cells;
-            }
-            Placement::Uniform => {
-                let step = (stretch.to - stretch.from) / samples as f32;
-                scratch.samples.extend((0..samples).map(|index| MarchSample {
-                    distance: stretch.from + (index as f32 + random.uniform()) * step,
-                    weight: step,
-                    ..MarchSample::default()
-                }));
-            }
-            Placement::EquiAngular => {
-                let offset = stretch.light.position() - ray.origin;
-                let foot = offset.dot(ray.direction);
-                let height = (offset - foot * ray.direction).length().max(f32::MIN_POSITIVE);
-                let angle = |distance: f32| ((distance - foot) / height).atan();
-                let start = angle(stretch.from);
-                let step = (angle(stretch.to) - start) / samples as f32;
-                scratch.samples.extend((0..samples).map(|index| {
-                    let tangent = (start + (index as f32 + random.uniform()) * step).tan();
-                    let distance = (foot + height * tangent).clamp(stretch.from, stretch.to);
-                    let weight = step * height * (1.0 + tangent * tangent);
-                    MarchSample { distance, weight, ..MarchSample::default() }
-                }));
-            }
-            Placement::MaximumDensity => {
-                let greatest = self.greatest_density(stretch);
-                for _ in 0..samples {
-                    let Some(distance) = fly(fog, ray, stretch, greatest, random) else { continue };
-                    let place = ray.origin + distance * ray.direction;
-                    let extinction = fog.mean_extinction() * fog.density.at(place);
-                    let left =
-                        (-fog.mean_extinction() * (column.at(distance) - column.at(stretch.from))).exp();
-                    let weight = 1.0 / (samples as f32 * extinction * left);
-                    scratch.samples.push(MarchSample { distance, weight, ..MarchSample::default() });
-                }
-            }
-        }
+        let column = &media::column(stretch.fog, ray.origin, ray.direction, ray.length, column);
+        let mut rays = ShadowRays { scene: self.scene, fogs: self.fogs, stretch, column, count: 0 };
+        places.choose(self.marching.placement, samples, &mut rays, random);
         let shift = [random.uniform(), random.uniform()];
-        for (index, sample) in scratch.samples.iter().enumerate().filter(|(_, sample)| sample.weight > 0.0) {
-            let (found, from) = self.sent(stretch, &column, sample.distance, spread(shift, index));
-            radiance +=
-                sample.weight * self.arrives(stretch, sample.distance, found, from, &mut rays) * found;
+        let mut radiance = Vec3::ZERO;
+        let worth = places.samples.iter().enumerate().filter(|(_, sample)| sample.weight > 0.0);
+        for (index, sample) in worth {
+            let (found, arrives) = rays.ask(sample.distance, spread(shift, index));
+            radiance += sample.weight * arrives * found;
         }
-        scratch.column = knots;
-        (radiance, rays)
-    }
-
-    /// Share of the light of [`Marcher::sent`] that arrives at a place of a stretch; without a shadow ray where there is none.
-    fn arrives(&self, stretch: &Stretch, distance: f32, light: Vec3, from: Vec3, rays: &mut u32) -> Vec3 {
-        if light == Vec3::ZERO {
-            return Vec3::ZERO;
-        }
-        *rays += 1;
-        let Stretch { segment, .. } = stretch;
-        let place = segment.ray.origin + distance * segment.ray.direction;
-        match self.scene.may_be_seen_through() {
-            true => passage(self.scene, self.fogs, segment.interior, place, from),
-            false if self.scene.occluded(place, from) => Vec3::ZERO,
-            false => Vec3::ONE,
-        }
-    }
-
-    /// The greatest density along a stretch.
-    fn greatest_density(&self, stretch: &Stretch) -> f32 {
-        let ray = &stretch.segment.ray;
-        match &self.scene.medium_of(stretch.segment.medium).density {
-            MediumDensity::Uniform => 1.0,
-            MediumDensity::Exponential(_) => {
-                let at = |t: f32| {
-                    self.fogs[stretch.segment.medium as usize].density.at(ray.origin + t * ray.direction)
-                };
-                at(stretch.from).max(at(stretch.to))
-            }
-            MediumDensity::Grid(volume) => {
-                volume.values.iter().fold(0.0, |most: f32, &value| most.max(value))
-            }
-        }
-    }
-}
-
-/// How shadow rays are spread over the pieces of eye paths.
-#[derive(Clone, Copy, Default)]
-struct Spread {
-    floor: f32,
-    mean: f32,
-}
-
-impl Spread {
-    /// The sum of (error / n)² / radiance² for a given sum of n is least with n in proportion to this.
-    fn need(&self, error: f32, expected: f32) -> f32 {
-        let relative = error / (expected * expected + self.floor * self.floor).sqrt().max(f32::MIN_POSITIVE);
-        let root = relative.cbrt();
-        root * root
-    }
-}
-
-impl Scratch {
-    fn cells(&mut self, count: usize) -> &mut [MarchCell] {
-        self.cells.resize(count.max(self.cells.len()), MarchCell::default());
-        &mut self.cells[..count]
-    }
-}
-
-/// So many uniform numbers.
-fn fill<'a>(jitter: &'a mut Vec<f32>, count: usize, random: &mut Random) -> &'a [f32] {
-    jitter.clear();
-    jitter.extend((0..count).map(|_| random.uniform()));
-    jitter
-}
-
-/// The distance of a collision on a stretch: Woodcock's tracking; None = it flies through.
-fn fly(
-    fog: &Medium,
-    ray: &covbeam::EyeRay,
-    stretch: &Stretch,
-    greatest: f32,
-    random: &mut Random,
-) -> Option<f32> {
-    let mut distance = stretch.from;
-    loop {
-        distance -= (-random.uniform()).ln_1p() / (fog.mean_extinction() * greatest);
-        if !(distance < stretch.to) {
-            return None;
-        }
-        if random.uniform() * greatest < fog.density.at(ray.origin + distance * ray.direction) {
-            return Some(distance);
-        }
+        (radiance, rays.count)
     }
 }
