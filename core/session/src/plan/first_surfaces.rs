@@ -1,45 +1,31 @@
 //! What is first behind the middle of each pixel: fog, and the surface that ends it.
 
-use super::bend::{Bend, bend};
-use super::blurred::blurred;
+mod borders;
+mod look;
+mod node_fog;
+mod regions;
+
 use super::is_chosen;
 use crate::camera::Camera;
-use crate::eye::shown::{Fill, Pixels, SmallLamps};
-use crate::eye::sight::{FirstFog, Sight};
+use crate::eye::shown::{Fill, SmallLamps};
 use crate::eye::starts::EyeStarts;
-use crate::eye::straight_irradiance;
-use crate::lamps::{LampTree, MOST_ASKED};
+use crate::lamps::LampTree;
+use crate::scene::Scene;
 use crate::scene::media;
-use crate::scene::optics::{Interior, facing_normal};
-use crate::scene::{MediumId, Scene};
-use covbeam::{
-    EyeRay, FilmLattice, FluenceGrid, ImageSpectrum, Knot, Medium, PixelStep, RegionNode, film_regions,
-    part_regions,
-};
-use covbeam_geometry::hit::Hit;
-use glam::Vec3;
+use borders::{blurred, is_black_or_edge};
+use covbeam::{FilmLattice, FluenceGrid, ImageSpectrum, Knot, Medium};
+use look::{Look, Looks};
+use node_fog::{NodeFog, mean, spectrum};
 use rayon::prelude::*;
+use regions::{FITS, regions};
 use std::collections::HashMap;
-use std::f32::consts::PI;
 use std::sync::Arc;
-
-/// A shadow's border crosses a pixel around which straight light varies by more than this.
-const EDGE: f32 = 0.5;
-
-/// Of many lamps only those with such a share of a place's light have borders of shadows that are looked for: without one the others hardly
-/// change it, and the noise of choosing among them would pass for borders.
-const LEAST_SHARE: f32 = 0.125;
 
 /// Share of the passes in which pixels with nothing else to see look beyond the light that fog scatters.
 const BLACK_DENSITY: f32 = 0.25;
 
 /// Keeps the choice of pixels apart from others.
 const SURFACE_PURPOSE: u64 = 0x5afa_ce00_0000;
-
-/// Share by which starts of the fog may differ that count as one.
-const SAME_START: f32 = 1e-4;
-
-const FITS: &str = "a scene's picture is not too large";
 
 /// What is first behind each pixel: fog, and the surface that ends it.
 #[derive(Debug, PartialEq)]
@@ -63,16 +49,6 @@ pub struct FirstSurfaces {
     lattice: FilmLattice,
 }
 
-/// The first piece of fog of a node of the lattice.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct NodeFog {
-    ray: EyeRay,
-    steps: [PixelStep; 2],
-    medium: MediumId,
-    /// Of how much of it the pixels around see.
-    bend: Bend,
-}
-
 impl FirstSurfaces {
     /// Looks at the scene through the middle of each pixel, and of the lens. None: `cancelled`, which is polled in
     /// each row of pixels, said yes.
@@ -89,20 +65,19 @@ impl FirstSurfaces {
                 (x > 0 || !cancelled()).then(|| Look::new(scene, &fogs, &lamps, &small, &starts, [x, y]))
             })
             .collect();
-        let seen = Seen { camera: &camera, fogs: &fogs, looks: looks? };
-        let mut regions = seen.regions(cancelled)?;
-        let blurred = seen.blurred(&regions);
+        let looks = Looks { camera: &camera, fogs: &fogs, all: looks? };
+        let mut regions = regions(&looks, cancelled)?;
+        let blurred = blurred(&looks, &regions);
         regions.iter_mut().zip(&blurred).filter(|(_, blurred)| **blurred).for_each(|(region, _)| *region = 0);
         if cancelled() {
             return None;
         }
         let lattice = FilmLattice::new(width, height).expect(FITS);
-        let fog =
-            (0..lattice.node_count()).into_par_iter().map(|node| seen.fog(lattice.pixel(node), &regions));
-        let fog = fog.collect();
-        let marks = (0..width * height)
-            .into_par_iter()
-            .map(|pixel| (pixel % width > 0 || !cancelled()).then(|| seen.is_black_or_edge(pixel, &regions)));
+        let at_node = |node| NodeFog::at(&looks, lattice.pixel(node), &regions);
+        let fog = (0..lattice.node_count()).into_par_iter().map(at_node).collect();
+        let marks = (0..width * height).into_par_iter().map(|pixel| {
+            (pixel % width > 0 || !cancelled()).then(|| is_black_or_edge(&looks, pixel, &regions))
+        });
         let (black, edge): (Vec<bool>, Vec<bool>) =
             marks.collect::<Option<Vec<(bool, bool)>>>()?.into_iter().unzip();
         let border = |(look, edge): (&Look, &bool)| match look.lamps {
@@ -110,8 +85,8 @@ impl FirstSurfaces {
             Fill::Even => *edge,
             Fill::Uneven => true,
         };
-        let lamp_border = seen.looks.iter().zip(&edge).map(border).collect();
-        let has_fog = seen.looks.iter().any(|look| look.fog.is_some());
+        let lamp_border = looks.all.iter().zip(&edge).map(border).collect();
+        let has_fog = looks.all.iter().any(|look| look.fog.is_some());
         Some(Self {
             camera,
             fog: vec![fog],
@@ -210,249 +185,6 @@ impl FirstSurfaces {
         };
         (0..self.lattice.node_count()).into_par_iter().map_init(Vec::new, of_node).collect()
     }
-}
-
-/// The spectrum of a node's fog.
-fn spectrum(
-    node: &Option<NodeFog>,
-    grid: &FluenceGrid,
-    fogs: &[Medium],
-    knots: &mut Vec<Knot>,
-) -> ImageSpectrum {
-    let Some(NodeFog { ray, steps, medium, bend }) = node else { return ImageSpectrum::default() };
-    let fog = &fogs[*medium as usize];
-    let column = media::column(fog, ray.origin, ray.direction, ray.length, knots);
-    let mut spectrum = ImageSpectrum::along(ray, steps, grid, fog, &column);
-    if spectrum.weight > 0.0 {
-        spectrum.xx += bend.xx;
-        spectrum.xy += bend.xy;
-        spectrum.yy += bend.yy;
-    }
-    spectrum
-}
-
-/// The spectrum of the mean of several lights.
-fn mean(spectra: impl ExactSizeIterator<Item = ImageSpectrum>) -> ImageSpectrum {
-    let count = spectra.len() as f32;
-    let sum = spectra.fold(ImageSpectrum::default(), |sum, one| ImageSpectrum {
-        xx: sum.xx + one.weight * one.xx,
-        xy: sum.xy + one.weight * one.xy,
-        yy: sum.yy + one.weight * one.yy,
-        weight: sum.weight + one.weight,
-    });
-    if sum.weight > 0.0 {
-        let ImageSpectrum { xx, xy, yy, weight } = sum;
-        ImageSpectrum { xx: xx / weight, xy: xy / weight, yy: yy / weight, weight: weight / count }
-    } else {
-        ImageSpectrum::default()
-    }
-}
-
-/// What is first behind a pixel.
-struct Look {
-    fog: Option<FirstFog>,
-    /// Of the first surface, as [`Camera::depth_along`] counts it; infinite where there is none.
-    depth: f32,
-    /// Of the fog's start; infinite where there is none.
-    start: f32,
-    is_black: bool,
-    /// Straight light on the surface, up to a factor, and that of lamps before it.
-    lit: f32,
-    /// What lamps fill of the pixel.
-    lamps: Fill,
-}
-
-impl Look {
-    /// - `[x, y]`: the pixel.
-    fn new(
-        scene: &Scene,
-        fogs: &[Medium],
-        lamps: &LampTree,
-        small: &SmallLamps,
-        starts: &EyeStarts,
-        [x, y]: [u32; 2],
-    ) -> Self {
-        let (camera, start) = (&scene.camera, &starts.middle(x, y));
-        let Sight { fog, glows, end, surface } = Sight::new(scene, start);
-        let lamps_seen = Pixels { scene, small, starts }.fill([x, y]);
-        let depth = |distance: f32| camera.near + distance * camera.depth_along(start.direction);
-        let shown = scene.shown.undimmed(scene, small, start, end, surface.as_ref().map(|(hit, _)| hit));
-        let is_black = !glows
-            && shown == Vec3::ZERO
-            && lamps_seen != Fill::Uneven
-            && surface.as_ref().is_none_or(|(hit, _)| !scene.shows(scene.material(hit)));
-        let surface = surface.filter(|_| scene.shows_surfaces());
-        let of_surface =
-            surface.map_or(0.0, |(hit, interior)| lit(scene, fogs, lamps, interior, start.direction, &hit));
-        let lit = of_surface + PI * shown.element_sum();
-        let begins = fog.map_or(f32::INFINITY, |fog| depth(fog.from));
-        Self { fog, depth: depth(end), start: begins, is_black, lit, lamps: lamps_seen }
-    }
-}
-
-/// What is first behind all pixels.
-struct Seen<'a> {
-    camera: &'a Camera,
-    fogs: &'a [Medium<'a>],
-    looks: Vec<Look>,
-}
-
-impl Seen<'_> {
-    /// The picture's regions: of the depth of surfaces, and of where fog starts and which.
-    fn regions(&self, cancelled: &dyn Fn() -> bool) -> Option<Vec<u32>> {
-        let of = |depth: &dyn Fn(&Look) -> f32| {
-            let depth: Vec<f32> = self.looks.iter().map(depth).collect();
-            let mut regions = vec![0; depth.len()];
-            let mut nodes = vec![RegionNode::default(); depth.len()];
-            let Camera { width, height, .. } = *self.camera;
-            film_regions(width, height, &depth, &mut regions).expect(FITS);
-            part_regions(width, height, &depth, &mut regions, &mut nodes).expect(FITS);
-            regions
-        };
-        let surfaces = of(&|look| look.depth);
-        let kind = |look: &Look| look.fog.map(|fog| (fog.medium, fog.is_alone));
-        let starts = self.looks.iter().map(|look| look.start);
-        let [least, most] = starts.fold([f32::INFINITY, 0.0], |[a, b], start| [start.min(a), start.max(b)]);
-        let is_even = self.looks.iter().all(|look| kind(look) == kind(&self.looks[0]));
-        if is_even && (most - least <= SAME_START * most || least == f32::INFINITY) {
-            return Some(surfaces);
-        }
-        if cancelled() {
-            return None;
-        }
-        // Where the fog starts it has a silhouette, too. Fog around the camera starts nearer than anything.
-        let fog = of(&|look| look.start.max(f32::MIN_POSITIVE));
-        let mut labels = HashMap::new();
-        let numbered = surfaces.iter().zip(&fog).zip(&self.looks).zip(1..);
-        let labelled = numbered.map(|(((surface, fog), look), number)| match (*surface, *fog) {
-            (0, _) | (_, 0) => 0,
-            pair => *labels.entry((pair, kind(look))).or_insert(number),
-        });
-        let mut labelled: Vec<u32> = labelled.collect();
-        // Fogs side by side start and end as far away as each other, and where one begins pixels see both.
-        let width = self.camera.width;
-        for (pixel, label) in (0..).zip(&mut labelled) {
-            let mut around = around(self.camera, pixel % width, pixel / width);
-            let own = kind(&self.looks[pixel as usize]);
-            if around.any(|other| kind(&self.looks[other]) != own) {
-                *label = 0;
-            }
-        }
-        Some(labelled)
-    }
-
-    /// Which pixels the lens blurs a border into; empty: none.
-    fn blurred(&self, regions: &[u32]) -> Vec<bool> {
-        let size = [self.camera.width, self.camera.height];
-        // More than the whole picture is no wider.
-        let most = size[0].max(size[1]) as f32;
-        if self.camera.lens.is_none() {
-            return Vec::new();
-        }
-        let nearest = |look: &Look| match look.fog {
-            Some(fog) if fog.from > 0.0 => look.depth.min(look.start),
-            // Fog around the camera is no thing that could be blurred.
-            _ => look.depth,
-        };
-        let blur = self.looks.par_iter().map(|look| self.camera.blur(nearest(look)).min(most));
-        let blur: Vec<f32> = blur.collect();
-        if blur.iter().all(|blur| *blur == 0.0) { Vec::new() } else { blurred(size, regions, &blur) }
-    }
-
-    /// The fog at a node of the lattice, if a spectrum can be known there.
-    fn fog(&self, [x, y]: [u32; 2], regions: &[u32]) -> Option<NodeFog> {
-        let fog = self.look(x, y).fog.filter(|fog| fog.is_alone)?;
-        let steps = self.camera.pixel_steps(x as f32 + 0.5, y as f32 + 0.5);
-        let steps = steps.map(|step| PixelStep {
-            origin: step.origin + fog.from * step.direction,
-            direction: step.direction,
-        });
-        Some(NodeFog {
-            ray: self.ray(x, y, &fog),
-            steps,
-            medium: fog.medium,
-            bend: self.bend([x, y], regions),
-        })
-    }
-
-    /// Of how much fog is seen around a pixel; 0 beside other regions, and at the picture's border.
-    fn bend(&self, [x, y]: [u32; 2], regions: &[u32]) -> Bend {
-        let Camera { width, height, .. } = *self.camera;
-        if x == 0 || y == 0 || x + 1 == width || y + 1 == height {
-            return Bend::default();
-        }
-        let region = |x: u32, y: u32| regions[(y * width + x) as usize];
-        let is_inside = region(x, y) != 0
-            && (y - 1..=y + 1).all(|row| (x - 1..=x + 1).all(|column| region(column, row) == region(x, y)));
-        let seen = |x: u32, y: u32| self.fog_seen(x, y);
-        if !is_inside || !(seen(x, y) > 0.0) {
-            return Bend::default();
-        }
-        bend([y - 1, y, y + 1].map(|row| [x - 1, x, x + 1].map(|column| seen(column, row))))
-    }
-
-    /// Share of the light on the way through the first fog that this takes.
-    fn fog_seen(&self, x: u32, y: u32) -> f32 {
-        let Some(first) = self.look(x, y).fog else { return 0.0 };
-        let (ray, fog) = (self.ray(x, y, &first), &self.fogs[first.medium as usize]);
-        let mut knots = Vec::new();
-        let column = media::column(fog, ray.origin, ray.direction, ray.length, &mut knots);
-        let column = column.at(ray.length);
-        let taken = |extinction: f32| if extinction > 0.0 { -(-extinction * column).exp_m1() } else { 0.0 };
-        fog.extinction().to_array().map(taken).iter().sum::<f32>() / 3.0
-    }
-
-    fn ray(&self, x: u32, y: u32, fog: &FirstFog) -> EyeRay {
-        let (origin, direction) = self.camera.ray(x as f32 + 0.5, y as f32 + 0.5, [0.0; 2]);
-        EyeRay { origin: origin + fog.from * direction, direction, length: fog.to - fog.from }
-    }
-
-    fn look(&self, x: u32, y: u32) -> &Look {
-        &self.looks[(y * self.camera.width + x) as usize]
-    }
-
-    fn is_black_or_edge(&self, pixel: u32, regions: &[u32]) -> (bool, bool) {
-        let has_silhouette = regions[pixel as usize] == 0;
-        let around = || around(self.camera, pixel % self.camera.width, pixel / self.camera.width);
-        let [least, most] = around().fold([f32::INFINITY, 0.0], |[least, most], pixel| {
-            [self.looks[pixel].lit.min(least), self.looks[pixel].lit.max(most)]
-        });
-        let is_black = !has_silhouette && around().all(|pixel| self.looks[pixel].is_black);
-        (is_black, has_silhouette || least < EDGE * most)
-    }
-}
-
-/// Straight light on a surface, seen from where the ray to it starts, up to a factor.
-fn lit(
-    scene: &Scene,
-    fogs: &[Medium],
-    lamps: &LampTree,
-    interior: Interior,
-    direction: Vec3,
-    hit: &Hit,
-) -> f32 {
-    let albedo = scene.material(hit).diffuse();
-    if albedo == Vec3::ZERO {
-        return 0.0;
-    }
-    let normal = facing_normal(hit, direction);
-    let start = hit.leave(normal);
-    let mut asked = lamps.on_surface(hit.position, normal, 0.5);
-    if lamps.is_drawn_on_surfaces() {
-        asked.retain(|(_, stands_for)| *stands_for <= 1.0 / (LEAST_SHARE * MOST_ASKED as f32));
-    }
-    let sum = straight_irradiance(scene, fogs, interior, start, &asked, |light| {
-        let (density, from) = light.flux_density(start, [0.0; 2]);
-        (density * (from - start).normalize_or_zero().dot(normal).max(0.0), from)
-    });
-    (albedo * sum).element_sum()
-}
-
-/// The numbers of a pixel and of the eight around it.
-fn around(camera: &Camera, x: u32, y: u32) -> impl Iterator<Item = usize> {
-    let Camera { width, height, .. } = *camera;
-    let near = |at: u32, end: u32| at.saturating_sub(1)..=(at + 1).min(end - 1);
-    near(y, height).flat_map(move |y| near(x, width).map(move |x| (y * width + x) as usize))
 }
 
 #[cfg(test)]

@@ -1,0 +1,58 @@
+//! Lobes of a surface: which there are, how directions behave in each, and the share of light that each takes.
+
+use crate::material::Lobes;
+use crate::scene::optics::refract;
+use glam::Vec3;
+
+/// A lobe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Lobe {
+    Transparent,
+    Diffuse,
+    Translucent,
+    Metal,
+    Coat,
+    GlassReflection,
+    GlassTransmission,
+}
+
+impl Lobe {
+    pub(super) const ALL: [Self; 7] = [
+        Self::Transparent,
+        Self::Diffuse,
+        Self::Translucent,
+        Self::Metal,
+        Self::Coat,
+        Self::GlassReflection,
+        Self::GlassTransmission,
+    ];
+
+    /// Those that keep directions apart, or nearly.
+    pub(super) const SHARP: [Self; 5] =
+        [Self::Transparent, Self::Metal, Self::Coat, Self::GlassReflection, Self::GlassTransmission];
+
+    /// Whether light leaves it diffusely.
+    #[inline]
+    pub(crate) fn is_diffuse(self) -> bool {
+        matches!(self, Self::Diffuse | Self::Translucent)
+    }
+
+    /// Whether it sends light through the surface.
+    #[inline]
+    pub(crate) fn crosses(self) -> bool {
+        matches!(self, Self::Transparent | Self::Translucent | Self::GlassTransmission)
+    }
+}
+
+/// Share that a metal reflects, by Schlick's curve.
+#[inline]
+pub(super) fn metal(lobes: &Lobes, direction: Vec3, facet: Vec3) -> Vec3 {
+    let cosine = (-direction.dot(facet)).clamp(0.0, 1.0);
+    lobes.metal + (lobes.edge - lobes.metal) * (1.0 - cosine).powi(5)
+}
+
+/// Share that a coat reflects: it is thin, and met from outside on either side.
+#[inline]
+pub(super) fn coat(lobes: &Lobes, direction: Vec3, facet: Vec3) -> Vec3 {
+    lobes.coat * refract(direction, facet, 1.0 / lobes.index).0
+}
