@@ -1,38 +1,36 @@
 //! Eye paths: from the camera through media, which may send out light, and specular surfaces to the first diffuse or black one.
 
+mod branch;
 pub mod segment;
 pub(crate) mod shown;
 pub mod sight;
 pub mod starts;
 pub(crate) mod straight;
 
-use crate::eye::segment::{EyeSegment, FIRST};
+use crate::eye::branch::Branch;
+use crate::eye::segment::EyeSegment;
 pub use crate::eye::shown::SmallLamps;
-use crate::eye::shown::Watch;
 use crate::eye::starts::{EyeStart, EyeStarts};
 use crate::kind::{ByKind, Kind};
 use crate::lamps::LampTree;
 use crate::light::Meetings;
-use crate::paths::{GOING_ON, LONG_PATH};
-use crate::random::{Random, mix};
+use crate::random::Random;
 use crate::scene::geometry::MOST_BOUNDS;
 use crate::scene::media;
 use crate::scene::optics::{Boundary, Interior, facing_normal, reflect};
 use crate::scene::passage::{clear, passage};
 use crate::scene::{Light, Material, Scene, SceneMedium};
 use crate::surface::clearance::Clearance;
-use crate::surface::encounter::{Encounter, Lobe, Way};
+use crate::surface::encounter::Encounter;
 use crate::surface::{SurfaceMap, flat_within};
-use covbeam::{EyeRay, Knot, Medium};
+use covbeam::{Knot, Medium};
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
+use smallvec::SmallVec;
 use std::f32::consts::FRAC_1_PI;
 
 /// Both branches of a dielectric are followed this many times in a row, then one is drawn at random.
 const SPLITS: u32 = 4;
-
-/// Paths lighter than this play roulette.
-const LIGHT_PATH: f32 = 0.02;
 
 /// Follows eye paths of one scene.
 #[derive(Clone, Copy)]
@@ -55,18 +53,30 @@ pub struct EyeTracer<'a> {
     pub is_apart: bool,
 }
 
-/// A branch of an eye path still to be followed.
-struct Branch {
-    origin: Vec3,
-    direction: Vec3,
-    throughput: Vec3,
-    interior: Interior,
-    /// Surfaces met, but for those that only bound media.
-    depth: u32,
-    /// Surfaces met.
-    met: u32,
-    signature: u64,
-    watch: Watch,
+/// An eye path that is followed.
+struct Path<'s> {
+    pixel: u32,
+    /// What it has seen.
+    radiance: ByKind,
+    /// Its pieces in media.
+    segments: &'s mut Vec<EyeSegment>,
+    /// Still to be followed.
+    branches: SmallVec<[Branch; 8]>,
+    knots: Vec<Knot>,
+}
+
+impl<'s> Path<'s> {
+    fn new(pixel: u32, segments: &'s mut Vec<EyeSegment>) -> Self {
+        let (radiance, branches) = (ByKind::default(), SmallVec::new());
+        Self { pixel, radiance, segments, branches, knots: Vec::new() }
+    }
+
+    #[inline]
+    fn add(&mut self, throughput: Vec3, seen: ByKind) {
+        for (sum, seen) in self.radiance.iter_mut().zip(seen) {
+            *sum += throughput * seen;
+        }
+    }
 }
 
 impl EyeTracer<'_> {
@@ -151,108 +161,99 @@ impl EyeTracer<'_> {
         segments: &mut Vec<EyeSegment>,
     ) -> ByKind {
         let scene = self.scene;
-        let mut radiance = ByKind::default();
-        let mut knots = Vec::new();
-        let mut branches = smallvec::SmallVec::<[Branch; 8]>::new();
-        branches.extend(start.sees.then(|| Branch::new(start, self.is_apart)));
+        let mut path = Path::new(pixel, segments);
+        path.branches.extend(start.sees.then(|| Branch::new(start, self.is_apart)));
         if let Some(small) = self.shown.filter(|_| !self.is_apart) {
-            radiance[Kind::Straight as usize] += small.radiance(scene, self.fogs, &self.starts, start);
+            path.radiance[Kind::Straight as usize] += small.radiance(scene, self.fogs, &self.starts, start);
         }
-        while let Some(mut branch) = branches.pop() {
-            let weight = branch.throughput.max_element();
-            if weight < LIGHT_PATH {
-                if random.uniform() * LIGHT_PATH >= weight {
-                    continue;
-                }
-                branch.throughput *= LIGHT_PATH / weight;
-            }
-            // Total reflection can hold a path inside clear glass for ever.
-            if branch.met > LONG_PATH {
-                if random.uniform() >= GOING_ON {
-                    continue;
-                }
-                branch.throughput /= GOING_ON;
+        while let Some(mut branch) = path.branches.pop() {
+            if !branch.goes_on(random) {
+                continue;
             }
             let hit = scene.intersect(branch.origin, branch.direction, f32::INFINITY);
-            let length = hit.map_or(f32::INFINITY, |hit| hit.distance);
-            let lamps = branch.watch.look(scene, self.shown, branch.origin, branch.direction, hit.as_ref());
-            let (mut left, mut lit) = (Vec3::ONE, lamps.iter().map(|(_, radiance)| *radiance).sum::<Vec3>());
-            if let Some(segment) = branch.segment(scene, length, pixel) {
-                segments.push(segment);
-                let glow;
-                (left, glow, lit) = self.crossed(&segment, &lamps, &mut knots);
-                radiance[Kind::Straight as usize] += branch.throughput * glow;
-            }
-            radiance[branch.watch.kind() as usize] += branch.throughput * lit;
-            branch.throughput *= left;
-            let Some(hit) = hit else { continue };
-            if branch.throughput == Vec3::ZERO {
-                continue;
-            }
-            if let Some(interior) = clear(scene, &hit, branch.direction, &branch.interior) {
-                branches.push(branch.straight_on(&hit, interior));
-                continue;
-            }
-            match *scene.material(&hit) {
-                Material::Black | Material::Clear => {}
-                Material::Lambert { .. } if !scene.shows_surfaces() => {}
-                Material::Lambert { albedo } => {
-                    let reflected = self.reflected(&hit, &branch, albedo, random);
-                    for (sum, reflected) in radiance.iter_mut().zip(reflected) {
-                        *sum += branch.throughput * reflected;
-                    }
-                }
-                Material::Lobes(ref lobes) => {
-                    let xi = [random.uniform(), random.uniform()];
-                    let met = Encounter::new(scene, &hit, branch.direction, &branch.interior, lobes, xi);
-                    if scene.shows_surfaces() {
-                        let seen = self.seen(&hit, &branch, &met, random);
-                        for (sum, seen) in radiance.iter_mut().zip(seen) {
-                            *sum += branch.throughput * seen;
-                        }
-                    }
-                    if branch.depth < SPLITS {
-                        let ways = met.sharp_ways();
-                        branches.extend(ways.map(|way| branch.follow(&hit, &met, &way)));
-                    } else {
-                        let way = met.draw_sharp(branch.throughput, random.uniform());
-                        branches.extend(way.map(|way| branch.follow(&hit, &met, &way)));
-                    }
-                }
-                Material::Mirror { reflectance } => {
-                    let normal = facing_normal(&hit, branch.direction);
-                    let direction = reflect(branch.direction, normal);
-                    branches.push(branch.next(&hit, direction, reflectance, branch.interior, 1));
-                }
-                Material::Dielectric { .. } => {
-                    let boundary = Boundary::new(scene, &hit, branch.direction, &branch.interior);
-                    let reflectance = boundary.reflectance;
-                    // Radiance over the squared index is what refraction keeps.
-                    let scale = boundary.eta * boundary.eta;
-                    let through = boundary.refracted.map(|direction| {
-                        let weight = Vec3::splat((1.0 - reflectance) * scale);
-                        branch.next(&hit, direction, weight, boundary.beyond, 2)
-                    });
-                    let back =
-                        branch.next(&hit, boundary.reflected, Vec3::splat(reflectance), branch.interior, 1);
-                    match through {
-                        None => branches.push(back),
-                        Some(through) if branch.depth < SPLITS => branches.extend([back, through]),
-                        Some(mut through) => {
-                            let mut back = back;
-                            if random.uniform() < reflectance {
-                                back.throughput /= reflectance;
-                                branches.push(back);
-                            } else {
-                                through.throughput /= 1.0 - reflectance;
-                                branches.push(through);
-                            }
-                        }
-                    }
-                }
+            self.travel(&mut branch, hit.as_ref(), &mut path);
+            let Some(hit) = hit.filter(|_| branch.throughput != Vec3::ZERO) else { continue };
+            match clear(scene, &hit, branch.direction, &branch.interior) {
+                Some(interior) => path.branches.push(branch.straight_on(&hit, interior)),
+                None => self.meet(&branch, &hit, &mut path, random),
             }
         }
-        radiance
+        path.radiance
+    }
+
+    /// Follows a branch to where it hits a surface, or to infinity: adds what media and lamps send into it, and leaves it what is left then.
+    #[inline]
+    fn travel(&self, branch: &mut Branch, hit: Option<&Hit>, path: &mut Path) {
+        let length = hit.map_or(f32::INFINITY, |hit| hit.distance);
+        let lamps = branch.watch.look(self.scene, self.shown, branch.origin, branch.direction, hit);
+        let (mut left, mut lit) = (Vec3::ONE, lamps.iter().map(|(_, radiance)| *radiance).sum::<Vec3>());
+        if let Some(segment) = branch.segment(self.scene, length, path.pixel) {
+            path.segments.push(segment);
+            let glow;
+            (left, glow, lit) = self.crossed(&segment, &lamps, &mut path.knots);
+            path.radiance[Kind::Straight as usize] += branch.throughput * glow;
+        }
+        path.radiance[branch.watch.kind() as usize] += branch.throughput * lit;
+        branch.throughput *= left;
+    }
+
+    /// Adds what is seen of a surface, and the ways on from it.
+    #[inline]
+    fn meet(&self, branch: &Branch, hit: &Hit, path: &mut Path, random: &mut Random) {
+        let scene = self.scene;
+        match *scene.material(hit) {
+            Material::Black | Material::Clear => {}
+            Material::Lambert { .. } if !scene.shows_surfaces() => {}
+            Material::Lambert { albedo } => {
+                path.add(branch.throughput, self.reflected(hit, branch, albedo, random));
+            }
+            Material::Lobes(ref lobes) => {
+                let xi = [random.uniform(), random.uniform()];
+                let met = Encounter::new(scene, hit, branch.direction, &branch.interior, lobes, xi);
+                if scene.shows_surfaces() {
+                    path.add(branch.throughput, self.seen(hit, branch, &met, random));
+                }
+                if branch.depth < SPLITS {
+                    let ways = met.sharp_ways();
+                    path.branches.extend(ways.map(|way| branch.follow(hit, &met, &way)));
+                } else {
+                    let way = met.draw_sharp(branch.throughput, random.uniform());
+                    path.branches.extend(way.map(|way| branch.follow(hit, &met, &way)));
+                }
+            }
+            Material::Mirror { reflectance } => {
+                let normal = facing_normal(hit, branch.direction);
+                let direction = reflect(branch.direction, normal);
+                path.branches.push(branch.next(hit, direction, reflectance, branch.interior, 1));
+            }
+            Material::Dielectric { .. } => self.split(branch, hit, path, random),
+        }
+    }
+
+    /// Adds the ways on from a boundary of glass: both, or after some in a row one at random.
+    #[inline]
+    fn split(&self, branch: &Branch, hit: &Hit, path: &mut Path, random: &mut Random) {
+        let boundary = Boundary::new(self.scene, hit, branch.direction, &branch.interior);
+        let reflectance = boundary.reflectance;
+        // Radiance over the squared index is what refraction keeps.
+        let scale = boundary.eta * boundary.eta;
+        let through = boundary.refracted.map(|direction| {
+            let weight = Vec3::splat((1.0 - reflectance) * scale);
+            branch.next(hit, direction, weight, boundary.beyond, 2)
+        });
+        let mut back = branch.next(hit, boundary.reflected, Vec3::splat(reflectance), branch.interior, 1);
+        match through {
+            None => path.branches.push(back),
+            Some(through) if branch.depth < SPLITS => path.branches.extend([back, through]),
+            Some(_) if random.uniform() < reflectance => {
+                back.throughput /= reflectance;
+                path.branches.push(back);
+            }
+            Some(mut through) => {
+                through.throughput /= 1.0 - reflectance;
+                path.branches.push(through);
+            }
+        }
     }
 
     /// Radiance leaving a diffuse surface: direct light and the photons that came any other way.
@@ -333,61 +334,6 @@ pub(crate) fn straight_irradiance(
         }
     }
     sum
-}
-
-impl Branch {
-    fn new(start: &EyeStart, is_apart: bool) -> Self {
-        Self {
-            origin: start.origin,
-            direction: start.direction,
-            throughput: Vec3::ONE,
-            interior: start.interior,
-            depth: 0,
-            met: 0,
-            signature: FIRST,
-            watch: Watch::new(start.origin, is_apart),
-        }
-    }
-
-    /// The way on through what only bounds media, into `interior`: as if nothing had been met.
-    fn straight_on(self, hit: &Hit, interior: Interior) -> Self {
-        Self { origin: hit.leave(self.direction), interior, met: self.met + 1, ..self }
-    }
-
-    /// The piece up to what is met, if it is in a medium.
-    fn segment(&self, scene: &Scene, length: f32, pixel: u32) -> Option<EyeSegment> {
-        let Self { origin, direction, throughput, interior, signature, .. } = *self;
-        let ray = EyeRay { origin, direction, length };
-        let medium = interior.medium(scene)?;
-        Some(EyeSegment { ray, medium, throughput, pixel, interior, signature })
-    }
-
-    /// A way on from a surface of lobes.
-    fn follow(&self, hit: &Hit, met: &Encounter, way: &Way) -> Self {
-        let kind = (way.lobe as u64 + 1) << 40;
-        let next = self.next(hit, way.direction, way.factor * met.narrowing(way.lobe), way.interior, kind);
-        let watch = match way.lobe {
-            Lobe::Transparent => self.watch,
-            Lobe::GlassTransmission if met.is_rough() => next.watch.of_all(),
-            _ if met.is_rough() => next.watch.of_none(),
-            _ => next.watch,
-        };
-        Self { watch, ..next }
-    }
-
-    fn next(&self, hit: &Hit, direction: Vec3, weight: Vec3, interior: Interior, kind: u64) -> Self {
-        let origin = hit.leave(direction);
-        Self {
-            origin,
-            direction,
-            throughput: self.throughput * weight,
-            interior,
-            depth: self.depth + 1,
-            met: self.met + 1,
-            signature: mix(self.signature ^ (u64::from(hit.object) << 2) ^ kind),
-            watch: self.watch.from(origin),
-        }
-    }
 }
 
 #[cfg(test)]

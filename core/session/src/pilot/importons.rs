@@ -4,6 +4,7 @@ use super::instant::{Instant, Poll};
 use super::look::Pixel;
 use crate::eye::starts::EyeStart;
 use crate::light::cosine_direction;
+use crate::material::Lobes;
 use crate::random::Random;
 use crate::scene::geometry::divide;
 use crate::scene::media;
@@ -11,6 +12,7 @@ use crate::scene::optics::{Boundary, Interior, facing_normal, reflect};
 use crate::scene::{Material, Scene};
 use crate::surface::encounter::{Encounter, Lobe};
 use covbeam::{GridLayout, ImportanceGrid, Knot, Medium};
+use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::f32::consts::FRAC_1_PI;
@@ -91,11 +93,11 @@ pub(super) fn walk(instants: &[Instant], pixels: &[Pixel], cancelled: Poll) -> F
                 if cancelled() {
                     break;
                 }
-                let mut random = Random::new([0, (chunk * CHUNK + index) as u32, 0, KEY]);
+                let random = Random::new([0, (chunk * CHUNK + index) as u32, 0, KEY]);
                 let Instant { scene, fogs } = instants[instant];
                 // In turns: what light is worth is a mean of what it is worth in the channels.
                 let channel = index % 3;
-                Walker { instant, scene, fogs, channel }.follow(start, weight, &mut random, &mut out);
+                Walker { instant, scene, fogs, channel }.follow(start, weight, random, &mut out);
             }
             out
         })
@@ -173,113 +175,117 @@ struct Importon {
     bounces: u32,
 }
 
+/// A path, what it has left in the grid, and memory.
+struct Walk<'w> {
+    random: Random,
+    out: &'w mut Vec<Deposit>,
+    /// Still to be followed.
+    waiting: Vec<Importon>,
+    knots: Vec<Knot>,
+}
+
+impl Walk<'_> {
+    fn pair(&mut self) -> [f32; 2] {
+        [self.random.uniform(), self.random.uniform()]
+    }
+}
+
 impl Walker<'_> {
-    fn follow(&self, start: EyeStart, weight: f32, random: &mut Random, out: &mut Vec<Deposit>) {
+    fn follow(&self, start: EyeStart, weight: f32, random: Random, out: &mut Vec<Deposit>) {
         let EyeStart { origin, direction, interior, .. } = start;
         let first = Importon { origin, direction, weight, interior, specular: true, depth: 0, bounces: 0 };
-        let mut waiting = vec![first];
-        let mut knots = Vec::new();
-        while let Some(mut importon) = waiting.pop() {
+        let mut walk = Walk { random, out, waiting: vec![first], knots: Vec::new() };
+        while let Some(mut importon) = walk.waiting.pop() {
             if importon.depth < LONGEST && self.scene.allows(importon.bounces) {
                 importon.depth += 1;
-                self.step(importon, random, &mut waiting, &mut knots, out);
+                self.step(importon, &mut walk);
             }
         }
     }
 
-    fn step(
-        &self,
-        mut importon: Importon,
-        random: &mut Random,
-        waiting: &mut Vec<Importon>,
-        knots: &mut Vec<Knot>,
-        out: &mut Vec<Deposit>,
-    ) {
+    /// Follows a path to the next event, a collision or a surface, and what goes on from there waits.
+    fn step(&self, mut importon: Importon, walk: &mut Walk) {
         let hit = self.scene.intersect(importon.origin, importon.direction, f32::INFINITY);
-        let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
+        let length = hit.map_or(f32::INFINITY, |hit| hit.distance);
         let Importon { origin, direction, weight, .. } = importon;
         let (medium, channel) = (importon.interior.medium(self.scene), self.channel);
-        let flight =
-            Flight { instant: self.instant, medium, origin, direction, length: reach, weight, channel };
-        out.push(if importon.specular { Deposit::EyeRay(flight) } else { Deposit::Path(flight) });
-        if let Some(medium) = medium {
-            let fog = &self.fogs[medium as usize];
-            let column = media::column(fog, origin, direction, reach, knots);
-            let extinction = fog.extinction()[channel];
-            let left = fog.transmittance(column.at(reach))[channel];
-            let (collides, u) = (1.0 - left, random.uniform());
-            // The first collision is forced, and the path goes on without it too; after that it is one or the other.
-            if collides > 0.0 && (importon.specular || u < collides) {
-                let u = if importon.specular { u * collides } else { u };
-                let distance = column.distance_at(-(-u).ln_1p() / extinction);
-                let share = if importon.specular { collides } else { 1.0 };
-                let direction = fog.phase.sample(direction, [random.uniform(), random.uniform()]);
-                let weight = weight * share * fog.scattering[channel] / extinction;
-                if distance < reach {
-                    let origin = origin + distance * importon.direction;
-                    let bounces = importon.bounces + 1;
-                    let way = Importon { origin, direction, weight, specular: false, bounces, ..importon };
-                    waiting.push(way);
-                }
-                if !importon.specular {
-                    return;
-                }
+        let flight = Flight { instant: self.instant, medium, origin, direction, length, weight, channel };
+        walk.out.push(if importon.specular { Deposit::EyeRay(flight) } else { Deposit::Path(flight) });
+        if let Some(medium) = medium
+            && !self.fly(&mut importon, &self.fogs[medium as usize], length, walk)
+        {
+            return;
+        }
+        if let Some(hit) = hit
+            && self.meet(&mut importon, &hit, walk)
+        {
+            importon.origin = hit.leave(importon.direction);
+            walk.waiting.push(importon);
+        }
+    }
+
+    /// Crosses fog up to a surface at a distance of `reach`; false: it has collided, and does not go on. The first collision is forced, and
+    /// the path goes on without it too; after that it is one or the other.
+    fn fly(&self, importon: &mut Importon, fog: &Medium, reach: f32, walk: &mut Walk) -> bool {
+        let Importon { origin, direction, weight, .. } = *importon;
+        let channel = self.channel;
+        let column = media::column(fog, origin, direction, reach, &mut walk.knots);
+        let extinction = fog.extinction()[channel];
+        let left = fog.transmittance(column.at(reach))[channel];
+        let (collides, u) = (1.0 - left, walk.random.uniform());
+        if collides > 0.0 && (importon.specular || u < collides) {
+            let u = if importon.specular { u * collides } else { u };
+            let distance = column.distance_at(-(-u).ln_1p() / extinction);
+            let share = if importon.specular { collides } else { 1.0 };
+            let xi = walk.pair();
+            let weight = weight * share * fog.scattering[channel] / extinction;
+            if distance < reach {
+                let origin = origin + distance * direction;
+                let direction = fog.phase.sample(direction, xi);
+                let bounces = importon.bounces + 1;
+                let way = Importon { origin, direction, weight, specular: false, bounces, ..*importon };
+                walk.waiting.push(way);
             }
-            if importon.specular {
-                importon.weight *= left;
+            if !importon.specular {
+                return false;
             }
         }
-        let Some(hit) = hit else { return };
-        match *self.scene.material(&hit) {
-            Material::Black => return,
+        if importon.specular {
+            importon.weight *= left;
+        }
+        true
+    }
+
+    /// Meets a surface, where the camera may see it; whether the path goes on, along a direction of its own.
+    fn meet(&self, importon: &mut Importon, hit: &Hit, walk: &mut Walk) -> bool {
+        let channel = self.channel;
+        match *self.scene.material(hit) {
+            Material::Black => return false,
             Material::Clear => {
-                importon.interior = importon.interior.through(self.scene, &hit, importon.direction)
+                importon.interior = importon.interior.through(self.scene, hit, importon.direction)
             }
-            Material::Lambert { .. } if importon.specular && !self.scene.shows_surfaces() => return,
+            Material::Lambert { .. } if importon.specular && !self.scene.shows_surfaces() => return false,
             Material::Lambert { albedo } => {
-                if importon.specular {
-                    let weight = importon.weight * albedo[channel] * FRAC_1_PI;
-                    out.push(Deposit::Surface { position: hit.position, weight });
+                self.see(importon, hit, albedo, walk);
+                if walk.random.uniform() >= albedo[channel] {
+                    return false;
                 }
-                if random.uniform() >= albedo[channel] {
-                    return;
-                }
-                let normal = facing_normal(&hit, importon.direction);
-                importon.direction = cosine_direction(normal, [random.uniform(), random.uniform()]);
+                let normal = facing_normal(hit, importon.direction);
+                importon.direction = cosine_direction(normal, walk.pair());
                 importon.specular = false;
                 importon.bounces += 1;
             }
-            Material::Lobes(ref lobes) => {
-                let mut pair = || [random.uniform(), random.uniform()];
-                let (facet, xi) = (pair(), pair());
-                let met =
-                    Encounter::new(self.scene, &hit, importon.direction, &importon.interior, lobes, facet);
-                let diffuse = (lobes.diffuse + lobes.translucent)[channel];
-                if importon.specular && diffuse > 0.0 && self.scene.shows_surfaces() {
-                    let weight = importon.weight * diffuse * FRAC_1_PI;
-                    out.push(Deposit::Surface { position: hit.position, weight });
-                }
-                let Some(way) = met.draw(Vec3::AXES[channel], random.uniform(), xi) else { return };
-                let is_diffuse = way.lobe.is_diffuse();
-                if importon.specular && is_diffuse && !self.scene.shows_surfaces() {
-                    return;
-                }
-                importon.weight *= way.factor[channel];
-                importon.direction = way.direction;
-                importon.interior = way.interior;
-                importon.specular &= !is_diffuse;
-                importon.bounces += u32::from(!importon.specular && way.lobe != Lobe::Transparent);
-            }
+            Material::Lobes(ref lobes) => return self.meet_lobes(importon, hit, lobes, walk),
             Material::Mirror { reflectance } => {
-                if random.uniform() >= reflectance[channel] {
-                    return;
+                if walk.random.uniform() >= reflectance[channel] {
+                    return false;
                 }
-                importon.direction = reflect(importon.direction, facing_normal(&hit, importon.direction));
+                importon.direction = reflect(importon.direction, facing_normal(hit, importon.direction));
                 importon.bounces += u32::from(!importon.specular);
             }
             Material::Dielectric { .. } => {
-                let boundary = Boundary::new(self.scene, &hit, importon.direction, &importon.interior);
-                let through = random.uniform() >= boundary.reflectance;
+                let boundary = Boundary::new(self.scene, hit, importon.direction, &importon.interior);
+                let through = walk.random.uniform() >= boundary.reflectance;
                 importon.bounces += u32::from(!importon.specular && !boundary.is_matched());
                 importon.direction = match boundary.refracted.filter(|_| through) {
                     Some(refracted) => {
@@ -290,7 +296,36 @@ impl Walker<'_> {
                 };
             }
         }
-        importon.origin = hit.leave(importon.direction);
-        waiting.push(importon);
+        true
+    }
+
+    /// The same of a surface of lobes.
+    fn meet_lobes(&self, importon: &mut Importon, hit: &Hit, lobes: &Lobes, walk: &mut Walk) -> bool {
+        let channel = self.channel;
+        let (facet, xi) = (walk.pair(), walk.pair());
+        let met = Encounter::new(self.scene, hit, importon.direction, &importon.interior, lobes, facet);
+        let diffuse = lobes.diffuse + lobes.translucent;
+        if diffuse[channel] > 0.0 && self.scene.shows_surfaces() {
+            self.see(importon, hit, diffuse, walk);
+        }
+        let Some(way) = met.draw(Vec3::AXES[channel], walk.random.uniform(), xi) else { return false };
+        let is_diffuse = way.lobe.is_diffuse();
+        if importon.specular && is_diffuse && !self.scene.shows_surfaces() {
+            return false;
+        }
+        importon.weight *= way.factor[channel];
+        importon.direction = way.direction;
+        importon.interior = way.interior;
+        importon.specular &= !is_diffuse;
+        importon.bounces += u32::from(!importon.specular && way.lobe != Lobe::Transparent);
+        true
+    }
+
+    /// Leaves what a path is worth on a diffuse surface that the camera sees.
+    fn see(&self, importon: &Importon, hit: &Hit, albedo: Vec3, walk: &mut Walk) {
+        if importon.specular {
+            let weight = importon.weight * albedo[self.channel] * FRAC_1_PI;
+            walk.out.push(Deposit::Surface { position: hit.position, weight });
+        }
     }
 }

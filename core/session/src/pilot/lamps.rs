@@ -125,101 +125,122 @@ impl<'a> Lamp<'a> {
     /// Of the light of one direction, up to where it is scattered; as a straight beam it is worth nothing where
     /// shadow rays look after that.
     fn of_place(&self, place: [f32; 2], index: u32, random: &mut Random, knots: &mut Vec<Knot>) -> f32 {
+        let Some(start) = self.emit(place, index) else { return 0.0 };
+        let all = start.power;
+        let mut waiting: SmallVec<[Ray; 8]> = smallvec![start];
+        let mut worth = 0.0;
+        while let Some(mut ray) = waiting.pop() {
+            let hit = self.scene.intersect(ray.origin, ray.direction, f32::INFINITY);
+            let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
+            if let Some(id) = ray.interior.medium(self.scene) {
+                worth += self.fly(&mut ray, id, reach, knots);
+            }
+            let Some(hit) = hit.filter(|hit| hit.distance < ray.until) else { continue };
+            if hit.distance >= ray.dark {
+                worth += self.of_surface(&ray, &hit);
+            }
+            waiting.extend(self.ways(ray, &hit, all, random).into_iter().flatten());
+        }
+        worth
+    }
+
+    /// A ray that starts at a place of the lamp's emission.
+    fn emit(&self, place: [f32; 2], index: u32) -> Option<Ray> {
         let mut sampler = PathSampler::new(Emission::Independent, 0, KEY, index);
         let emitted = self.light.emit_at(place, &mut sampler);
-        let all = mean(emitted.power);
-        let start = self.origin.of_photon(self.scene, self.light, &emitted);
-        let Some((origin, interior)) = start else { return 0.0 };
-        let start = Ray {
+        let (origin, interior) = self.origin.of_photon(self.scene, self.light, &emitted)?;
+        Some(Ray {
             origin,
             direction: emitted.direction,
             interior,
-            power: all,
+            power: mean(emitted.power),
             is_straight: self.light.is_straight(),
             dark: emitted.dark,
             until: emitted.until,
             met: 0,
             bounds: 0,
             bounces: 0,
-        };
-        let mut waiting: SmallVec<[Ray; 8]> = smallvec![start];
-        let mut worth = 0.0;
-        while let Some(mut ray) = waiting.pop() {
-            let hit = self.scene.intersect(ray.origin, ray.direction, f32::INFINITY);
-            let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
-            let end = reach.min(ray.until);
-            if let Some(id) = ray.interior.medium(self.scene) {
-                let fog = &self.fogs[id as usize];
-                let dark = ray.dark.min(end);
-                let from = ray.origin + dark * ray.direction;
-                let found = self.importance.of_segment(fog, from, ray.direction, end - dark);
-                let is_seen = !ray.is_straight || is_left_to_beams(self.scene, id);
-                let scattered = if self.scene.allows(ray.bounces + 1) { found.scattered } else { 0.0 };
-                worth += ray.power * (scattered + if is_seen { found.beam } else { 0.0 });
-                let column = media::column(fog, ray.origin, ray.direction, reach, knots);
-                ray.power *= fog.mean_transmittance(column.at(reach));
-            }
-            let Some(hit) = hit.filter(|hit| hit.distance < ray.until) else { continue };
-            let is_lit = hit.distance >= ray.dark;
-            let mut goes_straight = false;
-            ray.met += 1;
-            let here = || self.importance.at(hit.position);
-            match *self.scene.material(&hit) {
-                Material::Clear => {
-                    ray.met -= 1;
-                    ray.bounds += 1;
-                    goes_straight = true;
-                    ray.interior = ray.interior.through(self.scene, &hit, ray.direction);
-                }
-                Material::Lambert { albedo } if is_lit => {
-                    let may_bounce = self.scene.allows(ray.bounces + 1);
-                    worth += ray.power * of_diffuse(albedo, &here(), ray.is_straight, may_bounce);
-                    continue;
-                }
-                Material::Lobes(ref lobes) => {
-                    let mut pair = || [random.uniform(), random.uniform()];
-                    let (facet, xi) = (pair(), pair());
-                    let met = Encounter::new(self.scene, &hit, ray.direction, &ray.interior, lobes, facet);
-                    if is_lit {
-                        let albedo = lobes.diffuse + lobes.translucent;
-                        let may_bounce = self.scene.allows(ray.bounces + 1);
-                        worth += ray.power * of_diffuse(albedo, &here(), ray.is_straight, may_bounce);
-                    }
-                    let way = met.draw(Vec3::ONE, random.uniform(), xi);
-                    let Some(way) = way.filter(|way| !way.lobe.is_diffuse()) else { continue };
-                    goes_straight = way.lobe == Lobe::Transparent;
-                    ray.power *= mean(way.factor);
-                    (ray.direction, ray.interior) = (way.direction, way.interior);
-                }
-                Material::Mirror { reflectance } if is_lit => {
-                    ray.power *= mean(reflectance);
-                    ray.direction = reflect(ray.direction, facing_normal(&hit, ray.direction));
-                }
-                Material::Black | Material::Lambert { .. } | Material::Mirror { .. } => continue,
-                Material::Dielectric { .. } => {
-                    let boundary = Boundary::new(self.scene, &hit, ray.direction, &ray.interior);
-                    goes_straight = boundary.is_matched();
-                    let [back, through] = [boundary.reflectance, 1.0 - boundary.reflectance];
-                    let reflected = Ray { direction: boundary.reflected, ..ray.clone() };
-                    let refracted = boundary.refracted.map(|direction| Ray {
-                        direction,
-                        interior: boundary.beyond,
-                        ..ray.clone()
-                    });
-                    // A mean of few rays would miss most of what is reflected.
-                    if back.min(through) * ray.power > LEAST_SHARE * all {
-                        let reflected = Ray { power: back * ray.power, ..reflected };
-                        let refracted = refracted.map(|way| Ray { power: through * ray.power, ..way });
-                        let ways = [Some(reflected), refracted].into_iter().flatten();
-                        waiting.extend(ways.filter_map(|way| way.go_on(self.scene, &hit, goes_straight)));
-                        continue;
-                    }
-                    ray = refracted.filter(|_| random.uniform() < through).unwrap_or(reflected);
-                }
-            }
-            waiting.extend(ray.go_on(self.scene, &hit, goes_straight));
-        }
+        })
+    }
+
+    /// Crosses fog up to a surface at a distance of `reach`: what the ray's light is worth there, and the ray has what is left of it.
+    fn fly(&self, ray: &mut Ray, id: u32, reach: f32, knots: &mut Vec<Knot>) -> f32 {
+        let fog = &self.fogs[id as usize];
+        let end = reach.min(ray.until);
+        let dark = ray.dark.min(end);
+        let from = ray.origin + dark * ray.direction;
+        let found = self.importance.of_segment(fog, from, ray.direction, end - dark);
+        let is_seen = !ray.is_straight || is_left_to_beams(self.scene, id);
+        let scattered = if self.scene.allows(ray.bounces + 1) { found.scattered } else { 0.0 };
+        let worth = ray.power * (scattered + if is_seen { found.beam } else { 0.0 });
+        let column = media::column(fog, ray.origin, ray.direction, reach, knots);
+        ray.power *= fog.mean_transmittance(column.at(reach));
         worth
+    }
+
+    /// Of a ray's light that arrives on a surface, what is worth anything where it is scattered diffusely.
+    fn of_surface(&self, ray: &Ray, hit: &Hit) -> f32 {
+        let albedo = match *self.scene.material(hit) {
+            Material::Lambert { albedo } => albedo,
+            Material::Lobes(ref lobes) => lobes.diffuse + lobes.translucent,
+            _ => return 0.0,
+        };
+        let may_bounce = self.scene.allows(ray.bounces + 1);
+        let here = self.importance.at(hit.position);
+        ray.power * of_diffuse(albedo, &here, ray.is_straight, may_bounce)
+    }
+
+    /// The ways on from a surface that keep directions apart.
+    ///
+    /// - `all`: the power that the ray's lamp sent.
+    fn ways(&self, mut ray: Ray, hit: &Hit, all: f32, random: &mut Random) -> [Option<Ray>; 2] {
+        let is_lit = hit.distance >= ray.dark;
+        let mut goes_straight = false;
+        let material = self.scene.material(hit);
+        match material {
+            Material::Clear => ray.bounds += 1,
+            _ => ray.met += 1,
+        }
+        match *material {
+            Material::Clear => {
+                goes_straight = true;
+                ray.interior = ray.interior.through(self.scene, hit, ray.direction);
+            }
+            Material::Lobes(ref lobes) => {
+                let mut pair = || [random.uniform(), random.uniform()];
+                let (facet, xi) = (pair(), pair());
+                let met = Encounter::new(self.scene, hit, ray.direction, &ray.interior, lobes, facet);
+                let way = met.draw(Vec3::ONE, random.uniform(), xi);
+                let Some(way) = way.filter(|way| !way.lobe.is_diffuse()) else { return [None, None] };
+                goes_straight = way.lobe == Lobe::Transparent;
+                ray.power *= mean(way.factor);
+                (ray.direction, ray.interior) = (way.direction, way.interior);
+            }
+            Material::Mirror { reflectance } if is_lit => {
+                ray.power *= mean(reflectance);
+                ray.direction = reflect(ray.direction, facing_normal(hit, ray.direction));
+            }
+            Material::Black | Material::Lambert { .. } | Material::Mirror { .. } => return [None, None],
+            Material::Dielectric { .. } => return self.split(ray, hit, all, random),
+        }
+        [ray.go_on(self.scene, hit, goes_straight), None]
+    }
+
+    /// The ways on from a boundary of glass: both, or one at random.
+    fn split(&self, ray: Ray, hit: &Hit, all: f32, random: &mut Random) -> [Option<Ray>; 2] {
+        let boundary = Boundary::new(self.scene, hit, ray.direction, &ray.interior);
+        let [back, through] = [boundary.reflectance, 1.0 - boundary.reflectance];
+        let reflected = Ray { direction: boundary.reflected, ..ray.clone() };
+        let refracted =
+            boundary.refracted.map(|direction| Ray { direction, interior: boundary.beyond, ..ray.clone() });
+        // A mean of few rays would miss most of what is reflected.
+        let ways = if back.min(through) * ray.power > LEAST_SHARE * all {
+            let reflected = Ray { power: back * ray.power, ..reflected };
+            [Some(reflected), refracted.map(|way| Ray { power: through * ray.power, ..way })]
+        } else {
+            [Some(refracted.filter(|_| random.uniform() < through).unwrap_or(reflected)), None]
+        };
+        ways.map(|way| way?.go_on(self.scene, hit, boundary.is_matched()))
     }
 }
 
