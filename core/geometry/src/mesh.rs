@@ -45,6 +45,14 @@ impl Default for Placement {
     }
 }
 
+impl Placement {
+    /// Where a point of the mesh is in the scene.
+    fn place(&self, point: Vec3) -> DVec3 {
+        let rotated = self.rotation.as_dquat() * point.as_dvec3();
+        rotated * f64::from(self.scale) + self.translation.as_dvec3()
+    }
+}
+
 /// Why a mesh was refused.
 #[derive(Debug, thiserror::Error)]
 pub enum MeshError {
@@ -112,22 +120,8 @@ impl Mesh {
             return Err(MeshError::Index(wrong));
         }
 
-        let place = |p: &Vec3| {
-            let rotated = placement.rotation.as_dquat() * p.as_dvec3();
-            rotated * f64::from(placement.scale) + placement.translation.as_dvec3()
-        };
-        let world: Vec<DVec3> = positions.iter().map(place).collect();
-        let used = || indices.iter().flatten().map(|&index| world[index as usize]);
-        let min = used().fold(DVec3::INFINITY, DVec3::min);
-        let max = used().fold(DVec3::NEG_INFINITY, DVec3::max);
-        let limit = f64::from(MAX_COORDINATE);
-        let size = (max - min).max_element();
-        // Also false for NaN.
-        let bounded = used().all(|p| p.abs().max_element() <= limit) && size >= 1.0 / limit && size <= limit;
-        if !bounded {
-            return Err(MeshError::Size { min, max });
-        }
-
+        let world: Vec<DVec3> = positions.iter().map(|position| placement.place(*position)).collect();
+        let (min, max) = bounds(indices.iter().flatten().map(|&index| world[index as usize]))?;
         let frame = Frame::around(min, max);
         let local: Vec<Vec3> = world.iter().map(|&p| frame.local(p)).collect();
         let welded = weld(&local);
@@ -249,6 +243,17 @@ impl Mesh {
         };
         DIRECTIONS.iter().filter(from_behind).count() >= 2
     }
+}
+
+/// Lower and upper corner of the box around placed vertices, of a size that can be computed with.
+fn bounds(mut vertices: impl Iterator<Item = DVec3> + Clone) -> Result<(DVec3, DVec3), MeshError> {
+    let min = vertices.clone().fold(DVec3::INFINITY, DVec3::min);
+    let max = vertices.clone().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let limit = f64::from(MAX_COORDINATE);
+    let size = (max - min).max_element();
+    // Also false for NaN.
+    let bounded = vertices.all(|p| p.abs().max_element() <= limit) && size >= 1.0 / limit && size <= limit;
+    if bounded { Ok((min, max)) } else { Err(MeshError::Size { min, max }) }
 }
 
 /// For each vertex the first one at the same position.

@@ -94,6 +94,9 @@ pub fn parse(bytes: &[u8]) -> Result<ObjTriangles, ObjError> {
     })
 }
 
+/// What the indices of a face stand in.
+const CORNER: &str = "a face corner v, v/vt, v//vn or v/vt/vn";
+
 /// How many of each the file has so far, and the largest index used with the line that uses it.
 #[derive(Default)]
 struct Counted {
@@ -105,11 +108,7 @@ struct Counted {
 impl Counted {
     /// Checks one index as written: 1 is the first, -1 the latest so far.
     fn check(&mut self, word: &str, line: usize, kind: &'static str) -> Result<(), ObjError> {
-        let malformed = || ObjError::Line {
-            line,
-            found: word.to_owned(),
-            expected: "a face corner v, v/vt, v//vn or v/vt/vn",
-        };
+        let malformed = || ObjError::Line { line, found: word.to_owned(), expected: CORNER };
         let index: i64 = word.parse().map_err(|_| malformed())?;
         let out_of_range = ObjError::Index { line, found: index, available: self.count, kind };
         if index == 0 || (index < 0 && index.unsigned_abs() > self.count as u64) {
@@ -134,82 +133,115 @@ impl Counted {
 /// Checks every `v`, `vn` and `f` line and returns only those: `tobj` would read an `l` with three points as a
 /// triangle and starts a new model at groups and materials.
 fn scan(text: &str) -> Result<String, ObjError> {
-    let mut geometry = String::with_capacity(text.len());
-    let (mut vertices, mut texture, mut normals) =
-        (Counted::default(), Counted::default(), Counted::default());
+    let mut scan = Scan { geometry: String::with_capacity(text.len()), ..Scan::default() };
     // Editors of some systems begin a text with a mark of its byte order.
-    for (line, content) in whole_lines(text.trim_start_matches('\u{feff}')) {
-        let content = content.as_ref();
-        let mut words = content.split_whitespace();
-        match words.next() {
-            Some("v") => {
-                vertices.count += 1;
-                let values = numbers(words, line)?;
-                // x y z, x y z w, x y z r g b.
-                if !matches!(values.len(), 3 | 4 | 6) {
-                    let expected = "3 coordinates (and w, or a colour)";
-                    return Err(ObjError::Line { line, found: content.trim().to_owned(), expected });
-                }
-                let w = if values.len() == 4 { values[3] } else { 1.0 };
-                if !values[..3].iter().all(|value| (value / w).is_finite()) {
-                    let expected = "finite coordinates";
-                    return Err(ObjError::Line { line, found: content.trim().to_owned(), expected });
-                }
-                if values.len() == 6 {
-                    // Without the colour, which only some of the vertices may have.
-                    push_line(&mut geometry, content.split_whitespace().take(4));
-                    continue;
-                }
-            }
-            Some("vn") => {
-                normals.count += 1;
-                let values = numbers(words, line)?;
-                // Squares must neither overflow nor vanish: the normal is made unit later.
-                let length = values.iter().map(|value| value * value).sum::<f32>();
-                if values.len() != 3 || !length.is_normal() {
-                    let expected = "a normal of 3 numbers that is not zero";
-                    return Err(ObjError::Line { line, found: content.trim().to_owned(), expected });
-                }
-            }
-            Some("vt") => {
-                texture.count += 1;
-                continue;
-            }
-            Some("f") => {
-                let mut corners = 0;
-                for corner in words {
-                    corners += 1;
-                    let mut parts = corner.split('/');
-                    vertices.check(parts.next().unwrap_or(""), line, "vertices")?;
-                    if let Some(part) = parts.next().filter(|part| !part.is_empty()) {
-                        texture.check(part, line, "texture coordinates")?;
-                    }
-                    if let Some(part) = parts.next().filter(|part| !part.is_empty()) {
-                        normals.check(part, line, "normals")?;
-                    }
-                    if parts.next().is_some() {
-                        let expected = "a face corner v, v/vt, v//vn or v/vt/vn";
-                        return Err(ObjError::Line { line, found: corner.to_owned(), expected });
-                    }
-                }
-                if corners < 3 {
-                    let expected = "a face of at least 3 corners";
-                    return Err(ObjError::Line { line, found: content.trim().to_owned(), expected });
-                }
-                if corners > 4 {
-                    // `tobj` takes a time that grows with the square of a polygon's corners.
-                    push_fan(&mut geometry, content);
-                    continue;
-                }
-            }
-            _ => continue,
+    for (number, content) in whole_lines(text.trim_start_matches('\u{feff}')) {
+        let line = Line { number, content: content.as_ref() };
+        match line.content.split_whitespace().next() {
+            Some("v") => scan.vertex(line)?,
+            Some("vn") => scan.normal(line)?,
+            Some("vt") => scan.texture.count += 1,
+            Some("f") => scan.face(line)?,
+            _ => {}
         }
-        push_line(&mut geometry, content.split_whitespace());
     }
-    vertices.check_largest("vertices")?;
-    texture.check_largest("texture coordinates")?;
-    normals.check_largest("normals")?;
-    Ok(geometry)
+    scan.vertices.check_largest("vertices")?;
+    scan.texture.check_largest("texture coordinates")?;
+    scan.normals.check_largest("normals")?;
+    Ok(scan.geometry)
+}
+
+/// A line with those that it goes on in.
+#[derive(Clone, Copy)]
+struct Line<'a> {
+    /// Counted from 1, of the first.
+    number: usize,
+    content: &'a str,
+}
+
+impl<'a> Line<'a> {
+    /// All after the one that says what it is.
+    fn words(self) -> impl Iterator<Item = &'a str> {
+        self.content.split_whitespace().skip(1)
+    }
+
+    fn refused(self, expected: &'static str) -> ObjError {
+        ObjError::Line { line: self.number, found: self.content.trim().to_owned(), expected }
+    }
+}
+
+/// What a scan has found so far.
+#[derive(Default)]
+struct Scan {
+    vertices: Counted,
+    texture: Counted,
+    normals: Counted,
+    /// Lines for `tobj`.
+    geometry: String,
+}
+
+impl Scan {
+    /// A vertex: x y z, x y z w, or x y z r g b.
+    fn vertex(&mut self, line: Line) -> Result<(), ObjError> {
+        self.vertices.count += 1;
+        let values = numbers(line.words(), line.number)?;
+        if !matches!(values.len(), 3 | 4 | 6) {
+            return Err(line.refused("3 coordinates (and w, or a colour)"));
+        }
+        let w = if values.len() == 4 { values[3] } else { 1.0 };
+        if !values[..3].iter().all(|value| (value / w).is_finite()) {
+            return Err(line.refused("finite coordinates"));
+        }
+        // Without the colour, which only some of the vertices may have.
+        let kept = if values.len() == 6 { 4 } else { usize::MAX };
+        push_line(&mut self.geometry, line.content.split_whitespace().take(kept));
+        Ok(())
+    }
+
+    /// A normal: x y z.
+    fn normal(&mut self, line: Line) -> Result<(), ObjError> {
+        self.normals.count += 1;
+        let values = numbers(line.words(), line.number)?;
+        // Squares must neither overflow nor vanish: the normal is made unit later.
+        let length = values.iter().map(|value| value * value).sum::<f32>();
+        if values.len() != 3 || !length.is_normal() {
+            return Err(line.refused("a normal of 3 numbers that is not zero"));
+        }
+        push_line(&mut self.geometry, line.content.split_whitespace());
+        Ok(())
+    }
+
+    /// A face: its corners.
+    fn face(&mut self, line: Line) -> Result<(), ObjError> {
+        let mut corners = 0;
+        for corner in line.words() {
+            corners += 1;
+            self.check_corner(corner, line.number)?;
+        }
+        match corners {
+            0..3 => return Err(line.refused("a face of at least 3 corners")),
+            3 | 4 => push_line(&mut self.geometry, line.content.split_whitespace()),
+            // `tobj` takes a time that grows with the square of a polygon's corners.
+            _ => push_fan(&mut self.geometry, line.content),
+        }
+        Ok(())
+    }
+
+    /// Checks the indices of a face's corner.
+    fn check_corner(&mut self, corner: &str, line: usize) -> Result<(), ObjError> {
+        let mut parts = corner.split('/');
+        self.vertices.check(parts.next().unwrap_or(""), line, "vertices")?;
+        if let Some(part) = parts.next().filter(|part| !part.is_empty()) {
+            self.texture.check(part, line, "texture coordinates")?;
+        }
+        if let Some(part) = parts.next().filter(|part| !part.is_empty()) {
+            self.normals.check(part, line, "normals")?;
+        }
+        match parts.next() {
+            None => Ok(()),
+            Some(_) => Err(ObjError::Line { line, found: corner.to_owned(), expected: CORNER }),
+        }
+    }
 }
 
 /// Lines by the number of their first, with those that follow a `\` at an end.
