@@ -10,6 +10,7 @@ mod glow;
 mod light;
 mod material;
 mod medium;
+mod object;
 mod shape;
 mod sky_picture;
 
@@ -26,14 +27,12 @@ use self::files::SceneFiles;
 use self::fingerprint::fingerprint;
 use self::glow::read_glows;
 use self::light::{ShoneOn, read_light};
-use self::material::read_material;
 use self::medium::{check_exponential, read_media, read_medium_name};
-use self::shape::{read_corners, read_mesh, read_parallelogram};
+use self::object::read_object;
+use self::shape::read_corners;
 use covbeam_session::pilot::defaults::{self, Cells, Given};
 use covbeam_session::scene::nest;
-use covbeam_session::scene::{
-    GlowingFog, Light, MAX_PHOTONS, MediumDensity, Object, Scene, SceneMedium, Sees, Shape, Shown,
-};
+use covbeam_session::scene::{GlowingFog, Light, MAX_PHOTONS, Object, Scene, Sees, Shown};
 
 /// Most cells of the covariance grid.
 pub const MAX_GRID_CELLS: u64 = 1 << 24;
@@ -118,76 +117,6 @@ fn read_text(path: &Path) -> std::io::Result<String> {
         return Err(std::io::Error::other(format!("longer than {MAX_FILE_BYTES} bytes")));
     }
     Ok(text)
-}
-
-fn read_object(
-    table: &Table<'_>,
-    media: &[SceneMedium],
-    names: &[&str],
-    files: &SceneFiles<'_>,
-) -> Result<Object, SceneError> {
-    let shape_field = table.required("shape")?;
-    let expected = "\"sphere\", \"rectangle\", \"box\" or \"mesh\"";
-    let kind = shape_field.text(expected)?;
-    let own: &[&str] = match kind {
-        "sphere" => &["center", "radius"],
-        "rectangle" => &["corner", "edge_u", "edge_v"],
-        "box" => &["min", "max"],
-        "mesh" => &["file", "scale", "rotate", "translate", "smooth"],
-        _ => return Err(shape_field.refuse(expected)),
-    };
-    table.only(&[&["name", "shape", "material", "inside", "priority"], own].concat())?;
-    let shape = match kind {
-        "sphere" => Shape::Sphere {
-            center: table.required("center")?.vector()?,
-            radius: table.required("radius")?.size()?,
-        },
-        "rectangle" => {
-            let (corner, edge_u, edge_v) = read_parallelogram(table)?;
-            Shape::Rectangle { corner, edge_u, edge_v }
-        }
-        "box" => {
-            let (min, max) = read_corners(table)?;
-            Shape::Box { min, max }
-        }
-        _ => Shape::Mesh(read_mesh(table, files)?),
-    };
-    let material_field = table.required("material")?;
-    let material = read_material(&material_field)?;
-    if material.index().is_some() && !shape.is_closed() {
-        let why = match &shape {
-            Shape::Mesh(mesh) if mesh.open_edges() > 0 => {
-                format!("this mesh has {} open edges", mesh.open_edges())
-            }
-            Shape::Mesh(_) => "this mesh encloses nothing".to_owned(),
-            _ => format!("a {kind} is open"),
-        };
-        return Err(material_field.refuse(format!("a dielectric only on a closed shape ({why})")));
-    }
-    let inside_field = table.optional("inside");
-    let inside = inside_field.as_ref().map(|field| read_medium_name(field, names)).transpose()?;
-    if let (Some(field), false) = (&inside_field, material.index().is_some()) {
-        return Err(field.refuse("no medium inside an object that is not a dielectric"));
-    }
-    if let (Some(field), Some(id)) = (&inside_field, inside)
-        && !matches!(media[id as usize].density, MediumDensity::Uniform)
-    {
-        return Err(field.refuse("a medium without `density`: inside objects media are homogeneous"));
-    }
-    let name = match table.optional("name") {
-        Some(field) => field.text("a name in quotes")?.to_owned(),
-        None => shape_field.path.trim_end_matches(".shape").to_owned(),
-    };
-    let priority = match table.optional("priority") {
-        Some(field) if material.index().is_none() => {
-            return Err(field.refuse("no priority of an object that is not a dielectric"));
-        }
-        Some(field) => {
-            field.number("a whole number in -1000..=1000", |p| p.abs() <= 1000.0 && p.fract() == 0.0)?
-        }
-        None => 0.0,
-    };
-    Ok(Object { name, shape, material, inside, priority: priority as i32, inner: Vec::new() })
 }
 
 /// What a file says of the grid and the render.

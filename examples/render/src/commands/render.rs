@@ -11,6 +11,7 @@ use covbeam_render::files::output::check_writable;
 use covbeam_render::files::prepared::read_prepared;
 use covbeam_render::files::shard::Origin;
 use covbeam_render::progress::{Display, Listener, Standing, say, seconds};
+use covbeam_session::film::Film;
 use covbeam_session::kind::Split;
 use covbeam_session::pass::Renderer;
 use covbeam_session::pass::memory;
@@ -32,15 +33,11 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
     let job = Job::new(args)?;
     let listener = args.progress.listener();
     let Begun::Film(mut film) = job.begun(args.resume)? else {
-        let text = format!("{}: finished before, nothing is left to do\n", job.target);
-        let end = job.first + job.goal.passes.unwrap_or(0);
-        listener.done(&text, json!({ "files": job.target.files(), "passes": [job.first, end] }));
+        finished_before(listener, &job);
         return Ok(ExitCode::SUCCESS);
     };
     job.target.files().iter().try_for_each(|path| check_writable(path))?;
-    check_camera(&job.scene, args.picture.method)?;
-    check_lamps(&job.scene)?;
-    check_memory(&job.scene, job.origin.photons, args.picture.light_passes)?;
+    check_scene(&job, &args.picture)?;
 
     let stop = Stop::on_signals()?;
     let cancelled = || stop.is_asked();
@@ -49,17 +46,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
     job.scene.notes.iter().for_each(say);
     say(job.title(pool.current_num_threads(), film.passes()));
     let mut renderer = pool.install(|| Renderer::new(&job.scene, settings(&job.origin, &args.picture)));
-    if args.picture.light_passes && film.passes() == 0 {
-        film.keep_kinds(Split::of_each_kind(&job.scene));
-    }
-    if let Some(path) = &args.fields {
-        read_fields(path, &job, film.passes(), &mut renderer)?;
-    }
+    begin(&mut film, &mut renderer, &job, args)?;
     let display = Display::for_listener(listener);
-    let goes_on = args.resume || matches!(job.target, Target::Piece(_));
-    // A damaged one is replaced.
-    let anew = film.passes() == 0 && job.target.shard().exists();
-    let mut saving = Saving::new(&job, args.checkpoint, (goes_on && !anew).then(|| film.passes()));
+    let mut saving = Saving::new(&job, args.checkpoint, passes_in_shard(&job, args, film.passes()));
     let rendered = render(
         &mut film,
         &job.goal,
@@ -96,6 +85,37 @@ pub(crate) fn run(args: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
     }
     listener.done(&text, facts);
     Ok(ExitCode::SUCCESS)
+}
+
+/// What the first pass of this render finds: a film that keeps the kinds of light that are asked for, and the light fields of earlier passes.
+fn begin(
+    film: &mut Film,
+    renderer: &mut Renderer,
+    job: &Job,
+    args: &RenderArgs,
+) -> Result<(), Box<dyn Error>> {
+    if args.picture.light_passes && film.passes() == 0 {
+        film.keep_kinds(Split::of_each_kind(&job.scene));
+    }
+    match &args.fields {
+        Some(path) => read_fields(path, job, film.passes(), renderer),
+        None => Ok(()),
+    }
+}
+
+/// Passes in the shard that this render goes on from; None: what is there is replaced.
+fn passes_in_shard(job: &Job, args: &RenderArgs, passes: u32) -> Option<u32> {
+    let goes_on = args.resume || matches!(job.target, Target::Piece(_));
+    // A damaged one is replaced.
+    let anew = passes == 0 && job.target.shard().exists();
+    (goes_on && !anew).then_some(passes)
+}
+
+/// Says that there is nothing to render.
+fn finished_before(listener: Listener, job: &Job) {
+    let text = format!("{}: finished before, nothing is left to do\n", job.target);
+    let end = job.first + job.goal.passes.unwrap_or(0);
+    listener.done(&text, json!({ "files": job.target.files(), "passes": [job.first, end] }));
 }
 
 /// Ends the program while there is no new pass: by signals, and where the first one takes so much longer than `--time` that it is worth less
@@ -209,6 +229,13 @@ fn verdict(end: End, progress: &Progress, args: &RenderArgs) -> String {
         End::NotReached => format!("the error asked for, {:.2} %, is not reached: {found}\n", 100.0 * goal),
         End::Reached | End::Cancelled => format!("median relative error: {found}\n"),
     }
+}
+
+/// Refuses a scene that the method, or any, has no picture of.
+fn check_scene(job: &Job, args: &PictureArgs) -> Result<(), Refused> {
+    check_camera(&job.scene, args.method)?;
+    check_lamps(&job.scene)?;
+    check_memory(&job.scene, job.origin.photons, args.light_passes)
 }
 
 /// Refuses to connect light with a camera that shows a point in more than one place, or as no point.

@@ -28,42 +28,15 @@ const QUICK: (f64, u32, u32) = (0.3, 2, 64);
 const REFERENCE_FACTOR: f64 = 3.0;
 
 pub(crate) fn run(args: &ReportArgs) -> Result<ExitCode, Box<dyn Error>> {
-    let mut subjects = Vec::new();
-    for path in scene_files(&args.scenes)? {
-        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        subjects.push(Subject { name, scene: scene_file::load(&path)? });
-    }
+    let mut subjects = subjects(&args.scenes)?;
     let glass_ball = scene_file::parse(DEFAULT_SCENE, "built-in scene", Path::new("."))?;
     if args.scenes.is_empty() {
         subjects.push(Subject { name: DEFAULT_NAME.to_owned(), scene: glass_ball.clone() });
     }
     let options = options(args);
-    if let Some(folder) = options.references.as_ref().filter(|folder| !folder.is_dir()) {
-        return Err(Usage(format!(
-            "there is no folder '{}'; give the one of the references with --references",
-            folder.display()
-        ))
-        .into());
-    }
-    let mut prepared: Vec<(Subject, Option<Reference>)> = Vec::new();
-    for mut subject in subjects {
-        let reference = options.prepare(&mut subject)?;
-        if let (None, Some(folder)) = (&reference, &options.references) {
-            let name = &subject.name;
-            say(format!(
-                "{}/{name}.exr does not exist: a reference of {name} is rendered first",
-                folder.display()
-            ));
-        }
-        prepared.push((subject, reference));
-    }
+    let prepared = prepared(subjects, &options)?;
     let folder = &args.out;
-    std::fs::create_dir_all(folder).map_err(|error| {
-        format!("cannot create the folder {}: {error}; choose another with --out", folder.display())
-    })?;
-    for file in FILES {
-        check_writable(&folder.join(file))?;
-    }
+    make_folder(folder)?;
 
     let stop = Stop::on_signals()?;
     let cancelled = || stop.is_asked();
@@ -89,6 +62,54 @@ pub(crate) fn run(args: &ReportArgs) -> Result<ExitCode, Box<dyn Error>> {
         return Ok(stop.exit_code());
     }
     save(&report, folder, &stop)
+}
+
+/// Scenes with their names.
+fn subjects(given: &[PathBuf]) -> Result<Vec<Subject>, Box<dyn Error>> {
+    let mut subjects = Vec::new();
+    for path in scene_files(given)? {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        subjects.push(Subject { name, scene: scene_file::load(&path)? });
+    }
+    Ok(subjects)
+}
+
+/// A scene with its reference, if one is there.
+type Prepared = (Subject, Option<Reference>);
+
+/// Scenes with the references that are there; the user is told of others.
+fn prepared(subjects: Vec<Subject>, options: &Options) -> Result<Vec<Prepared>, Box<dyn Error>> {
+    if let Some(folder) = options.references.as_ref().filter(|folder| !folder.is_dir()) {
+        return Err(Usage(format!(
+            "there is no folder '{}'; give the one of the references with --references",
+            folder.display()
+        ))
+        .into());
+    }
+    let mut prepared = Vec::new();
+    for mut subject in subjects {
+        let reference = options.prepare(&mut subject)?;
+        if let (None, Some(folder)) = (&reference, &options.references) {
+            let name = &subject.name;
+            say(format!(
+                "{}/{name}.exr does not exist: a reference of {name} is rendered first",
+                folder.display()
+            ));
+        }
+        prepared.push((subject, reference));
+    }
+    Ok(prepared)
+}
+
+/// Makes the folder that all is written into.
+fn make_folder(folder: &Path) -> Result<(), Box<dyn Error>> {
+    std::fs::create_dir_all(folder).map_err(|error| {
+        format!("cannot create the folder {}: {error}; choose another with --out", folder.display())
+    })?;
+    for file in FILES {
+        check_writable(&folder.join(file))?;
+    }
+    Ok(())
 }
 
 fn options(args: &ReportArgs) -> Options {

@@ -213,6 +213,61 @@ fn check_size(bytes: &[u8], most: u64) -> Result<(), String> {
     Ok(())
 }
 
+/// A part of a file that is read.
+struct Part<'a>(&'a Layer<AnyChannels<FlatSamples>>);
+
+impl Part<'_> {
+    /// Samples of a channel, if there is one of that name.
+    fn find(&self, name: &str) -> Option<Vec<f32>> {
+        let list = &self.0.channel_data.list;
+        list.iter().find(|c| c.name.eq(name)).map(|c| c.sample_data.values_as_f32().collect())
+    }
+
+    /// Its colours: red, green and blue, or grey.
+    fn colors_or_grey(&self) -> Option<[Vec<f32>; 3]> {
+        match (self.find("R"), self.find("G"), self.find("B"), self.find("Y")) {
+            (Some(red), Some(green), Some(blue), _) => Some([red, green, blue]),
+            (None, _, _, Some(grey)) => Some([grey.clone(), grey.clone(), grey]),
+            _ => None,
+        }
+    }
+
+    /// Colours of three channels, if all are there.
+    fn colors(&self, names: [&str; 3]) -> Option<Vec<Vec3>> {
+        let [red, green, blue] = names.map(|name| self.find(name));
+        Some(self.vectors([red?, green?, blue?]))
+    }
+
+    fn vectors(&self, [red, green, blue]: [Vec<f32>; 3]) -> Vec<Vec3> {
+        (0..self.0.size.area()).map(|i| Vec3::new(red[i], green[i], blue[i])).collect()
+    }
+
+    fn layers(&self) -> Option<Layers> {
+        let [radius, sigma, samples] = LAYER_CHANNELS.map(|name| self.find(name));
+        Some(Layers { radius: radius?, sigma: sigma?, samples: samples? })
+    }
+
+    fn maps(&self) -> Option<Maps> {
+        let known = [None].into_iter().chain(Kind::ALL.map(Some));
+        let volume = self.colors(VOLUME_CHANNELS)?;
+        Some(Maps { volume, layers: known.filter_map(|kind| self.layer_maps(kind)).collect() })
+    }
+
+    fn layer_maps(&self, kind: Option<Kind>) -> Option<LayerMaps> {
+        let [xx, xy, yy, density] = map_channels(kind).map(|name| self.find(&name));
+        let (xx, xy, yy) = (xx?, xy?, yy?);
+        let filter = |i: usize| ImageFilter { xx: xx[i], xy: xy[i], yy: yy[i] };
+        let filters = (0..self.0.size.area()).map(filter).collect();
+        Some(LayerMaps { kind, filters, density: density?.into() })
+    }
+
+    fn kinds(&self) -> Vec<(Kind, Vec<Vec3>)> {
+        let of_kind =
+            |kind: Kind| Some((kind, self.colors(kind_channels(kind).each_ref().map(String::as_str))?));
+        Kind::ALL.into_iter().filter_map(of_kind).collect()
+    }
+}
+
 /// The picture in an EXR of any program of at most so many pixels; see [`crate::files::output::read_picture`].
 pub(crate) fn decode(bytes: &[u8], most: u64) -> Result<Picture, String> {
     check_size(bytes, most)?;
@@ -224,60 +279,27 @@ pub(crate) fn decode(bytes: &[u8], most: u64) -> Result<Picture, String> {
         .all_attributes()
         .from_buffered(Cursor::new(bytes))
         .map_err(|error| format!("{error}; expected an OpenEXR picture"))?;
-
     // The first part that has a colour.
-    let find = |name: &str, layer: &Layer<AnyChannels<FlatSamples>>| {
-        let list = &layer.channel_data.list;
-        list.iter().find(|c| c.name.eq(name)).map(|c| c.sample_data.values_as_f32().collect::<Vec<f32>>())
-    };
-    let (layer, [red, green, blue]) = image
-        .layer_data
-        .iter()
-        .find_map(|layer| match (find("R", layer), find("G", layer), find("B", layer), find("Y", layer)) {
-            (Some(red), Some(green), Some(blue), _) => Some((layer, [red, green, blue])),
-            (None, _, _, Some(grey)) => Some((layer, [grey.clone(), grey.clone(), grey])),
-            _ => None,
-        })
+    let mut parts = image.layer_data.iter().map(Part);
+    let (colors, part) = parts
+        .find_map(|part| Some((part.colors_or_grey()?, part)))
         .ok_or("it has neither channels R, G, B nor Y")?;
 
-    let window = image.attributes.display_window;
+    let (layer, window) = (part.0, image.attributes.display_window);
     if window.size != layer.size || window.position != layer.attributes.layer_position {
         return Err("it is cropped: save it with the data window equal to the display window".to_owned());
     }
-    let pixels = layer.size.area();
-    if [&red, &green, &blue].iter().any(|samples| samples.len() != pixels) {
+    if colors.iter().any(|samples| samples.len() != layer.size.area()) {
         return Err("its colour channels are subsampled; save it with all channels at full size".to_owned());
     }
-    let radiance = (0..pixels).map(|i| Vec3::new(red[i], green[i], blue[i])).collect();
-    let layers = match LAYER_CHANNELS.map(|name| find(name, layer)) {
-        [Some(radius), Some(sigma), Some(samples)] => Some(Layers { radius, sigma, samples }),
-        _ => None,
-    };
-    let colors = |names: [&str; 3]| -> Option<Vec<Vec3>> {
-        let [red, green, blue] = names.map(|name| find(name, layer));
-        let (red, green, blue) = (red?, green?, blue?);
-        Some((0..pixels).map(|i| Vec3::new(red[i], green[i], blue[i])).collect())
-    };
-    let of_layer = |kind: Option<Kind>| {
-        let [xx, xy, yy, density] = map_channels(kind).map(|name| find(&name, layer));
-        let (xx, xy, yy) = (xx?, xy?, yy?);
-        let filters = (0..pixels).map(|i| ImageFilter { xx: xx[i], xy: xy[i], yy: yy[i] }).collect();
-        Some(LayerMaps { kind, filters, density: density?.into() })
-    };
-    let known = [None].into_iter().chain(Kind::ALL.map(Some));
-    let maps =
-        colors(VOLUME_CHANNELS).map(|volume| Maps { volume, layers: known.filter_map(of_layer).collect() });
-    let of_kind = |kind: Kind| Some((kind, colors(kind_channels(kind).each_ref().map(String::as_str))?));
-    let kinds = Kind::ALL.into_iter().filter_map(of_kind).collect();
-    let error = find(ERROR_CHANNEL, layer);
     Ok(Picture {
         width: layer.size.0 as u32,
         height: layer.size.1 as u32,
-        radiance,
-        error,
-        layers,
-        maps,
-        kinds,
+        radiance: part.vectors(colors),
+        error: part.find(ERROR_CHANNEL),
+        layers: part.layers(),
+        maps: part.maps(),
+        kinds: part.kinds(),
     })
 }
 

@@ -243,6 +243,51 @@ pub fn measure(
     Ok(report)
 }
 
+/// Runs on a scene.
+struct Runs {
+    /// By method, then seed.
+    runs: Vec<Run>,
+    /// As in [`SceneResult`].
+    relative_errors: Vec<(&'static str, Vec<f32>)>,
+    /// Whether none is missing.
+    is_whole: bool,
+}
+
+/// Runs all methods on a scene with all seeds.
+fn measure_runs(
+    name: &str,
+    scene: &Scene,
+    reference: &Reference,
+    options: &Options,
+    watch: &Watch,
+) -> Result<Runs, ReportError> {
+    let mut runs: Vec<Run> = Vec::new();
+    let mut relative_errors = Vec::new();
+    let mut is_whole = true;
+    'methods: for method in &options.methods {
+        let mut budget = Budget::CpuSeconds(options.budget);
+        for seed in 1..=options.seeds {
+            watch.begin(format!("{name}: {}, seed {seed}", method.name), budget);
+            let run = measure::run(scene, reference, method, seed, budget, watch);
+            let run = run.map_err(|source| ReportError::Pass {
+                scene: name.to_owned(),
+                method: method.name,
+                source,
+            })?;
+            let Some(run) = run else {
+                is_whole = false;
+                break 'methods;
+            };
+            budget = Budget::Passes(run.points.last().map_or(1, |point| point.passes));
+            if seed == 1 {
+                relative_errors.push((method.name, reference.relative_errors(&run.picture)));
+            }
+            runs.push(run);
+        }
+    }
+    Ok(Runs { runs, relative_errors, is_whole })
+}
+
 /// The result of a scene, if there is any, and whether all of it was measured.
 fn measure_scene(
     subject: Subject,
@@ -256,27 +301,8 @@ fn measure_scene(
         None => Reference::render(&name, &scene, Budget::CpuSeconds(options.reference_budget), watch)?,
     };
     let Some(reference) = reference else { return Ok((None, false)) };
-    let mut runs: Vec<Run> = Vec::new();
-    let mut relative_errors = Vec::new();
-    let mut is_whole = true;
-    'methods: for method in &options.methods {
-        let mut budget = Budget::CpuSeconds(options.budget);
-        for seed in 1..=options.seeds {
-            watch.begin(format!("{name}: {}, seed {seed}", method.name), budget);
-            let run = measure::run(&scene, &reference, method, seed, budget, watch);
-            let run =
-                run.map_err(|source| ReportError::Pass { scene: name.clone(), method: method.name, source })?;
-            let Some(run) = run else {
-                is_whole = false;
-                break 'methods;
-            };
-            budget = Budget::Passes(run.points.last().map_or(1, |point| point.passes));
-            if seed == 1 {
-                relative_errors.push((method.name, reference.relative_errors(&run.picture)));
-            }
-            runs.push(run);
-        }
-    }
+    let Runs { runs, relative_errors, mut is_whole } =
+        measure_runs(&name, &scene, &reference, options, watch)?;
     if runs.is_empty() {
         return Ok((None, false));
     }

@@ -151,7 +151,6 @@ pub fn summary(analysis: &Analysis, scene: &str) -> String {
     noise.sort_by(f64::total_cmp);
     let mut text = format!("{scene}\n\n{}\n", definitions(analysis));
     let whole = Shares::of(analysis, |_, _, axis| Some(axis.verdict));
-    let strict = Shares::of(analysis, |_, _, axis| Some(axis.strict));
     let axes = 3.0 * bright.len() as f64;
     let _ = writeln!(
         text,
@@ -167,6 +166,19 @@ pub fn summary(analysis: &Analysis, scene: &str) -> String {
         whole.count(Verdict::Border),
         100.0 * whole.count(Verdict::Border) / axes,
     );
+    table_of_shares(&mut text, analysis);
+    text += "\n";
+    quantiles(&mut text, analysis);
+    for verdict in [Verdict::TooSmall, Verdict::TooLarge] {
+        worst(&mut text, analysis, verdict);
+    }
+    text
+}
+
+/// The shares of verdicts: with either bound and without flat axes, along each axis, and by what happened to the light.
+fn table_of_shares(text: &mut String, analysis: &Analysis) {
+    let whole = Shares::of(analysis, |_, _, axis| Some(axis.verdict));
+    let strict = Shares::of(analysis, |_, _, axis| Some(axis.strict));
     let _ = writeln!(
         text,
         "{:<38} {:>9} {:>10} {:>9} {:>10} {:>10} {:>8}",
@@ -178,34 +190,28 @@ pub fn summary(analysis: &Analysis, scene: &str) -> String {
         "no data",
         "undecided"
     );
-    row(&mut text, "both bounds, by number", &whole, false);
-    row(&mut text, "both bounds, by energy", &whole, true);
+    row(text, "both bounds, by number", &whole, false);
+    row(text, "both bounds, by energy", &whole, true);
     let rough = Shares::of(analysis, |_, _, axis| (!axis.flat).then_some(axis.verdict));
-    row(&mut text, "not flat in both, by number", &rough, false);
-    row(&mut text, "not flat in both, by energy", &rough, true);
+    row(text, "not flat in both, by number", &rough, false);
+    row(text, "not flat in both, by energy", &rough, true);
     let alone = Shares::of(analysis, |_, _, axis| Some(axis.at_center));
-    row(&mut text, "the voxel alone, by number", &alone, false);
+    row(text, "the voxel alone, by number", &alone, false);
     let alone = Shares::of(analysis, |_, _, axis| (!axis.flat).then_some(axis.at_center));
-    row(&mut text, "the voxel alone, not flat, by number", &alone, false);
-    row(&mut text, "upper bound only, by number", &strict, false);
-    row(&mut text, "upper bound only, by energy", &strict, true);
+    row(text, "the voxel alone, not flat, by number", &alone, false);
+    row(text, "upper bound only, by number", &strict, false);
+    row(text, "upper bound only, by energy", &strict, true);
     for (number, name) in ["x", "y", "z"].iter().enumerate() {
         let along = |axis, found: &Axis| (axis == number && !found.flat).then_some(found.verdict);
         let shares = Shares::of(analysis, |_, axis, found| along(axis, found));
-        row(&mut text, &format!("not flat in both, along {name}"), &shares, false);
+        row(text, &format!("not flat in both, along {name}"), &shares, false);
     }
     for origin in Origin::ALL {
         let of =
             |voxel: &Voxel, found: &Axis| (voxel.origin() == origin && !found.flat).then_some(found.verdict);
         let shares = Shares::of(analysis, |voxel, _, found| of(voxel, found));
-        row(&mut text, &format!("not flat, mostly {} light", origin.name()), &shares, false);
+        row(text, &format!("not flat, mostly {} light", origin.name()), &shares, false);
     }
-    text += "\n";
-    quantiles(&mut text, analysis);
-    for verdict in [Verdict::TooSmall, Verdict::TooLarge] {
-        worst(&mut text, analysis, verdict);
-    }
-    text
 }
 
 fn row(text: &mut String, name: &str, shares: &Shares, energy: bool) {

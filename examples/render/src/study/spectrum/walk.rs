@@ -45,22 +45,7 @@ pub(super) fn walk(
     let (origin, direction) = (origin.as_dvec3(), direction.as_dvec3());
     let min = layout.min.as_dvec3();
     let size = voxel_size(layout);
-    let (mut at, mut end) = (0.0_f64, f64::from(length));
-    for axis in 0..3 {
-        let (low, high) = (min[axis] - origin[axis], f64::from(layout.max[axis]) - origin[axis]);
-        if direction[axis] == 0.0 {
-            if low > 0.0 || high < 0.0 {
-                return;
-            }
-            continue;
-        }
-        let (low, high) = (low / direction[axis], high / direction[axis]);
-        at = at.max(low.min(high));
-        end = end.min(low.max(high));
-    }
-    if !(at < end) {
-        return;
-    }
+    let Some([mut at, end]) = inside(layout, origin, direction, length) else { return };
     let entry = (origin + at * direction - min) / size;
     let mut voxel: [i64; 3] =
         std::array::from_fn(|axis| (entry[axis] as i64).clamp(0, i64::from(layout.cells[axis]) - 1));
@@ -96,6 +81,25 @@ pub(super) fn walk(
         index += step[axis] * strides[axis];
         next[axis] = plane(axis, voxel[axis]);
     }
+}
+
+/// Distances at which a segment enters and leaves the box; None: it is beside it.
+fn inside(layout: &GridLayout, origin: DVec3, direction: DVec3, length: f32) -> Option<[f64; 2]> {
+    let (mut at, mut end) = (0.0_f64, f64::from(length));
+    for axis in 0..3 {
+        let low = f64::from(layout.min[axis]) - origin[axis];
+        let high = f64::from(layout.max[axis]) - origin[axis];
+        if direction[axis] == 0.0 {
+            if low > 0.0 || high < 0.0 {
+                return None;
+            }
+            continue;
+        }
+        let (low, high) = (low / direction[axis], high / direction[axis]);
+        at = at.max(low.min(high));
+        end = end.min(low.max(high));
+    }
+    (at < end).then_some([at, end])
 }
 
 #[cfg(test)]
