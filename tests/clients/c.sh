@@ -3,7 +3,7 @@
 # The header alone, then examples/c: the commands of its README, pkg-config, the static library.
 set -euo pipefail
 root="$(cd "$(dirname "$0")/../.." && pwd)"
-[ $# -eq 1 ] || { echo "usage: $0 PREFIX" >&2; exit 1; }
+[ $# -ge 1 ] || { echo "usage: $0 PREFIX [PROGRAM]    PROGRAM: same of covbeam-tests" >&2; exit 1; }
 prefix="$(cd "$1" && pwd)"
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
@@ -35,12 +35,26 @@ done
 echo "c: covbeam.h, covbeam_extra.h and covbeam_session.h alone, without a warning: ${known[*]}"
 
 # The example of the README at the root.
-awk '/^```c$/ { inside = 1; next } /^```$/ { inside = 0 } inside' "$root/README.md" > "$work/readme.c"
+readme() { awk -v wanted="$1" '/^```c$/ { n++; inside = 1; next } /^```$/ { inside = 0 } inside && n == wanted' "$root/README.md"; }
+readme 2 > "$work/readme.c"
 # shellcheck disable=SC2046
 gcc -std=c99 $strict "$work/readme.c" -o "$work/readme" $(pkg-config --cflags --libs covbeam)
 LD_LIBRARY_PATH="$prefix/lib" "$work/readme" > "$work/log" || { cat "$work/log"; fail "the example of README.md"; }
 grep -qE '^[0-9.e-]*[1-9][0-9.e-]* W' "$work/log" || fail "the example of README.md prints: $(cat "$work/log")"
 echo "c: the example of README.md: $(cat "$work/log")"
+
+# Its session: the same bits in C99, by the shared library and by the static one, and those of the reference renderer (session.sh).
+readme 1 > "$work/session.c"
+# shellcheck disable=SC2046
+gcc -std=c99 $strict "$work/session.c" -o "$work/session" $(pkg-config --cflags --libs covbeam)
+(cd "$work" && LD_LIBRARY_PATH="$prefix/lib" ./session) || fail "the session of README.md"
+mv "$work/fog.pfm" "$work/shared.pfm"
+# shellcheck disable=SC2046
+clang -std=c99 $strict "$work/session.c" -o "$work/session" $(pkg-config --cflags covbeam) "$prefix/lib/libcovbeam.a" \
+    $(pkg-config --static --libs covbeam | tr ' ' '\n' | grep -vE '^-L|^-lcovbeam$')
+(cd "$work" && ./session) || fail "the session of README.md, static"
+cmp "$work/fog.pfm" "$work/shared.pfm" || fail "the session of README.md: shared and static differ"
+[ $# -eq 1 ] || "$2" "$root/tests/scenes/session.toml" 16 "$work/fog.pfm" || fail "the session of README.md and the renderer differ"
 
 # A picture has light in it, and every number of it is one.
 check_picture() {

@@ -42,6 +42,13 @@ impl std::fmt::Debug for Instances {
     }
 }
 
+impl Default for Instances {
+    /// None.
+    fn default() -> Self {
+        Self::new(Vec::new(), Vec::new())
+    }
+}
+
 impl Instances {
     /// Builds the hierarchy over the instances.
     pub fn new(models: Vec<Model>, mut instances: Vec<Instance>) -> Self {

@@ -3,14 +3,13 @@
 use super::identity::Contents;
 use super::{polled, refused};
 use crate::handle::{Opaque, free, handle_to, run_on, shared};
-use crate::memory::{Slot, inputs, outputs, read_options};
+use crate::memory::{Inputs, Slot, inputs, outputs, read_options};
 use crate::session::fields::covbeam_surface_hit;
 use crate::status::{covbeam_poll, covbeam_status, run};
 use ::covbeam_session::describe::MeshArrays;
 use ::covbeam_session::describe::cast::{HitRecord, cast};
 use ::covbeam_session::describe::geometry::Geometry;
 use core::ffi::c_void;
-use core::slice::from_ref;
 
 /// Meshes and where they are placed: first added, then built, then in any number of scenes.
 pub struct covbeam_geometry(());
@@ -237,15 +236,11 @@ pub unsafe extern "C" fn covbeam_geometry_cast(
         inputs!(count, origins: [f32; 3], origin_stride);
         inputs!(count, directions: [f32; 3], direction_stride);
         outputs!(count, hits, hit_stride);
-        let found: Vec<HitRecord> = (0..count)
-            .map(|index| {
-                let mut hit = HitRecord::MISS;
-                let (origin, direction) = (origins.get(index).value, directions.get(index).value);
-                let done =
-                    cast(&built, from_ref(&origin), from_ref(&direction), core::slice::from_mut(&mut hit));
-                done.map(|()| hit).map_err(refused)
-            })
-            .collect::<Result<_, _>>()?;
+        let all = |vectors: &Inputs<[f32; 3]>| -> Vec<[f32; 3]> {
+            (0..count).map(|index| vectors.get(index).value).collect()
+        };
+        let mut found = vec![HitRecord::MISS; count];
+        cast(&built, &all(&origins), &all(&directions), &mut found).map_err(refused)?;
         found.iter().enumerate().for_each(|(index, hit)| hits.set(index, (*hit).into()));
         Ok(())
     })

@@ -7,6 +7,7 @@ use crate::memory::{Inputs, Slot, aligned, outputs};
 use crate::status::{Failure, covbeam_poll, covbeam_status, covbeam_status::*, fail, run};
 use ::covbeam_session::film::{Layers, Picture};
 use ::covbeam_session::kind::Kind;
+use ::covbeam_session::settings::{Layers as KindsOfLight, Settings};
 use core::ffi::c_void;
 use glam::Vec3;
 
@@ -65,7 +66,7 @@ pub unsafe extern "C" fn covbeam_session_picture(
         if is_color {
             outputs!(count, out: [f32; 3], stride);
             let picture = polled(poll, user, |go_on| session.picture(go_on))?;
-            let found = colors(&picture, layer)?;
+            let found = colors(&picture, session.settings(), layer)?;
             (0..count).for_each(|index| out.set(index, found.get(index).map_or([0.0; 3], Vec3::to_array)));
         } else {
             outputs!(count, out, stride);
@@ -80,24 +81,24 @@ pub unsafe extern "C" fn covbeam_session_picture(
     })
 }
 
-/// Colours of a layer; fewer than pixels: the others are dark.
-fn colors(picture: &Picture, layer: u32) -> Result<&[Vec3], Failure> {
+/// Colours of a layer; none: it is dark.
+fn colors<'p>(picture: &'p Picture, settings: &Settings, layer: u32) -> Result<&'p [Vec3], Failure> {
     let kind = match layer {
         l if l == covbeam_layer::COVBEAM_LAYER_STRAIGHT as u32 => Kind::Straight,
         l if l == covbeam_layer::COVBEAM_LAYER_FOCUSED as u32 => Kind::Focused,
         l if l == covbeam_layer::COVBEAM_LAYER_SCATTERED as u32 => Kind::Scattered,
         l if l == covbeam_layer::COVBEAM_LAYER_FIRST as u32 => {
-            return match &picture.maps {
-                Some(maps) => Ok(&maps.volume),
-                None => Err(lacks("first_apart", "the fog before the first surface is")),
-            };
+            if !settings.first_apart {
+                return Err(lacks("first_apart", "the fog before the first surface is"));
+            }
+            return Ok(picture.maps.as_ref().map_or(&[], |maps| &maps.volume));
         }
         _ => {
             debug_assert_eq!(layer, covbeam_layer::COVBEAM_LAYER_ALL as u32, "others are refused before");
             return Ok(&picture.radiance);
         }
     };
-    if picture.kinds.is_empty() {
+    if settings.layers != KindsOfLight::EachKind {
         return Err(lacks("kinds_apart", "kinds of light are"));
     }
     // A scene without mirrors and glass has no focused light.

@@ -7,7 +7,6 @@ use super::refused;
 use crate::handle::{Opaque, free, handle_to, optional};
 use crate::memory::{Slot, read_options};
 use crate::status::{covbeam_status, run};
-use ::covbeam_geometry::instances::Instances;
 use ::covbeam_session::scene::Scene;
 use std::sync::Arc;
 
@@ -42,7 +41,7 @@ pub unsafe extern "C" fn covbeam_scene_new(
         // SAFETY: by the caller's promise.
         let kept = unsafe { optional(geometry, "geometry") }?;
         let built = kept.as_ref().map(|kept| kept.geometry.built()).transpose().map_err(refused)?;
-        let built = built.unwrap_or_else(|| Arc::new(Instances::new(Vec::new(), Vec::new())));
+        let built = built.unwrap_or_default();
         let mut contents =
             kept.as_deref().map_or_else(Contents::default, |kept: &Kept| kept.contents.clone());
         // SAFETY: by the caller's promise.

@@ -120,6 +120,10 @@ pub(super) unsafe fn chosen(settings: *const covbeam_session_settings) -> Result
     settings.first_apart = given.first_apart != 0;
     settings.beyond = given.first_alone == 0;
     settings.planned &= given.every_pixel == 0;
+    if given.first_apart != 0 && !settings.planned {
+        let wanted = "0 with this method, or with an eye ray through every pixel";
+        return Err(wrong("first_apart", given.first_apart, wanted));
+    }
     if given.kinds_apart != 0 {
         if !matches!(method, Method::Covbeam | Method::Thesis) {
             return Err(wrong("kinds_apart", given.kinds_apart, "0 with this method"));

@@ -5,6 +5,7 @@ use crate::camera::{Camera, Frame, Lens, Projection};
 use crate::scene::MAX_IMAGE_SIDE;
 use crate::work::failure::Result;
 use covbeam_geometry::MAX_COORDINATE;
+use glam::DVec3;
 use std::f32::consts::PI;
 use std::f64::consts::TAU;
 
@@ -48,6 +49,36 @@ pub struct CameraFields {
 }
 
 impl CameraFields {
+    /// A pinhole that looks at a point, upright where the y axis points up.
+    ///
+    /// - `half_height`: of the picture, tan(vertical field of view / 2).
+    /// - `look_at`: any point that is not above, below or at the camera.
+    pub fn looking(
+        position: [f64; 3],
+        look_at: [f64; 3],
+        half_height: f32,
+        [width, height]: [u32; 2],
+    ) -> Self {
+        let forward = (DVec3::from(look_at) - DVec3::from(position)).normalize();
+        let right = forward.cross(DVec3::Y).normalize();
+        Self {
+            position,
+            right: right.to_array(),
+            up: right.cross(forward).to_array(),
+            forward: forward.to_array(),
+            frame: Frame::Middle { half_height },
+            near: 0.0,
+            aperture: 0.0,
+            focus: 0.0,
+            rotation: 0.0,
+            ratio: 0.0,
+            blades: 0,
+            projection: Projection::Perspective,
+            width,
+            height,
+        }
+    }
+
     pub(super) fn camera(&self) -> Result<Camera> {
         let fields = Fields::alone("camera");
         for (name, side) in [("width", self.width), ("height", self.height)] {

@@ -18,9 +18,10 @@ pub(super) struct Lit {
 }
 
 /// What a light is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LightKind {
     /// A point or ball that shines all around, or by a pattern.
+    #[default]
     Point,
     /// The same into a cone.
     Spot,
@@ -38,7 +39,7 @@ pub enum LightKind {
 const MOST_CELLS: usize = 1 << 24;
 
 /// A light source. See Light in the extension's `host/scene.py`; fields that its kind does not name are not read.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LightFields {
     /// \[m\]
     pub position: [f64; 3],
@@ -93,7 +94,7 @@ impl LightFields {
 }
 
 /// The same with its arrays.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Light<'a> {
     /// All that is a number.
     pub fields: LightFields,

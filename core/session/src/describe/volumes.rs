@@ -12,7 +12,7 @@ use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 /// A medium and where it is. See Volume in the extension's `host/scene.py`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct VolumeFields {
     /// Coefficient where the relative density is 1 \[1/m\].
     pub scattering: [f64; 3],
@@ -41,7 +41,7 @@ pub struct VolumeFields {
 }
 
 /// The same with its arrays.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Volume<'a> {
     /// All that is a number.
     pub fields: VolumeFields,

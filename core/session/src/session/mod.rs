@@ -15,7 +15,7 @@ use crate::film::passes::Passes;
 use crate::render::{End, Goal};
 use crate::scene::Scene;
 use crate::session::state::serve;
-use crate::settings::Layers;
+use crate::settings::{Layers, Settings};
 use crate::work::failure::{Failure, Result};
 use crate::work::job::Job;
 use crate::work::{self, GoOn};
@@ -30,6 +30,7 @@ pub struct Session {
     /// What goes on.
     current: Mutex<Option<Arc<Job<Done>>>>,
     size: [u32; 2],
+    settings: Settings,
 }
 
 impl Session {
@@ -43,14 +44,14 @@ impl Session {
         let camera = &instants[0].camera;
         let kinds = options.settings.layers == Layers::EachKind;
         state::check_memory(&instants[0], options.settings.photons, kinds)?;
-        let size = [camera.width, camera.height];
+        let (size, settings) = ([camera.width, camera.height], options.settings);
         let pool = work::threads::pool(options.threads)?;
         let (orders, received) = channel();
         let shared = Arc::<Shared>::default();
         let scenes = instants.iter().map(|scene| scene.as_ref().clone()).collect();
         let seen = Arc::clone(&shared);
         pool.spawn(move || serve(scenes, &options, &received, &seen));
-        let session = Self { orders, shared, current: Mutex::default(), size };
+        let session = Self { orders, shared, current: Mutex::default(), size, settings };
         session.done(Task::Prepare, go_on)?;
         Ok(session)
     }
@@ -82,9 +83,6 @@ impl Session {
         if let Some(picture) = locked(&self.shared.picture).clone() {
             return Ok(picture);
         }
-        if self.info().passes == 0 {
-            return Err(Failure::Order("session: a picture needs a pass; render one first".into()));
-        }
         match self.done(Task::Picture, go_on)? {
             Done::Picture(picture) => Ok(picture),
             _ => unreachable!("the answer to another task"),
@@ -96,9 +94,6 @@ impl Session {
     /// # Errors
     /// There is no pass; `go_on` has said no.
     pub fn save(&self, go_on: GoOn) -> Result<Vec<u8>> {
-        if self.info().passes == 0 {
-            return Err(Failure::Order("session: there are no sums without a pass; render one first".into()));
-        }
         match self.done(Task::Save, go_on)? {
             Done::Sums(bytes) => Ok(bytes),
             _ => unreachable!("the answer to another task"),
@@ -131,6 +126,11 @@ impl Session {
     /// The passes that it holds.
     pub fn passes(&self) -> Passes {
         locked(&self.shared.passes).clone()
+    }
+
+    /// Those that it was made with; 0 light paths a pass: as many as the scene says.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
     }
 
     /// Pixels across and down.

@@ -166,6 +166,14 @@ impl<'a> State<'a> {
     }
 
     fn work(&mut self, task: Task, job: &Job<Done>, shared: &Shared) -> Result<Done> {
+        let lacks_passes = match task {
+            Task::Picture => Some("a picture needs a pass; render one first"),
+            Task::Save => Some("there are no sums without a pass; render one first"),
+            _ => None,
+        };
+        if let Some(why) = lacks_passes.filter(|_| self.film.passes() == 0) {
+            return Err(Failure::Order(format!("session: {why}")));
+        }
         match task {
             Task::Prepare => Ok(Done::Nothing),
             Task::Pass => self.pass(job, shared).map(|()| Done::Nothing),

@@ -75,6 +75,8 @@ fn settings_and_instants_that_are_wrong_are_refused() {
     refuse(covbeam_session_settings { threads: 1025, ..SETTINGS }, "settings.threads: 1025");
     refuse(covbeam_session_settings { first_pass: 1 << 31, ..SETTINGS }, "settings.first_pass");
     refuse(covbeam_session_settings { method: 2, kinds_apart: 1, ..SETTINGS }, "settings.kinds_apart");
+    refuse(covbeam_session_settings { first_apart: 1, every_pixel: 1, ..SETTINGS }, "settings.first_apart");
+    refuse(covbeam_session_settings { method: 1, first_apart: 1, ..SETTINGS }, "settings.first_apart");
     refuse(covbeam_session_settings { struct_size: 8, ..SETTINGS }, "settings: struct_size is 8");
     refused(new(&[], &SETTINGS, &mut session), COVBEAM_INVALID_VALUE, &["scenes: none"]);
     refused(new(&[scene.cast_const(); 3], &SETTINGS, &mut session), COVBEAM_INVALID_VALUE, &["power of two"]);
@@ -202,6 +204,27 @@ fn goals_pictures_and_calls_out_of_order() {
     }
 }
 
+#[test]
+fn layers_of_a_dark_scene_are_black_and_those_that_were_not_asked_for_are_refused() {
+    use covbeam_layer::*;
+    let mut given = fog();
+    given.light.intensity = [0.0; 3];
+    let scene = scene(&given);
+    let session = session(scene, &covbeam_session_settings { first_apart: 1, kinds_apart: 1, ..SETTINGS });
+    // SAFETY: live handles and locals.
+    unsafe {
+        assert_eq!(covbeam_session_pass(session, None, null_mut()), COVBEAM_OK, "{}", message());
+        for layer in [COVBEAM_LAYER_ALL, COVBEAM_LAYER_FIRST, COVBEAM_LAYER_FOCUSED] {
+            let mut rgb = vec![[1.0_f32; 3]; 256];
+            let out = rgb.as_mut_ptr().cast();
+            let status = covbeam_session_picture(session, layer as u32, 256, out, 0, None, null_mut());
+            assert_eq!(status, COVBEAM_OK, "{layer:?}: {}", message());
+            assert!(rgb.iter().all(|color| *color == [0.0; 3]), "{layer:?}");
+        }
+        assert_eq!([covbeam_session_free(session), covbeam_scene_free(scene)], [COVBEAM_OK; 2]);
+    }
+}
+
 /// What a callback does that calls the session that calls it.
 unsafe extern "C" fn call_again(session: *mut c_void) -> i32 {
     let session: *mut covbeam_session = session.cast();
@@ -246,6 +269,19 @@ fn calls_in_the_wrong_order_and_wrong_handles_are_refused() {
             covbeam_geometry_cast(geometry, 1, origin.cast(), 0, direction.as_ptr(), 0, &mut hit, 0)
         };
         refused(cast(open, &[0.0; 3], [0.0, 0.0, 1.0]), COVBEAM_WRONG_ORDER, &["not built"]);
+        let (origins, towards) = ([[0.0_f32; 3], [0.0, f32::NAN, 0.0]], [0.0_f32, 0.0, 1.0]);
+        let mut two: [covbeam_surface_hit; 2] = core::mem::zeroed();
+        let status = covbeam_geometry_cast(
+            ready,
+            2,
+            origins.as_ptr().cast(),
+            size_of::<[f32; 3]>(),
+            towards.as_ptr(),
+            0,
+            two.as_mut_ptr(),
+            size_of::<covbeam_surface_hit>(),
+        );
+        refused(status, COVBEAM_INVALID_VALUE, &["origins[1]", "finite"]);
         refused(cast(ready, null(), [0.0, 0.0, 1.0]), COVBEAM_NULL_POINTER, &["origins: NULL"]);
         refused(
             cast(ready, &[f32::INFINITY; 3], [0.0, 0.0, 1.0]),

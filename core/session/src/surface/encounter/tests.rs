@@ -1,9 +1,9 @@
 //! Encounters with lobes: what is drawn, and what shadow rays are told, against scattering functions from the papers.
 
 use super::*;
-use crate::made::{Made, camera, cuboid, point};
 use crate::random::{Random, spread};
 use crate::scene::Material;
+use crate::scene::made::{Made, camera, cuboid, point};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
