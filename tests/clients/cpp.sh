@@ -14,12 +14,12 @@ clients="$root/tests/clients"
 fail() { echo "cpp: $*" >&2; exit 1; }
 
 # The header alone, with every template of it used by the test programs; hosts such as LLVM's have no run-time types.
-echo '#include <covbeam.hpp>' > "$work/alone.cpp"
+echo '#include <covbeam_session.hpp>' > "$work/alone.cpp"
 for compiler in g++ clang++; do
     for standard in "c++11 -fno-rtti" c++14 c++17 c++20; do
         # shellcheck disable=SC2086
         "$compiler" -std=$standard $strict -I"$prefix/include" -fsyntax-only "$work/alone.cpp" \
-            "$clients/vectors.cpp" "$clients/wrapper.cpp"
+            "$clients/vectors.cpp" "$clients/wrapper.cpp" "$clients/session.cpp"
     done
 done
 echo "cpp: covbeam.hpp: no warning from g++ and clang++ as C++11 (without run-time types), 14, 17, 20"
@@ -41,12 +41,12 @@ echo "cpp: covbeam.hpp calls all $(wc -l < "$work/functions") functions; layout.
 
 # The header does not ask for the standard: an old one of one compiler and a new one of the other.
 for build in g++:c++11 clang++:c++20; do
-    for client in vectors wrapper; do
+    for client in vectors wrapper session; do
         # shellcheck disable=SC2046,SC2086
         "${build%:*}" "-std=${build#*:}" -O1 $strict "$clients/$client.cpp" -o "$work/$client" \
             $(pkg-config --cflags --libs covbeam) "-Wl,-rpath,$prefix/lib" -pthread
     done
-    for run in "vectors $root/tests/vectors.txt" "wrapper"; do
+    for run in "vectors $root/tests/vectors.txt" "wrapper" "session"; do
         # shellcheck disable=SC2086
         "$work/"$run > "$work/log" || { cat "$work/log"; fail "$build: $run"; }
         echo "cpp: $build: $(cat "$work/log")"

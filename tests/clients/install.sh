@@ -45,6 +45,7 @@ same "the list of installed files" "$(cd "$prefix" && find . ! -type d | LC_ALL=
 ./include/covbeam.hpp
 ./include/covbeam_extra.h
 ./include/covbeam_session.h
+./include/covbeam_session.hpp
 ./lib/cmake/covbeam/covbeam-config-version.cmake
 ./lib/cmake/covbeam/covbeam-config.cmake
 ./lib/libcovbeam.a

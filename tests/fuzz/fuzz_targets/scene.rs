@@ -2,7 +2,6 @@
 #![no_main]
 
 use covbeam_render::scene_file;
-use covbeam_session::scene::Scene;
 use libfuzzer_sys::fuzz_target;
 use std::path::Path;
 
