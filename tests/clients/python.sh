@@ -31,8 +31,10 @@ tag=$(basename "${wheel[0]}" .whl | sed 's/.*-none-//')
 "$python" -m auditwheel show "${wheel[0]}" | tr '\n' ' ' > "$work/auditwheel"
 grep -q "constrains the platform tag to \"$tag\"" "$work/auditwheel" || { cat "$work/auditwheel"; exit 1; }
 "$python" -m zipfile -e "${wheel[0]}" "$work/wheel"
-crates=$(sed -nE 's/^([a-z_]+) v[0-9.]+ \(.*\), [A-Z].*/\1/p' "$work/wheel/covbeam/THIRD-PARTY" | sort -u | xargs)
-test "$crates" = "fearless_simd glam libm" || { echo "python.sh: THIRD-PARTY is of $crates" >&2; exit 1; }
+crates=$(sed -nE 's/^([a-z0-9_-]+) v[0-9.]+ \(.*\), [A-Z].*/\1/p' "$work/wheel/covbeam/THIRD-PARTY" | sort -u | xargs)
+test "$crates" = "arbitrary-chunks arrayvec blake3 bytemuck cfg-if constant_time_eq cpufeatures crc32fast crossbeam-deque \
+crossbeam-epoch crossbeam-utils either fearless_simd glam half libm log obvhs partition rayon rayon-core rdst smallvec static_assertions \
+thiserror tobj zerocopy" || { echo "python.sh: THIRD-PARTY is of $crates" >&2; exit 1; }
 "$python" -m pip install --quiet --no-deps "${wheel[0]}"
 # From here on the library in the wheel is used, and nothing else.
 unset COVBEAM_LIBRARY

@@ -24,7 +24,8 @@ from unittest import mock
 import numpy as np
 
 import covbeam as cb
-from covbeam import _abi, _arrays, _library, image, light_field, march, spectrum
+import covbeam.session as cs
+from covbeam import _abi, _arrays, _library, _session_abi, image, light_field, march, spectrum
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 FOG = cb.Medium(scattering=0.2)
@@ -1004,7 +1005,7 @@ class Library(unittest.TestCase):
         header = self.header()
         structs = {}
         for name, body in re.findall(r"typedef struct (\w+) \{(.*?)\}", header, re.S):
-            structs[name] = re.findall(r"(\w+)(?:\[\w+\])?;", body)
+            structs[name] = re.findall(r"(\w+)(?:\[\w+\])*;", body)
         constants = re.findall(r"\b(COVBEAM_[A-Z_]+) = \d+", header) + ["COVBEAM_ABI_VERSION"]
         lines = []
         for name, fields in structs.items():
@@ -1013,7 +1014,7 @@ class Library(unittest.TestCase):
                 place = f"offsetof({name}, {field}), sizeof((({name} *)0)->{field})"
                 lines.append(f'printf("{name}.{field} %zu %zu\\n", {place});')
         lines += [f'printf("{name} %ld 0\\n", (long){name});' for name in constants]
-        source = '#include "covbeam_extra.h"\n#include <stdio.h>\nint main(void) {\n' + "\n".join(lines) + "\nreturn 0; }"
+        source = '#include "covbeam_extra.h"\n#include "covbeam_session.h"\n#include <stdio.h>\nint main(void) {\n' + "\n".join(lines) + "\nreturn 0; }"
         with tempfile.TemporaryDirectory() as folder:
             program = self.compiled(Path(folder, "layout"), source, "-std=c11", "-I", os.environ["COVBEAM_INCLUDE"])
             output = subprocess.run([program], check=True, stdout=subprocess.PIPE, text=True).stdout
@@ -1027,7 +1028,8 @@ class Library(unittest.TestCase):
                 python[struct] = (dtype.itemsize, dtype.alignment)
                 for field, (of, offset, *_) in dtype.fields.items():
                     python[f"{struct}.{field}"] = (offset, of.itemsize)
-        for struct in (s for s in vars(_abi).values() if isinstance(s, type) and issubclass(s, ctypes.Structure)):
+        everything = (vars(_abi) | vars(_session_abi)).values()
+        for struct in (s for s in everything if isinstance(s, type) and issubclass(s, ctypes.Structure)):
             name = "covbeam_" + re.sub(r"(?<=[a-z])(?=[A-Z])", "_", struct.__name__).lower()
             python[name] = (ctypes.sizeof(struct), ctypes.alignment(struct))
             for field, _ in struct._fields_:
@@ -1041,6 +1043,11 @@ class Library(unittest.TestCase):
         densities.append(cb.Medium(1, density=cb.Density(LAYOUT, np.ones(512, np.float32))))
         for kind, medium in zip(("UNIFORM", "EXPONENTIAL", "VOXELS"), densities):
             python[f"COVBEAM_DENSITY_{kind}"] = (medium._struct.density, 0)
+        enums = {"SHAPE": cs.ShapeKind, "LIGHT": cs.LightKind, "PROJECTION": cs.Projection, "METHOD": cs.Method, "END": cs.End, "LAYER": cs.Layer}
+        python |= {f"COVBEAM_{of}_{one.name}": (one.value, 0) for of, enum in enums.items() for one in enum}
+        for dtype, name in ((cs.MATERIAL, "material"), (cs.SHAPE, "shape"), (cs.HIT, "surface_hit")):
+            python[f"covbeam_{name}"] = (dtype.itemsize, python[f"covbeam_{name}"][1])
+            python |= {f"covbeam_{name}.{field}": (at, of.itemsize) for field, (of, at) in dtype.fields.items()}
         python["COVBEAM_ABI_VERSION"] = (cb.ABI_VERSION, 0)
         # Nothing missing on either side: a new struct, field or constant of the header fails here.
         self.assertEqual(python, compiler)

@@ -1,8 +1,8 @@
 //! covbeam's method as a library: pictures of scenes with fog, pass by pass.
 //!
-//! A host describes a scene ([`scene::Scene`]), chooses [`settings::Settings`], makes a [`pass::Renderer`] of both, and adds the passes up in a
-//! [`film::Film`]; [`render::render`] does that until a goal is reached. Light is traced with the spectra of the kernel crate ([`covbeam`]), guided
-//! to where the picture needs it, and gathered with kernels as wide as those spectra allow.
+//! Hosts describe a scene ([`describe`]) and let a [`session`] render it. Below that, a [`scene::Scene`], [`settings::Settings`] and a
+//! [`pass::Renderer`] make passes, which a [`film::Film`] adds up; [`render::render`] does that until a goal is reached.
+#![doc = include_str!("../README.md")]
 
 pub mod camera;
 pub mod color;
