@@ -9,7 +9,7 @@
  *
  *   covbeam_geometry_new(&geometry);  add_mesh, add_instances, build       meshes, if there are any; shapes need none
  *   covbeam_scene_new(geometry, &description, &scene);                     all else, in plain structs
- *   covbeam_session_new(1, &scene, 0, &settings, NULL, NULL, &session);    settings = { sizeof settings } is the default method
+ *   covbeam_session_new(1, &scene, 0, &settings, NULL, NULL, &session);    settings = { .struct_size = sizeof settings } is the default method
  *   covbeam_session_until(session, &goal, poll, user, NULL);               passes, seconds or an error; or covbeam_session_pass, one by one
  *   covbeam_session_picture(session, COVBEAM_LAYER_ALL, pixels, rgb, 0, NULL, NULL);
  *
