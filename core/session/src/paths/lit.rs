@@ -1,48 +1,41 @@
 //! The part of a photon's way on which there is light of it: of lamps with a size it begins and ends anywhere along their lines.
 
-use crate::paths::Photon;
+use crate::paths::photon::Photon;
 use crate::paths::record::{FieldSegment, PathBeam};
-use crate::scene::media;
+use crate::paths::segment::{Inside, PathSegment};
 use covbeam::{Beam, Column, Medium};
-use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 
 impl Photon {
     /// Whether there is light at a distance on its way.
+    #[inline]
     pub(super) fn is_lit(&self, distance: f32) -> bool {
         (self.dark..self.until).contains(&distance)
     }
 
     /// From here on there is light all along its way.
+    #[inline]
     pub(super) fn begin(&mut self) {
         (self.dark, self.until, self.near) = (0.0, f32::INFINITY, 0.0);
     }
 
-    /// Leaves a surface along its direction, which may be as straight as if nothing were there.
-    pub(super) fn go_on(&mut self, hit: &Hit, is_straight: bool) {
-        if is_straight {
-            self.dark = (self.dark - hit.distance).max(0.0);
-            self.until -= hit.distance;
-            self.near = (self.near - hit.distance).max(0.0);
-        } else {
-            self.begin();
-        }
-        self.origin = hit.leave(self.direction);
+    /// It has gone straight on.
+    #[inline]
+    pub(super) fn advance(&mut self, distance: f32) {
+        self.dark = (self.dark - distance).max(0.0);
+        self.until -= distance;
+        self.near = (self.near - distance).max(0.0);
     }
 
-    /// The beam along its way: to the next surface, or until nothing is left.
-    pub(super) fn beam(
-        &self,
-        medium: u32,
-        hit: Option<&Hit>,
-        fog: &Medium,
-        column: &Column,
-    ) -> Option<PathBeam> {
+    /// The beam along a segment: to the next surface, or until nothing is left; None: there is no light of it, or
+    /// nothing that scatters it.
+    pub(super) fn beam(&self, along: &PathSegment) -> Option<PathBeam> {
+        let Inside { id: medium, fog, ref column, opaque } = *along.inside.as_ref()?;
         let Photon { origin, direction, power, normal: start_normal, dark, .. } = *self;
-        let opaque = media::opaque_distance(fog, origin, direction, column).min(self.until);
-        let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
+        let opaque = opaque.min(self.until);
+        let reach = along.reach;
         let length = reach.min(opaque) - dark;
-        let end_normal = match hit {
+        let end_normal = match along.hit {
             Some(hit) if reach <= opaque => {
                 let against = if hit.geometric_normal.dot(direction) > 0.0 { -1.0 } else { 1.0 };
                 against * hit.geometric_normal
@@ -61,13 +54,12 @@ impl Photon {
 
     /// The part of a segment of its light field on which there is light; None: no part.
     ///
-    /// - `segment`: from where the photon is; `fog`, `acting`: the medium, and as it acts on light fields; `column`: along the segment.
+    /// - `segment`: from where the photon is; `acting`: the medium as it acts on light fields.
     pub(super) fn lit_segment(
         &self,
         segment: FieldSegment,
-        fog: &Medium,
+        inside: &Inside,
         acting: &Medium,
-        column: &Column,
     ) -> Option<FieldSegment> {
         let dark = self.dark;
         let mut lit = FieldSegment { length: segment.length.min(self.until) - dark, ..segment };
@@ -76,7 +68,7 @@ impl Photon {
             lit.field = segment.with(Column::Uniform).field_at(acting, dark);
             // Edges before that lie behind it then.
             lit.edges.iter_mut().for_each(|edge| edge.depth -= dark);
-            let left = self.power * fog.transmittance(column.at(dark));
+            let left = self.power * inside.fog.transmittance(inside.column.at(dark));
             lit.power *= left.element_sum() / self.power.element_sum();
         }
         (lit.length >= 0.0).then_some(lit)

@@ -79,6 +79,14 @@ pub(crate) fn add(sum: &mut [f64; 3], power: Vec3) {
     }
 }
 
+/// A power times a factor; what it loses is added to a sum over light paths.
+#[inline]
+pub(super) fn scaled(power: Vec3, factor: Vec3, lost: &mut [f64; 3]) -> Vec3 {
+    let after = power * factor;
+    add(lost, power - after);
+    after
+}
+
 /// What light paths leave behind.
 #[derive(Clone, Debug, Default)]
 pub struct PhotonRecord {
@@ -133,4 +141,12 @@ pub enum Record {
     Direct,
     /// Connections with the camera.
     Connections,
+}
+
+impl Record {
+    /// Whether beams and surface photons are recorded.
+    #[inline]
+    pub(super) fn has_beams(self) -> bool {
+        matches!(self, Self::Beams | Self::BeamsAndField)
+    }
 }

@@ -180,8 +180,10 @@ mod tests {
     /// The largest weight in any channel that gets to the box of what there is, over the mean power of a path in that channel, and how many beams
     /// there are.
     fn largest(tracer: &PhotonTracer, paths: u32) -> (f32, usize) {
-        let Some(([min, max], extinction)) = tracer.limits.around else { panic!("fog of the world") };
-        let unit = inverse(tracer.scene.lights[0].flux()) * paths as f32;
+        let Some(([min, max], extinction)) = tracer.transport.limits.around else {
+            panic!("fog of the world")
+        };
+        let unit = inverse(tracer.transport.scene.lights[0].flux()) * paths as f32;
         let there = |place: Vec3| (-extinction * (place - place.clamp(min, max)).length()).exp();
         let (mut most, mut count) = (0.0, 0);
         for index in 0..paths {
@@ -228,7 +230,7 @@ mod tests {
     /// Mean and variance of the mean of what arrives on the floor and has been scattered, in each channel by what the lamp sends out.
     fn arrives(tracer: &PhotonTracer, paths: u32) -> [[f64; 2]; 3] {
         const PARTS: u32 = 40;
-        let unit = inverse(tracer.scene.lights[0].flux());
+        let unit = inverse(tracer.transport.scene.lights[0].flux());
         let part = |part| {
             let mut record = PhotonRecord::default();
             let each = paths / PARTS;
@@ -274,7 +276,7 @@ mod tests {
         let scene = scene(Vec3::splat(0.6), lambert(0.5));
         let mut tracer = tracer(&scene);
         let found = arrives(&tracer, 200_000);
-        tracer.limits.around = None;
+        tracer.transport.limits.around = None;
         let all = arrives(&tracer, 40_000);
         agree(found[0], all[0], "far out");
     }

@@ -1,0 +1,157 @@
+//! Events of light paths, in media and on surfaces: what is absorbed, what is recorded, and which ways are
+//! left.
+
+use crate::material::Lobes;
+use crate::paths::operators::Operator;
+use crate::paths::photon::Photon;
+use crate::paths::record::{PhotonRecord, Record, add, scaled};
+use crate::paths::scattering::{Scattering, albedo};
+use crate::paths::transport::Transport;
+use crate::random::PathSampler;
+use crate::scene::Material;
+use crate::scene::optics::{Boundary, facing_normal};
+use crate::surface::encounter::{Encounter, Lobe};
+use covbeam::Medium;
+use covbeam_geometry::hit::Hit;
+use glam::Vec3;
+
+/// The ways that light can go on from a surface. What its paths do where there are several is theirs to
+/// decide.
+pub(super) enum Ways<'h> {
+    /// None: it is lost.
+    Nowhere,
+    /// Straight on; it has gone.
+    Straight,
+    /// One other way; it has gone.
+    One,
+    /// All directions; its power is what is reflected.
+    Scattered(Scattering<'h>),
+    /// Back and, but for total reflection, through.
+    Glass(Boundary),
+}
+
+impl Transport<'_> {
+    /// The collision of light that has gone along a direction to a place in a medium.
+    #[inline]
+    pub(super) fn collision(&self, fog: &Medium, along: Vec3, place: Vec3) -> Scattering<'static> {
+        Scattering::Medium { phase: fog.phase, place, along, blurs: self.acts(Operator::Scattering) }
+    }
+
+    /// A photon meets a surface.
+    #[inline]
+    pub(super) fn meet<'h>(
+        &self,
+        photon: &mut Photon,
+        hit: &'h Hit,
+        sampler: &mut PathSampler,
+        record: Record,
+        out: &mut PhotonRecord,
+    ) -> Ways<'h> {
+        let is_lit = photon.is_lit(hit.distance);
+        match *self.scene.material(hit) {
+            Material::Clear => {
+                photon.go_straight_on(self.scene, hit);
+                Ways::Straight
+            }
+            Material::Lambert { albedo } if is_lit => self.meet_diffuse(photon, hit, albedo, record, out),
+            Material::Mirror { reflectance } if is_lit => {
+                self.meet_mirror(photon, hit, reflectance, sampler, out)
+            }
+            Material::Black | Material::Lambert { .. } | Material::Mirror { .. } => lose(photon, out),
+            Material::Lobes(ref lobes) => self.meet_lobes(photon, hit, lobes, sampler, record, out),
+            Material::Dielectric { .. } => {
+                let boundary = Boundary::new(self.scene, hit, photon.direction, &photon.interior);
+                // What begins farther along its way has no other one.
+                if boundary.is_matched() || is_lit { Ways::Glass(boundary) } else { lose(photon, out) }
+            }
+        }
+    }
+
+    /// Sends a photon on from the boundary of glass or water.
+    ///
+    /// - `through`: the direction behind it; None: it is reflected.
+    #[inline]
+    pub(super) fn cross(&self, photon: &mut Photon, hit: &Hit, boundary: &Boundary, through: Option<Vec3>) {
+        photon.cross(hit, boundary, through, self.acts(Operator::Curvature));
+    }
+
+    #[inline]
+    fn meet_diffuse<'h>(
+        &self,
+        photon: &mut Photon,
+        hit: &'h Hit,
+        albedo: Vec3,
+        record: Record,
+        out: &mut PhotonRecord,
+    ) -> Ways<'h> {
+        let normal = facing_normal(hit, photon.direction);
+        photon.arrive(self.scene, hit, normal, record, out);
+        photon.power = scaled(photon.power, albedo, &mut out.energy.surfaces);
+        if record == Record::Connections {
+            self.connect_diffuse(photon, hit, normal, out);
+        }
+        Ways::Scattered(Scattering::Surface { hit, normal })
+    }
+
+    #[inline]
+    fn meet_mirror(
+        &self,
+        photon: &mut Photon,
+        hit: &Hit,
+        reflectance: Vec3,
+        sampler: &mut PathSampler,
+        out: &mut PhotonRecord,
+    ) -> Ways<'static> {
+        photon.power = scaled(photon.power, reflectance, &mut out.energy.surfaces);
+        let limit = self.limits.at(hit.position, photon.events);
+        if photon.survive_by_weight(limit, sampler.uniform(), out).is_none() {
+            return Ways::Nowhere;
+        }
+        let normal = facing_normal(hit, photon.direction);
+        photon.mirror(hit, normal, self.acts(Operator::Curvature));
+        Ways::One
+    }
+
+    fn meet_lobes(
+        &self,
+        photon: &mut Photon,
+        hit: &Hit,
+        lobes: &Lobes,
+        sampler: &mut PathSampler,
+        record: Record,
+        out: &mut PhotonRecord,
+    ) -> Ways<'static> {
+        let is_lit = photon.is_lit(hit.distance);
+        let xi = sampler.uniform_pair();
+        let met = Encounter::new(self.scene, hit, photon.direction, &photon.interior, lobes, xi);
+        if is_lit && lobes.diffuse.max(lobes.translucent) != Vec3::ZERO {
+            photon.arrive(self.scene, hit, met.normal, record, out);
+        }
+        if is_lit && record == Record::Connections {
+            self.connect_lobes(photon, hit, &met, out);
+        }
+        let weights = photon.weights() / self.limits.at(hit.position, photon.events);
+        // What is below the limit is no reason to lose light here: what is lost here is what the surface
+        // takes.
+        let weights = weights / weights.max_element().clamp(f32::MIN_POSITIVE, 1.0);
+        let way = met.draw(weights, sampler.uniform(), sampler.uniform_pair());
+        let way = way.filter(|way| is_lit || way.lobe == Lobe::Transparent);
+        let Some(way) = way else { return lose(photon, out) };
+        photon.power = scaled(photon.power, way.factor, &mut out.energy.surfaces);
+        photon.take(&way, hit, &met, self.acts(Operator::Curvature));
+        Ways::One
+    }
+}
+
+/// What a medium scatters of a power that collides; it absorbs the rest.
+#[inline]
+pub(super) fn scattered(fog: &Medium, power: Vec3, out: &mut PhotonRecord) -> Vec3 {
+    scaled(power, albedo(fog), &mut out.energy.medium)
+}
+
+/// Leaves all of a photon's light to a surface.
+#[inline]
+fn lose(photon: &Photon, out: &mut PhotonRecord) -> Ways<'static> {
+    add(&mut out.energy.surfaces, photon.power);
+    Ways::Nowhere
+}

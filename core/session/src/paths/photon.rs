@@ -1,0 +1,179 @@
+//! The moving photon of a light path, and what an event makes of it.
+
+use crate::kind::Kind;
+use crate::paths::record::{PhotonRecord, Record, add};
+use crate::paths::scattering::Scattering;
+use crate::scene::Scene;
+use crate::scene::optics::{Boundary, Interior, curvature_towards, reflect};
+use crate::surface::SurfacePhoton;
+use crate::surface::encounter::{Encounter, Lobe, Way};
+use covbeam::{Curvature, LightField};
+use covbeam_geometry::hit::Hit;
+use glam::Vec3;
+
+/// The moving photon.
+#[derive(Clone)]
+pub(super) struct Photon {
+    pub(super) origin: Vec3,
+    pub(super) direction: Vec3,
+    pub(super) power: Vec3,
+    /// Over the power of a path of weight 1.
+    pub(super) unit: Vec3,
+    /// Events so far that count for its limit: of plain paths. Of guided ones their trees count, and it is 0.
+    pub(super) events: u32,
+    pub(super) interior: Interior,
+    /// Normal of the surface that it left, towards the side it is on; zero in the open.
+    pub(super) normal: Vec3,
+    pub(super) direct: bool,
+    pub(super) specular: bool,
+    /// How often it has been scattered, reflected and refracted.
+    pub(super) bounces: u32,
+    /// How far from here its light begins, and ends: of lamps with a size, as long as it goes straight on.
+    pub(super) dark: f32,
+    pub(super) until: f32,
+    /// How far from here it is next to its lamp.
+    pub(super) near: f32,
+    pub(super) field: Option<LightField>,
+    /// Paths without a light field that this one's stands for, and itself.
+    pub(super) stands_for: f32,
+}
+
+impl Photon {
+    /// In each channel.
+    #[inline]
+    pub(super) fn weights(&self) -> Vec3 {
+        self.power * self.unit
+    }
+
+    /// What its light has met.
+    #[inline]
+    pub(super) fn kind(&self) -> Kind {
+        match self {
+            Self { direct: true, .. } => Kind::Straight,
+            Self { specular: true, .. } => Kind::Focused,
+            _ => Kind::Scattered,
+        }
+    }
+
+    /// Whether it has bounced more often than it may; it is lost then.
+    #[inline]
+    pub(super) fn is_spent(&self, scene: &Scene, out: &mut PhotonRecord) -> bool {
+        let is_spent = !scene.allows(self.bounces);
+        if is_spent {
+            add(&mut out.energy.spent, self.power);
+        }
+        is_spent
+    }
+
+    /// Leaves what arrives on a diffuse surface that is seen for disks there; straight light is looked up by
+    /// shadow rays.
+    ///
+    /// - `normal`: towards the side that it comes from.
+    #[inline]
+    pub(super) fn arrive(
+        &self,
+        scene: &Scene,
+        hit: &Hit,
+        normal: Vec3,
+        record: Record,
+        out: &mut PhotonRecord,
+    ) {
+        if record.has_beams() && !self.direct && scene.shows_surfaces() {
+            let (position, power, caustic) = (hit.position, self.power, self.specular);
+            out.surface.push(SurfacePhoton { position, normal, power, caustic });
+        }
+    }
+
+    /// Is scattered into a direction, by a medium or a diffuse surface.
+    #[inline]
+    pub(super) fn scatter(&mut self, by: &Scattering, direction: Vec3) {
+        if let Some(field) = &mut self.field {
+            by.turn(field, direction);
+        }
+        self.direction = direction;
+        self.origin = by.start(direction);
+        self.normal = by.normal();
+        self.direct = false;
+        self.specular = false;
+        self.bounces += 1;
+        self.begin();
+    }
+
+    /// Is reflected by a mirror.
+    ///
+    /// - `curves`: whether the surface's curvature acts on its light field.
+    #[inline]
+    pub(super) fn mirror(&mut self, hit: &Hit, normal: Vec3, curves: bool) {
+        if let Some(field) = &mut self.field {
+            field.reflect(normal, &curvature(hit, normal, curves));
+        }
+        self.leave(hit, normal, reflect(self.direction, normal), false);
+    }
+
+    /// Goes on from the boundary of glass or water.
+    ///
+    /// - `through`: the direction behind it; None: it is reflected. `curves`: as of [`Photon::mirror`].
+    #[inline]
+    pub(super) fn cross(&mut self, hit: &Hit, boundary: &Boundary, through: Option<Vec3>, curves: bool) {
+        let normal = boundary.normal;
+        if let Some(field) = &mut self.field {
+            let curvature = curvature(hit, normal, curves);
+            if through.is_some() {
+                field.refract(normal, &curvature, boundary.eta);
+            } else {
+                field.reflect(normal, &curvature);
+            }
+        }
+        let (normal, direction) = match through {
+            Some(refracted) => {
+                self.interior = boundary.beyond;
+                (-normal, refracted)
+            }
+            None => (normal, boundary.reflected),
+        };
+        self.leave(hit, normal, direction, boundary.is_matched());
+    }
+
+    /// Goes one of the ways on from a surface of lobes; its power is left to the caller.
+    ///
+    /// - `curves`: as of [`Photon::mirror`].
+    #[inline]
+    pub(super) fn take(&mut self, way: &Way, hit: &Hit, met: &Encounter, curves: bool) {
+        if let Some(field) = &mut self.field {
+            met.turn(field, hit, way, curves);
+        }
+        self.interior = way.interior;
+        self.specular &= met.keeps_focus(way.lobe);
+        let normal = if way.lobe.crosses() { -met.normal } else { met.normal };
+        self.leave(hit, normal, way.direction, way.lobe == Lobe::Transparent);
+    }
+
+    /// Goes on through what lets all light go straight on: as if nothing had been met but another medium.
+    #[inline]
+    pub(super) fn go_straight_on(&mut self, scene: &Scene, hit: &Hit) {
+        let side = if hit.geometric_normal.dot(self.direction) < 0.0 { -1.0 } else { 1.0 };
+        self.interior = self.interior.through(scene, hit, self.direction);
+        self.leave(hit, side * hit.geometric_normal, self.direction, true);
+    }
+
+    /// Leaves a surface along a direction, which may be as straight as if nothing were there.
+    #[inline]
+    fn leave(&mut self, hit: &Hit, normal: Vec3, direction: Vec3, is_straight: bool) {
+        self.direction = direction;
+        self.normal = normal;
+        self.direct &= is_straight;
+        self.bounces += u32::from(!is_straight);
+        if is_straight {
+            self.advance(hit.distance);
+        } else {
+            self.begin();
+        }
+        self.origin = hit.leave(direction);
+    }
+}
+
+/// The curvature that a light field meets at a hit.
+#[inline]
+fn curvature(hit: &Hit, normal: Vec3, curves: bool) -> Curvature {
+    if curves { curvature_towards(hit, normal) } else { Curvature::default() }
+}

@@ -1,0 +1,83 @@
+//! Scattering into directions that are drawn: a collision in a medium, or a diffuse surface.
+
+use crate::light::cosine_direction;
+use covbeam::{LightField, Medium, PhaseFunction};
+use covbeam_geometry::hit::Hit;
+use glam::Vec3;
+
+/// What scatters light.
+pub(super) enum Scattering<'h> {
+    /// A collision.
+    Medium {
+        phase: PhaseFunction,
+        /// Where.
+        place: Vec3,
+        /// The direction that the light comes along.
+        along: Vec3,
+        /// Whether light fields are blurred.
+        blurs: bool,
+    },
+    /// A diffuse surface.
+    Surface {
+        hit: &'h Hit,
+        /// Towards the side that the light comes from.
+        normal: Vec3,
+    },
+}
+
+impl Scattering<'_> {
+    /// Where it is.
+    #[inline]
+    pub(super) fn place(&self) -> Vec3 {
+        match *self {
+            Self::Medium { place, .. } => place,
+            Self::Surface { hit, .. } => hit.position,
+        }
+    }
+
+    /// Normal of the surface; zero in a medium.
+    #[inline]
+    pub(super) fn normal(&self) -> Vec3 {
+        match *self {
+            Self::Medium { .. } => Vec3::ZERO,
+            Self::Surface { normal, .. } => normal,
+        }
+    }
+
+    /// A direction, drawn as the light goes.
+    ///
+    /// - `xi`: uniform.
+    #[inline]
+    pub(super) fn direction(&self, xi: [f32; 2]) -> Vec3 {
+        match *self {
+            Self::Medium { phase, along, .. } => phase.sample(along, xi),
+            Self::Surface { normal, .. } => cosine_direction(normal, xi),
+        }
+    }
+
+    /// Where light starts that goes on along a direction.
+    #[inline]
+    pub(super) fn start(&self, direction: Vec3) -> Vec3 {
+        match *self {
+            Self::Medium { place, .. } => place,
+            Self::Surface { hit, .. } => hit.leave(direction),
+        }
+    }
+
+    /// Turns a light field into a direction.
+    #[inline]
+    pub(super) fn turn(&self, field: &mut LightField, direction: Vec3) {
+        match *self {
+            Self::Medium { phase, blurs, .. } => {
+                field.scatter(direction, if blurs { phase.angular_variance() } else { f32::INFINITY });
+            }
+            Self::Surface { normal, .. } => field.diffuse(normal, direction),
+        }
+    }
+}
+
+/// Share of the light that collides with a medium that it scatters; 0 where nothing collides.
+#[inline]
+pub(super) fn albedo(fog: &Medium) -> Vec3 {
+    fog.scattering / fog.extinction().max(Vec3::splat(f32::MIN_POSITIVE))
+}
