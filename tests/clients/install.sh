@@ -74,8 +74,8 @@ same "the list of exported symbols" "$(cat "$work/exported")" "$(cat "$work/decl
 
 # The kernels alone, as hosts build them that need no sessions.
 cmake -S "$root/ffi" -B "$work/kernels" -DCOVBEAM_SESSION=OFF > "$work/log" || { cat "$work/log"; fail "COVBEAM_SESSION=OFF"; }
-CARGO_NET_OFFLINE=true CARGO_TARGET_DIR="$work/target" cmake --build "$work/kernels"
-kernels="$(find "$work/kernels" "$work/target" -path '*/release/libcovbeam.so' | head -n 1)"
+CARGO_NET_OFFLINE=true cmake --build "$work/kernels"
+kernels="${CARGO_TARGET_DIR:-$work/kernels/cargo}/release/libcovbeam.so"
 nm -D --defined-only "$kernels" | awk '{ print $NF }' | LC_ALL=C sort > "$work/exported-kernels"
 printf '#include <covbeam_extra.h>\n' | cc -E -P -I"$prefix/include" - | grep -vE '^(static inline| +return) ' | tr '\n' ' ' |
     grep -oE '\bcovbeam_[a-z0-9_]+ *\(' | tr -d ' (' | LC_ALL=C sort -u > "$work/declared-kernels"
