@@ -8,7 +8,7 @@ use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use obvhs::ray::{Ray, RayHit};
 
 /// Boxes of the hierarchy grow by this much in the local frame [-1, 1]³. It covers the rounding of the box test
-/// and of the triangle test for origins up to [`NEAR`] away (about 2e-6), so no triangle is culled that its
+/// and of the triangle test for origins up to `NEAR` away (about 2e-6), so no triangle is culled that its
 /// neighbour's edge test relies on.
 pub const PADDING: f32 = 1e-5;
 

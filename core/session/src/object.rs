@@ -19,6 +19,6 @@ pub struct Object {
     pub inside: Option<MediumId>,
     /// Of closed dielectrics that overlap the one of higher priority counts.
     pub priority: i32,
-    /// Numbers of the closed dielectrics that lie inside of it, ascending: from [`nest`](crate::scene::nesting::nest).
+    /// Numbers of the closed dielectrics that lie inside of it, ascending: from [`nest`](crate::scene::nest).
     pub inner: Vec<u32>,
 }

@@ -28,7 +28,7 @@ pub struct LayerFilters {
     pub pass: u32,
     /// Where they are known.
     pub lattice: FilmLattice,
-    /// The region of each pixel, as [`film_regions`] numbers them.
+    /// The region of each pixel, as [`film_regions`](covbeam::film_regions) numbers them.
     pub regions: Arc<Vec<u32>>,
     /// One for each node of the lattice: none next to a silhouette, and where the grid has no data.
     pub nodes: Arc<Vec<FilmFilterNode>>,

@@ -26,7 +26,7 @@ pub struct Disks {
     /// For caustics.
     pub caustic: f32,
     /// Some: these are the widest. Light that arrives diffusely is no smoother than other surfaces are far, and the disk of a caustic's photon
-    /// ends where it holds so many, itself included, 2 to [`CROWD`] (L. Breiman, W. Meisel and E. Purcell 1977). Disks belong to photons,
+    /// ends where it holds so many, itself included, 2 to `CROWD` (L. Breiman, W. Meisel and E. Purcell 1977). Disks belong to photons,
     /// not to the places that look them up: so what leaves one place arrives at another, and no light is made where photons are dense.
     pub crowd: Option<usize>,
     /// Whether light that arrives diffusely is divided by the share of its disk that lies on the surface.

@@ -11,7 +11,7 @@ pub struct Lens {
     pub focus_distance: f32,
     /// Corners of the opening: 3 and more; fewer make a disk.
     pub blades: u32,
-    /// Angle from `right` towards `up` of the middle of one of the polygon's edges [rad].
+    /// Angle from `right` towards `up` of the middle of one of the polygon's edges \[rad\].
     pub rotation: f32,
     /// Height of the opening over its width, > 0.
     pub ratio: f32,

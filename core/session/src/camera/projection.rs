@@ -9,9 +9,9 @@ pub enum Projection {
     Perspective,
     /// Parallel rays along the viewing axis: (h, v) is where they start, from the camera's position [scene unit].
     Orthographic,
-    /// All around a point: h is the longitude, from the viewing axis towards the right, v the latitude [rad].
+    /// All around a point: h is the longitude, from the viewing axis towards the right, v the latitude \[rad\].
     Equirectangular,
-    /// A fisheye: the length of (h, v) is the angle from the viewing axis [rad].
+    /// A fisheye: the length of (h, v) is the angle from the viewing axis \[rad\].
     Fisheye {
         /// Largest angle that it shows, up to π; what its picture has beyond is dark.
         widest: f32,

@@ -19,7 +19,7 @@ pub struct EyeStart {
     pub direction: Vec3,
     /// What it is inside of.
     pub interior: Interior,
-    /// The picture point that it goes through [pixels].
+    /// The picture point that it goes through \[pixels\].
     pub place: [f32; 2],
     /// Whether it is there: a picture may have dark places, see [`Camera::sees`](crate::camera::Camera::sees).
     pub sees: bool,

@@ -26,9 +26,9 @@ pub enum Light {
         direction: Vec3,
         /// W/sr per channel on the axis.
         intensity: Vec3,
-        /// Half-angle of the full cone [rad], >= 0.
+        /// Half-angle of the full cone \[rad\], >= 0.
         inner_angle: f32,
-        /// Half-angle where light ends [rad], > inner_angle, < π/2.
+        /// Half-angle where light ends \[rad\], > inner_angle, < π/2.
         outer_angle: f32,
     },
     /// One-sided diffuse disk emitting towards `normal`.

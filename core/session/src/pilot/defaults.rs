@@ -1,6 +1,6 @@
 //! What nobody need say of a scene: cells of the covariance grid, radii of kernels, light paths a pass.
 //!
-//! All of it follows from a [`Survey`], a function of the scene alone, never of a clock or of the machine's threads: a scene without numbers
+//! All of it follows from a survey, a function of the scene alone, never of a clock or of the machine's threads: a scene without numbers
 //! gives the same picture everywhere. Scaled with the scene's unit of length (and the media's coefficients with its inverse), all lengths
 //! scale alike and the counts stay. The grid's box is the survey's.
 

@@ -7,11 +7,11 @@ use crate::settings::{Method, Settings};
 /// How a session renders. The default is covbeam's method with what the scene asks for.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// What is said of grid and render, for scenes of which nobody has chosen the numbers yet ([`Scene::complete`]); None: they have them.
+    /// What is said of grid and render, for scenes of which nobody has chosen the numbers yet ([`Scene::complete`](crate::scene::Scene::complete)); None: they have them.
     pub given: Option<Given>,
     /// How pictures are made; 0 light paths a pass: as many as the scene says.
     pub settings: Settings,
-    /// Number of the first pass, from 0: another machine may render others, and [`Session::merge`] adds its sums.
+    /// Number of the first pass, from 0: another machine may render others, and [`Session::merge`](super::Session::merge) adds its sums.
     pub first_pass: u32,
     /// Of scene and numbers, as the host knows them: sums of another one are refused.
     pub identity: Identity,
