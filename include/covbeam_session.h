@@ -13,6 +13,9 @@
  *   covbeam_session_until(session, &goal, poll, user, NULL);               passes, seconds or an error; or covbeam_session_pass, one by one
  *   covbeam_session_picture(session, COVBEAM_LAYER_ALL, pixels, rgb, 0, NULL, NULL);
  *
+ * A renderer that keeps its own geometry gives functions in place of meshes (covbeam_host, covbeam_scene_new_of_host): the nearest surface of a ray,
+ * and, if it is cheaper, whether a ray is blocked. The library's threads call them; the same ray must get the same answer.
+ *
  * Numbers: a picture of so many passes depends on scene, settings and seed alone, and has the same bits on any number of threads. Sums of passes
  * are exact: machines that render some each (first_pass) give the same bits as one that renders all (covbeam_session_save, _merge).
  *
@@ -785,6 +788,126 @@ typedef struct covbeam_description {
 } covbeam_description;
 
 /**
+ * A ray.
+ */
+typedef struct covbeam_host_ray {
+    /**
+     * Where it starts [m].
+     */
+    double origin[3];
+    /**
+     * Unit.
+     */
+    double direction[3];
+    /**
+     * What is farther away does not count [m]; infinity: everything does.
+     */
+    double reach;
+} covbeam_host_ray;
+
+/**
+ * Where a ray meets a surface of the host. All numbers are checked: a hit that is none counts as nothing hit.
+ */
+typedef struct covbeam_host_hit {
+    /**
+     * In (0, reach); 0: nothing is hit, and the rest is not read.
+     */
+    float distance;
+    /**
+     * The point, moved onto the surface [m].
+     */
+    float position[3];
+    /**
+     * Unit, outward on closed surfaces, not turned towards the ray.
+     */
+    float geometric_normal[3];
+    /**
+     * Unit shading normal, on the same side.
+     */
+    float normal[3];
+    /**
+     * More than rounding can have moved the point [m], such as 4 ulps of the largest coordinate.
+     */
+    float offset;
+    /**
+     * Direction in the surface of the curvature below, unit; not read where that is 0.
+     */
+    float tangent[3];
+    /**
+     * Curvature of the shading normals along the tangent [1/m], positive = convex towards the normal; 0: light sees it as flat, and caustics of it
+     * are blurred.
+     */
+    float along;
+    /**
+     * And across it.
+     */
+    float across;
+    /**
+     * And the twist.
+     */
+    float twist;
+    /**
+     * Number of the object in the description.
+     */
+    uint32_t object;
+    /**
+     * Number of the material in the description.
+     */
+    uint32_t material;
+} covbeam_host_hit;
+
+/**
+ * Finds the nearest surfaces that rays meet, from either side, and fills a hit for each. Called from many threads at once; the same rays
+ * must get the same hits. `count` is 1 today.
+ */
+typedef void (*covbeam_host_cast)(void *user,
+                                  size_t count,
+                                  const struct covbeam_host_ray *rays,
+                                  struct covbeam_host_hit *hits);
+
+/**
+ * Tells of rays whether they meet anything: not 0 in `blocked`. As covbeam_host_cast.
+ */
+typedef void (*covbeam_host_blocked)(void *user,
+                                     size_t count,
+                                     const struct covbeam_host_ray *rays,
+                                     uint8_t *blocked);
+
+/**
+ * A host's geometry. It must outlive the scenes and sessions that are made of it.
+ */
+typedef struct covbeam_host {
+    /**
+     * sizeof(covbeam_host).
+     */
+    uint32_t struct_size;
+    /**
+     * Another number for another geometry: sums of sessions are told apart by it.
+     */
+    uint32_t version;
+    /**
+     * What the functions are called with.
+     */
+    void *user;
+    /**
+     * The nearest surface of rays.
+     */
+    covbeam_host_cast cast;
+    /**
+     * Whether rays meet anything; NULL: `cast` is asked.
+     */
+    covbeam_host_blocked blocked;
+    /**
+     * Lower corner of a box around all of it [m].
+     */
+    float min[3];
+    /**
+     * Upper corner.
+     */
+    float max[3];
+} covbeam_host;
+
+/**
  * How a session renders. With all fields but struct_size 0: covbeam's method, with what the scene asks for.
  */
 typedef struct covbeam_session_settings {
@@ -1027,6 +1150,17 @@ covbeam_status covbeam_scene_new(const struct covbeam_geometry *geometry,
  * @param scene NULL is fine.
  */
 covbeam_status covbeam_scene_free(struct covbeam_scene *scene);
+
+/**
+ * Makes a scene of a host's geometry.
+ *
+ * @param host the geometry; objects and materials of its hits are numbers of the description's.
+ * @param description all else, copied.
+ * @param out the handle.
+ */
+covbeam_status covbeam_scene_new_of_host(const struct covbeam_host *host,
+                                         const struct covbeam_description *description,
+                                         struct covbeam_scene **out);
 
 /**
  * Makes a session of a scene, or of the same one at several instants while a shutter is open. Numbers that nobody has given are chosen, which

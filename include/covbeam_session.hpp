@@ -68,6 +68,12 @@ public:
     /// Of shapes alone.
     explicit Scene(const covbeam_description& description) : Scene(nullptr, description) {}
     Scene(const Geometry& geometry, const covbeam_description& description) : Scene(geometry.get(), description) {}
+    /// Of a host's geometry, which outlives it.
+    Scene(const covbeam_host& host, const covbeam_description& description) {
+        covbeam_scene* made = nullptr;
+        check(covbeam_scene_new_of_host(&host, &description, &made));
+        handle_.reset(made);
+    }
     const covbeam_scene* get() const noexcept { return handle_.get(); }
 
 private:

@@ -1,5 +1,6 @@
 //! Objects of a scene.
 
+pub mod geometry;
 pub mod placed;
 
 use crate::material::Material;

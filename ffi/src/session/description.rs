@@ -4,15 +4,19 @@ use super::fields::*;
 use super::geometry::array;
 use super::identity::Contents;
 use crate::status::{Failure, covbeam_status::*, fail};
+use ::covbeam_geometry::instances::Instances;
 use ::covbeam_geometry::shape::Shape;
 use ::covbeam_session::camera::{Frame, Projection};
 use ::covbeam_session::describe::{
     CameraFields, Description, Light, LightFields, LightKind, MaterialFields, ObjectFields, ShapeFields,
     Volume, VolumeFields,
 };
-use ::covbeam_session::scene::Sees;
+use ::covbeam_session::object::geometry::Geometry;
+use ::covbeam_session::scene::{Scene, Sees};
+use ::covbeam_session::work::failure;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
 
 /// All that a scene is made of but its placed meshes.
 #[repr(C)]
@@ -115,12 +119,19 @@ pub(super) struct Owned<'a> {
 }
 
 impl Owned<'_> {
-    pub(super) fn scene(
-        self,
-        geometry: std::sync::Arc<::covbeam_geometry::instances::Instances>,
-    ) -> ::covbeam_session::work::failure::Result<::covbeam_session::scene::Scene> {
+    /// Of meshes.
+    pub(super) fn scene(self, geometry: Arc<Instances>) -> failure::Result<Scene> {
+        self.with(|description| description.scene(geometry))
+    }
+
+    /// Of a host's geometry.
+    pub(super) fn scene_of_host(self, geometry: Arc<dyn Geometry>) -> failure::Result<Scene> {
+        self.with(|description| description.scene_of_host(geometry))
+    }
+
+    fn with<T>(self, make: impl FnOnce(&Description) -> T) -> T {
         let Self { materials, objects, shapes, volumes, world_volume, lights, camera, sees } = self;
-        let description = Description {
+        make(&Description {
             materials: &materials,
             objects: &objects,
             shapes: &shapes,
@@ -129,8 +140,7 @@ impl Owned<'_> {
             lights,
             camera,
             sees,
-        };
-        description.scene(geometry)
+        })
     }
 }
 

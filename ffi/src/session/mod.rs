@@ -3,6 +3,7 @@
 mod description;
 mod fields;
 mod geometry;
+mod host;
 mod identity;
 mod picture;
 mod render;

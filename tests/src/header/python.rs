@@ -9,7 +9,7 @@ const STRUCTS: [&str; 7] =
     ["grid_layout", "phase", "medium", "column", "kernel", "schedule", "march_expected"];
 
 /// Structs of sessions, those that others have before these.
-const SESSION_STRUCTS: [&str; 14] = [
+const SESSION_STRUCTS: [&str; 17] = [
     "material",
     "object",
     "shape",
@@ -21,6 +21,9 @@ const SESSION_STRUCTS: [&str; 14] = [
     "instance",
     "geometry_info",
     "surface_hit",
+    "host_ray",
+    "host_hit",
+    "host",
     "session_settings",
     "goal",
     "session_info",
@@ -103,6 +106,7 @@ fn class(header: &str, name: &str) -> Result<String, String> {
             "int32_t" => "ctypes.c_int32".to_owned(),
             "uint64_t" => "ctypes.c_uint64".to_owned(),
             "size_t" => "ctypes.c_size_t".to_owned(),
+            "covbeam_host_cast" | "covbeam_host_blocked" => "ctypes.c_void_p".to_owned(),
             pointer if pointer.ends_with('*') => "ctypes.c_void_p".to_owned(),
             other => camel_case(other.trim_start_matches("struct ").trim_start_matches("covbeam_")),
         };

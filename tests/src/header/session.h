@@ -13,6 +13,9 @@
  *   covbeam_session_until(session, &goal, poll, user, NULL);               passes, seconds or an error; or covbeam_session_pass, one by one
  *   covbeam_session_picture(session, COVBEAM_LAYER_ALL, pixels, rgb, 0, NULL, NULL);
  *
+ * A renderer that keeps its own geometry gives functions in place of meshes (covbeam_host, covbeam_scene_new_of_host): the nearest surface of a ray,
+ * and, if it is cheaper, whether a ray is blocked. The library's threads call them; the same ray must get the same answer.
+ *
  * Numbers: a picture of so many passes depends on scene, settings and seed alone, and has the same bits on any number of threads. Sums of passes
  * are exact: machines that render some each (first_pass) give the same bits as one that renders all (covbeam_session_save, _merge).
  *

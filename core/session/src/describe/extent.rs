@@ -6,7 +6,6 @@ use crate::camera::{Camera, Projection};
 use crate::object::Object;
 use crate::scene::Ball;
 use covbeam_geometry::MAX_COORDINATE;
-use covbeam_geometry::instances::Instances;
 use covbeam_geometry::shape::unite;
 use glam::{DVec3, Vec3};
 
@@ -17,8 +16,7 @@ const DEPTH: f64 = 4.0;
 type Bounds = (DVec3, DVec3);
 
 /// All geometry; None: there is none.
-pub(super) fn bounds(geometry: &Instances, shapes: &[Object]) -> Option<Bounds> {
-    let placed = (!geometry.is_empty()).then(|| geometry.bounds());
+pub(super) fn bounds(placed: Option<(Vec3, Vec3)>, shapes: &[Object]) -> Option<Bounds> {
     doubled(shapes.iter().map(|object| object.shape.bounds()).chain(placed).reduce(unite))
 }
 

@@ -2,6 +2,7 @@
 
 use crate::material::Material;
 use crate::medium::fogs::AddedFogs;
+use crate::object::geometry::{Geometry, Limits, Shading, Surfaces};
 use covbeam_geometry::hit::Hit;
 use covbeam_geometry::instances::Instances;
 use covbeam_geometry::shape::unite;
@@ -33,7 +34,7 @@ pub(crate) fn cleared(point: Vec3) -> Vec3 {
 /// closed, nested or the right way round.
 #[derive(Clone, Debug)]
 pub struct Placed {
-    instances: Arc<Instances>,
+    surfaces: Surfaces,
     materials: Vec<Material>,
     objects: Vec<PlacedObject>,
     fogs: AddedFogs,
@@ -94,6 +95,28 @@ impl Placed {
                 return Err(PlacedError::Material(material, materials.len()));
             }
         }
+        Self::of(Surfaces::Built(instances), materials, objects, fogs)
+    }
+
+    /// The geometry of a host; numbers of its hits that mean nothing are no hits.
+    ///
+    /// # Errors
+    /// An object that is filled with a volume that is not there.
+    pub fn of_host(
+        geometry: Arc<dyn Geometry>,
+        materials: Vec<Material>,
+        objects: Vec<PlacedObject>,
+        fogs: AddedFogs,
+    ) -> Result<Self, PlacedError> {
+        Self::of(Surfaces::Host(geometry), materials, objects, fogs)
+    }
+
+    fn of(
+        surfaces: Surfaces,
+        materials: Vec<Material>,
+        objects: Vec<PlacedObject>,
+        fogs: AddedFogs,
+    ) -> Result<Self, PlacedError> {
         let volumes = fogs.volumes().len();
         for (object, filled) in objects.iter().enumerate() {
             if let Some(volume) = filled.fog.filter(|volume| usize::from(*volume) >= volumes) {
@@ -104,12 +127,17 @@ impl Placed {
         let has_glass = materials.iter().any(|material| material.has_inside())
             && objects.iter().any(|object| object.is_closed);
         let has_fog = objects.iter().any(|object| object.fog.is_some());
-        Ok(Self { instances, materials, objects, fogs, shows_through, has_glass, has_fog })
+        Ok(Self { surfaces, materials, objects, fogs, shows_through, has_glass, has_fog })
     }
 
-    /// The geometry.
-    pub fn instances(&self) -> &Arc<Instances> {
-        &self.instances
+    /// Where rays meet it.
+    pub fn surfaces(&self) -> &Surfaces {
+        &self.surfaces
+    }
+
+    /// Numbers that hits may bear.
+    pub(crate) fn limits(&self) -> Limits {
+        [self.objects.len(), self.materials.len()]
     }
 
     /// By the number that hits bear.
@@ -129,7 +157,7 @@ impl Placed {
 
     /// A box around all of it; None: there is nothing.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
-        (!self.instances.is_empty()).then(|| self.instances.bounds())
+        self.surfaces.bounds()
     }
 
     /// A box around all fog that fills objects.
@@ -219,8 +247,8 @@ impl Placed {
 
     /// The nearest hit, whose `object` is counted among the placed ones.
     fn nearest(&self, origin: Vec3, direction: Vec3, max_distance: f32) -> Option<Hit> {
-        let hit = self.instances.intersect(origin.as_dvec3(), direction.as_dvec3(), max_distance.into())?;
-        Some(self.instances.describe_flat(&hit))
+        let way = (origin.as_dvec3(), direction.as_dvec3());
+        self.surfaces.nearest(way, max_distance.into(), Shading::Flat, self.limits())
     }
 
     /// What was hit, if its number is counted among the placed objects.

@@ -3,10 +3,10 @@
 //! People put fog on the floor and glass on glass: faces in one plane, which a ray meets at one distance but for rounding. All of them count
 //! at once, so that neither their order in a file nor that of a hierarchy matters.
 
+use crate::object::geometry::Shading;
 use crate::scene::nesting::winner;
 use crate::scene::{Material, Scene};
 use covbeam_geometry::hit::Hit;
-use covbeam_geometry::instances::{InstanceHit, Instances};
 use covbeam_geometry::shape::{Shape, describe, line_through};
 use glam::Vec3;
 use smallvec::SmallVec;
@@ -34,17 +34,12 @@ pub(crate) fn reach(hit: &Hit) -> f64 {
 impl Scene {
     /// Of the surfaces where a ray along `direction` meets `hit` the one that decides: one that is more than a bound or glass; else the
     /// dielectric that wins where all of them overlap; else `hit`.
-    pub(crate) fn deciding(
-        &self,
-        hit: Hit,
-        direction: Vec3,
-        describe_placed: &impl Fn(&Instances, &InstanceHit) -> Hit,
-    ) -> Hit {
+    pub(crate) fn deciding(&self, hit: Hit, direction: Vec3, shading: Shading) -> Hit {
         if self.weight(&hit) == SOLID {
             return hit;
         }
         let mut decides = hit;
-        for other in self.faces_at(&hit, direction, describe_placed) {
+        for other in self.faces_at(&hit, direction, shading) {
             if self.decides_before(&other, &decides) {
                 decides = Hit { distance: hit.distance, ..other };
             }
@@ -54,7 +49,7 @@ impl Scene {
 
     /// The surfaces that a ray along `direction` crosses together with `hit`, but for objects that it enters and leaves there.
     pub(crate) fn coincident(&self, hit: &Hit, direction: Vec3) -> Faces {
-        self.faces_at(hit, direction, &Instances::describe_flat)
+        self.faces_at(hit, direction, Shading::Flat)
     }
 
     /// Whether of two surfaces at one place the first counts before the other.
@@ -84,12 +79,7 @@ impl Scene {
         }
     }
 
-    fn faces_at(
-        &self,
-        hit: &Hit,
-        direction: Vec3,
-        describe_placed: &impl Fn(&Instances, &InstanceHit) -> Hit,
-    ) -> Faces {
+    fn faces_at(&self, hit: &Hit, direction: Vec3, shading: Shading) -> Faces {
         let (place, along) = (hit.position.as_dvec3(), direction.as_dvec3());
         let mut faces = Faces::new();
         // Where the line through the place meets what was hit: at 0 but for rounding, which all surfaces there share.
@@ -130,11 +120,11 @@ impl Scene {
         }
         if let Some(placed) = &self.placed {
             let start = place - window * along;
-            let found = placed.instances().all_unless(start, along, 2.0 * window, |_| false);
-            for found in found.into_iter().flatten() {
-                let face = describe_placed(placed.instances(), &found);
+            let limits = placed.limits();
+            let met = placed.surfaces().all_unless((start, along), 2.0 * window, shading, limits, |_| false);
+            for (distance, face) in met.into_iter().flatten() {
                 let face = Hit { object: self.objects.len() as u32 + face.object, ..face };
-                if face.object != hit.object && is_there(&face, found.distance() - window) {
+                if face.object != hit.object && is_there(&face, distance - window) {
                     faces.push(face);
                 }
             }

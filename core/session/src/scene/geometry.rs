@@ -2,9 +2,9 @@
 
 use covbeam::{Edges, ProbeHit, find_edges};
 use covbeam_geometry::hit::Hit;
-use covbeam_geometry::instances::{InstanceHit, Instances};
 use glam::{DVec3, Vec3};
 
+use crate::object::geometry::Shading;
 use crate::object::placed::hair;
 use crate::scene::coincident::reach;
 use crate::scene::{Light, Material, Object, Placed, Scene};
@@ -17,24 +17,18 @@ impl Scene {
     /// Nearest hit with distance in (0, max_distance). Self-intersection is avoided by the caller starting at
     /// [`Hit::leave`]. `direction` is unit.
     pub fn intersect(&self, origin: Vec3, direction: Vec3, max_distance: f32) -> Option<Hit> {
-        self.nearest(origin, direction, max_distance, Instances::describe)
+        self.nearest(origin, direction, max_distance, Shading::Smooth)
     }
 
     /// The same, of placed geometry as if it were shaded flat: cheaper.
     pub(crate) fn intersect_flat(&self, origin: Vec3, direction: Vec3, max_distance: f32) -> Option<Hit> {
-        self.nearest(origin, direction, max_distance, Instances::describe_flat)
+        self.nearest(origin, direction, max_distance, Shading::Flat)
     }
 
     /// The nearest hit; of several at its place the one that decides what happens there.
-    fn nearest(
-        &self,
-        origin: Vec3,
-        direction: Vec3,
-        max_distance: f32,
-        describe_placed: impl Fn(&Instances, &InstanceHit) -> Hit,
-    ) -> Option<Hit> {
-        let (hit, is_alone) = self.first(origin, direction, max_distance, &describe_placed)?;
-        Some(if is_alone { hit } else { self.deciding(hit, direction, &describe_placed) })
+    fn nearest(&self, origin: Vec3, direction: Vec3, max_distance: f32, shading: Shading) -> Option<Hit> {
+        let (hit, is_alone) = self.first(origin, direction, max_distance, shading)?;
+        Some(if is_alone { hit } else { self.deciding(hit, direction, shading) })
     }
 
     /// The nearest hit, and whether it is certain that no other object is at its place.
@@ -43,7 +37,7 @@ impl Scene {
         origin: Vec3,
         direction: Vec3,
         max_distance: f32,
-        describe_placed: &impl Fn(&Instances, &InstanceHit) -> Hit,
+        shading: Shading,
     ) -> Option<(Hit, bool)> {
         let (from, along) = (origin.as_dvec3(), direction.as_dvec3());
         let mut nearest = f64::from(max_distance);
@@ -72,9 +66,8 @@ impl Scene {
             }
         }
         if let Some(placed) = &self.placed
-            && let Some(hit) = placed.instances().intersect(from, along, nearest)
+            && let Some(hit) = placed.surfaces().nearest((from, along), nearest, shading, placed.limits())
         {
-            let hit = describe_placed(placed.instances(), &hit);
             return Some((Hit { object: self.objects.len() as u32 + hit.object, ..hit }, false));
         }
         let (object, index, mesh_hit) = found?;
@@ -109,7 +102,10 @@ impl Scene {
             shape => ahead(shape, start, along).is_some_and(|met| met < distance),
         };
         self.objects.iter().any(is_met)
-            || self.placed.as_ref().is_some_and(|placed| placed.instances().occluded(start, along, distance))
+            || self
+                .placed
+                .as_ref()
+                .is_some_and(|placed| placed.surfaces().is_blocked((start, along), distance, placed.limits()))
     }
 
     /// Whether something may let light go straight on: it is transparent in part, or a dielectric that has the index of what is around all, or

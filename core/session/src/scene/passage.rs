@@ -1,5 +1,6 @@
 //! Straight ways through the scene: what is left of light between two points, what a way crosses, and which surfaces only bound media.
 
+use crate::object::geometry::Shading;
 use crate::object::placed::hair;
 use crate::scene::geometry::MOST_BOUNDS;
 use crate::scene::media;
@@ -92,13 +93,13 @@ fn among_placed(
     let Some(along) = way.try_normalize() else { return through(&interior, from, to) };
     // Placed glass bends light wherever it is.
     let ends = |material: u32| placed.materials()[material as usize].transparent() == Vec3::ZERO;
-    let hits = placed.instances().all_unless(origin, along, way.length() - hair(to), ends);
+    let reach = way.length() - hair(to);
+    let hits = placed.surfaces().all_unless((origin, along), reach, Shading::Flat, placed.limits(), ends);
     let Some(hits) = hits.filter(|hits| hits.len() < MOST_BOUNDS as usize) else { return Vec3::ZERO };
     let (mut left, mut start) = (Vec3::ONE, from);
     // What was met last, and how far away the same surface may be met again, at an edge.
     let (mut last, mut again) = (u32::MAX, 0.0);
-    for hit in hits {
-        let hit = placed.instances().describe_flat(&hit);
+    for (_, hit) in hits {
         if hit.object == last && hit.distance <= again {
             continue;
         }

@@ -4,6 +4,7 @@ mod builds;
 mod curvature;
 mod edges;
 mod goals;
+mod hosts;
 mod instances;
 mod scenes;
 mod sessions;

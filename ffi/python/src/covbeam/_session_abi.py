@@ -172,6 +172,42 @@ class SurfaceHit(ctypes.Structure):
     ]
 
 
+class HostRay(ctypes.Structure):
+    _fields_ = [
+        ("origin", ctypes.c_double * 3),
+        ("direction", ctypes.c_double * 3),
+        ("reach", ctypes.c_double),
+    ]
+
+
+class HostHit(ctypes.Structure):
+    _fields_ = [
+        ("distance", ctypes.c_float),
+        ("position", ctypes.c_float * 3),
+        ("geometric_normal", ctypes.c_float * 3),
+        ("normal", ctypes.c_float * 3),
+        ("offset", ctypes.c_float),
+        ("tangent", ctypes.c_float * 3),
+        ("along", ctypes.c_float),
+        ("across", ctypes.c_float),
+        ("twist", ctypes.c_float),
+        ("object", ctypes.c_uint32),
+        ("material", ctypes.c_uint32),
+    ]
+
+
+class Host(ctypes.Structure):
+    _fields_ = [
+        ("struct_size", ctypes.c_uint32),
+        ("version", ctypes.c_uint32),
+        ("user", ctypes.c_void_p),
+        ("cast", ctypes.c_void_p),
+        ("blocked", ctypes.c_void_p),
+        ("min", ctypes.c_float * 3),
+        ("max", ctypes.c_float * 3),
+    ]
+
+
 class SessionSettings(ctypes.Structure):
     _fields_ = [
         ("struct_size", ctypes.c_uint32),
@@ -230,6 +266,7 @@ PROTOTYPES = {
     "covbeam_geometry_cast": "pzpzpzpz",
     "covbeam_scene_new": "ppp",
     "covbeam_scene_free": "p",
+    "covbeam_scene_new_of_host": "ppp",
     "covbeam_session_new": "zpzpppp",
     "covbeam_session_free": "p",
     "covbeam_session_pass": "ppp",

@@ -93,6 +93,15 @@ impl Default for Given {
 impl Given {
     /// The status of a scene made of it, and the scene, which is NULL if it was refused.
     pub(super) fn scene(&self, geometry: *const covbeam_geometry) -> (covbeam_status, *mut covbeam_scene) {
+        // SAFETY: a live handle or NULL, and arrays as long as they say.
+        self.made(|description, out| unsafe { covbeam_scene_new(geometry, description, out) })
+    }
+
+    /// The same by a function that makes scenes of descriptions.
+    pub(super) fn made(
+        &self,
+        make: impl FnOnce(&covbeam_description, &mut *mut covbeam_scene) -> covbeam_status,
+    ) -> (covbeam_status, *mut covbeam_scene) {
         let volume = |(index, &volume): (usize, &covbeam_volume)| covbeam_volume {
             density: self.density.as_ref().filter(|_| index == 0).map_or(null(), |density| density.as_ptr()),
             glow: self.glow.as_ref().filter(|_| index == 0).map_or(null(), |glow| glow.as_ptr().cast()),
@@ -125,8 +134,7 @@ impl Given {
             camera: self.camera,
         };
         let mut scene = null_mut();
-        // SAFETY: a live handle or NULL, and arrays as long as they say.
-        let status = unsafe { covbeam_scene_new(geometry, &description, &mut scene) };
+        let status = make(&description, &mut scene);
         (status, scene)
     }
 }

@@ -187,9 +187,11 @@ fn glass_may_be_filled_with_fog_of_its_own() {
 #[test]
 fn materials_objects_and_volumes_that_are_not_there_are_refused() {
     use covbeam_session::medium::fogs::AddedFogs;
+    use covbeam_session::object::geometry::Surfaces;
     use covbeam_session::object::placed::{Placed, PlacedError, PlacedObject};
     let good = placed(&[part(cube(Vec3::ZERO, Vec3::ONE), Material::Black)], Vec::new(), &[]);
-    let instances = || std::sync::Arc::clone(good.instances());
+    let Surfaces::Built(instances) = good.surfaces() else { panic!("meshes") };
+    let instances = || std::sync::Arc::clone(instances);
     let object = PlacedObject::default();
     let fogs = AddedFogs::default;
     let error = |materials: Vec<Material>, objects: Vec<PlacedObject>| {
