@@ -1,5 +1,6 @@
 //! Geometry of placed objects: meshes that were built here, or that of a host which keeps its own.
 
+use covbeam::Curvature;
 use covbeam_geometry::hit::Hit;
 use covbeam_geometry::instances::{InstanceHit, Instances};
 use glam::{DVec3, Vec3};
@@ -84,7 +85,10 @@ impl Surfaces {
                 let hit = instances.intersect(origin, direction, reach)?;
                 Some(described(instances, &hit, shading))
             }
-            Self::Host(host) => sound(host.cast(origin, direction, reach)?, origin, reach, limits),
+            Self::Host(host) => {
+                let hit = sound(host.cast(origin, direction, reach)?, origin, reach, limits)?;
+                Some(if shading == Shading::Flat { flat(hit) } else { hit })
+            }
         }
     }
 
@@ -145,6 +149,13 @@ fn described(instances: &Instances, hit: &InstanceHit, shading: Shading) -> Hit 
     }
 }
 
+/// A hit as if the surface were shaded flat.
+fn flat(hit: Hit) -> Hit {
+    let tangent = hit.geometric_normal.any_orthonormal_vector();
+    let curvature = Curvature { tangent, along: 0.0, across: 0.0, twist: 0.0 };
+    Hit { normal: hit.geometric_normal, curvature, ..hit }
+}
+
 /// A host's hit, if it can be one.
 fn sound(hit: Hit, origin: DVec3, reach: f64, [objects, materials]: Limits) -> Option<Hit> {
     let is_unit = |normal: Vec3| (normal.length_squared() - 1.0).abs() <= UNIT;
@@ -164,5 +175,8 @@ fn sound(hit: Hit, origin: DVec3, reach: f64, [objects, materials]: Limits) -> O
         && (hit.object as usize) < objects
         && (hit.material as usize) < materials;
     // One that does not move off the surface would be met again and again.
-    is_sound.then(|| Hit { offset: hit.offset.max(least).max(f32::MIN_POSITIVE), ..hit })
+    is_sound.then(|| Hit {
+        offset: if hit.offset > 0.0 { hit.offset } else { least.max(f32::MIN_POSITIVE) },
+        ..hit
+    })
 }

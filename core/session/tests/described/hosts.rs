@@ -147,7 +147,8 @@ fn a_host_that_tells_the_truth_has_the_bits_of_its_meshes() {
     let ours = described_with(GLASS, |description| description.scene(Arc::clone(&meshes)));
     let theirs = described_with(GLASS, |description| description.scene_of_host(Arc::new(Truthful(meshes))));
     let [ours, theirs] = [ours, theirs].map(|scene| picture(&Arc::new(scene.expect("valid")), 4, 1000));
-    assert_eq!(ours.radiance, theirs.radiance);
+    let differing = ours.radiance.iter().zip(&theirs.radiance).filter(|(a, b)| a != b).count();
+    assert_eq!(differing, 0, "of 256 pixels");
 }
 
 /// What lets light go straight on is met one by one, not all at once: the same places but for their last digits.
