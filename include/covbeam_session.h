@@ -1167,7 +1167,7 @@ covbeam_status covbeam_scene_new_of_host(const struct covbeam_host *host,
  * takes up to a second or two.
  *
  * @param count number of scenes: a power of two. Of n of them each is in two of 2 n passes; what moves is blurred.
- * @param scenes, scene_stride handles; they may be freed afterwards.
+ * @param scenes, scene_stride handles; they may be freed afterwards. The stride of one scene may be 0.
  * @param settings how to render.
  * @param poll, user asked at least every 50 ms, in this thread, whether to go on; NULL: it always goes on.
  * @param out the handle.
@@ -1240,7 +1240,7 @@ covbeam_status covbeam_session_get_info(const struct covbeam_session *session,
  * @param session the session.
  * @param layer a value of covbeam_layer.
  * @param count pixels: width x height, rows from the top.
- * @param out, out_stride receive three floats each, or one.
+ * @param out, out_stride receive three floats each, or one; a stride of 0: side by side.
  * @param poll, user asked at least every 50 ms whether to go on.
  */
 covbeam_status covbeam_session_picture(const struct covbeam_session *session,

@@ -3,10 +3,10 @@
 use crate::arrays::write;
 use crate::check::{finite_not_negative, not_negative, positive_or_infinite, unit, vector};
 use crate::medium::{self, covbeam_density_kind, covbeam_medium};
-use crate::memory::{Element, Inputs, Outputs, Slot, field, inputs, outputs, read};
+use crate::memory::{Element, Outputs, Slot, array, field, inputs, outputs, read};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
 use crate::types::covbeam_knot;
-use core::{ptr, slice};
+use core::ptr;
 use covbeam_core::{Column, Knot};
 use glam::Vec3;
 
@@ -32,13 +32,8 @@ pub struct covbeam_column {
 
 /// A packed table of knots, whose numbers have not been looked at.
 unsafe fn table<'a>(first: *const covbeam_knot, count: usize, name: &str) -> Result<&'a [Knot], Failure> {
-    // SAFETY: by the caller's promise.
-    unsafe { Inputs::new(first, size_of::<covbeam_knot>(), count, name) }?;
-    if count == 0 {
-        return Ok(&[]);
-    }
-    // SAFETY: checked above for NULL, alignment and size, and of the same layout; readable by the caller's promise.
-    Ok(unsafe { slice::from_raw_parts(first.cast(), count) })
+    // SAFETY: of the same layout; readable by the caller's promise.
+    unsafe { array(first.cast(), count, name) }
 }
 
 /// A table that is in order. Neighbours may coincide: rounding makes such.

@@ -3,9 +3,8 @@
 use crate::arrays::write;
 use crate::check::{finite_not_negative, random_pair};
 use crate::heap::reserved;
-use crate::memory::{Inputs, inputs, outputs};
+use crate::memory::{array, inputs, outputs};
 use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
-use core::slice;
 use covbeam_core::{EmissionGuide, path_number};
 
 /// Decisions of a light path that covbeam_path_number stratifies.
@@ -104,9 +103,7 @@ pub unsafe extern "C" fn covbeam_emission_guide_fill(
 unsafe fn read_guide<'a>(side: u32, guide: *const f32, count: usize) -> Result<EmissionGuide<'a>, Failure> {
     fits("guide_count", count, side, u64::from(side) + 1)?;
     // SAFETY: by the caller's promise.
-    unsafe { Inputs::new(guide, size_of::<f32>(), count, "guide") }?;
-    // SAFETY: checked above; readable by the caller's promise.
-    let numbers = unsafe { slice::from_raw_parts(guide, count) };
+    let numbers = unsafe { array(guide, count, "guide") }?;
     let side = side as usize;
     for (line, shares) in numbers.chunks(side).enumerate() {
         let mut before = 0.0;

@@ -4,7 +4,7 @@ use crate::check::{finite_not_negative, vector};
 use crate::handle::{Opaque, free, handle_to, run_on, shared};
 use crate::heap::reserved;
 use crate::medium::{self, covbeam_medium};
-use crate::memory::{Inputs, Outputs, Slot, aligned, inputs, outputs, read};
+use crate::memory::{Outputs, Slot, aligned, array, inputs, outputs, read};
 use crate::segment::whole;
 use crate::status::{
     Failure, cancelled, covbeam_poll, covbeam_status, covbeam_status::*, fail, go_on, refusal, run,
@@ -543,12 +543,7 @@ pub unsafe extern "C" fn covbeam_grid_load(
     run(|| {
         let out = Slot::new(out, "out")?;
         // SAFETY: by the caller's promise.
-        unsafe { Inputs::<u8>::new(bytes.cast(), 1, size, "bytes") }?;
-        let bytes = match size {
-            0 => &[],
-            // SAFETY: checked above; readable by the caller's promise.
-            _ => unsafe { slice::from_raw_parts(bytes.cast::<u8>(), size) },
-        };
+        let bytes = unsafe { array(bytes.cast::<u8>(), size, "bytes") }?;
         let damaged = |error| match error {
             GridError::OtherLayout => refusal("bytes", error),
             error => fail(COVBEAM_BAD_DATA, format_args!("bytes: {error}")),

@@ -100,6 +100,20 @@ fn fits<T>(pointer: *const T, stride: usize, count: usize, name: &str) -> Result
     Ok(())
 }
 
+/// A slice of an array without gaps.
+///
+/// # Safety
+/// NULL, or readable while the result lives.
+pub(crate) unsafe fn array<'a, T: Copy>(
+    first: *const T,
+    count: usize,
+    name: &str,
+) -> Result<&'a [T], Failure> {
+    fits(first, size_of::<T>(), count, name)?;
+    // SAFETY: checked above; readable by this function's contract. `T` is a plain struct of numbers and pointers.
+    Ok(if count == 0 { &[] } else { unsafe { core::slice::from_raw_parts(first, count) } })
+}
+
 /// An array that is read: element i lies at `first` + i x `stride` bytes. A stride of 0 repeats one element.
 pub(crate) struct Inputs<'a, T> {
     first: *const T,

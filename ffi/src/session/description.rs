@@ -1,22 +1,18 @@
 //! Descriptions of scenes.
 
 use super::fields::*;
-use super::geometry::array;
 use super::identity::Contents;
+use crate::memory::array;
 use crate::status::{Failure, covbeam_status::*, fail};
-use ::covbeam_geometry::instances::Instances;
 use ::covbeam_geometry::shape::Shape;
 use ::covbeam_session::camera::{Frame, Projection};
 use ::covbeam_session::describe::{
     CameraFields, Description, Light, LightFields, LightKind, MaterialFields, ObjectFields, ShapeFields,
     Volume, VolumeFields,
 };
-use ::covbeam_session::object::geometry::Geometry;
-use ::covbeam_session::scene::{Scene, Sees};
-use ::covbeam_session::work::failure;
+use ::covbeam_session::scene::Sees;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
-use std::sync::Arc;
 
 /// All that a scene is made of but its placed meshes.
 #[repr(C)]
@@ -60,7 +56,7 @@ pub struct covbeam_description {
 pub(super) unsafe fn described<'a>(
     given: &covbeam_description,
     contents: &mut Contents,
-) -> Result<Owned<'a>, Failure> {
+) -> Result<Description<'a>, Failure> {
     // SAFETY: by this function's contract.
     let (materials, objects, shapes, volumes, lights) = unsafe {
         (
@@ -94,7 +90,7 @@ pub(super) unsafe fn described<'a>(
         contents.array(light.cells.unwrap_or_default());
         Ok(light)
     };
-    Ok(Owned {
+    Ok(Description {
         materials: materials.iter().map(material).collect(),
         objects: objects.iter().map(object).collect(),
         shapes: shapes.iter().enumerate().map(shape).collect::<Result<_, _>>()?,
@@ -104,44 +100,6 @@ pub(super) unsafe fn described<'a>(
         camera: camera(&given.camera)?,
         sees: if given.fog_alone == 0 { Sees::Everything } else { Sees::FogAlone },
     })
-}
-
-/// A description with what was made of the structs.
-pub(super) struct Owned<'a> {
-    materials: Vec<MaterialFields>,
-    objects: Vec<ObjectFields>,
-    shapes: Vec<ShapeFields>,
-    volumes: Vec<Volume<'a>>,
-    world_volume: i32,
-    lights: Vec<Light<'a>>,
-    camera: CameraFields,
-    sees: Sees,
-}
-
-impl Owned<'_> {
-    /// Of meshes.
-    pub(super) fn scene(self, geometry: Arc<Instances>) -> failure::Result<Scene> {
-        self.with(|description| description.scene(geometry))
-    }
-
-    /// Of a host's geometry.
-    pub(super) fn scene_of_host(self, geometry: Arc<dyn Geometry>) -> failure::Result<Scene> {
-        self.with(|description| description.scene_of_host(geometry))
-    }
-
-    fn with<T>(self, make: impl FnOnce(&Description) -> T) -> T {
-        let Self { materials, objects, shapes, volumes, world_volume, lights, camera, sees } = self;
-        make(&Description {
-            materials: &materials,
-            objects: &objects,
-            shapes: &shapes,
-            volumes,
-            world_volume,
-            lights,
-            camera,
-            sees,
-        })
-    }
 }
 
 fn material(given: &covbeam_material) -> MaterialFields {

@@ -3,7 +3,7 @@
 use super::identity::Contents;
 use super::{polled, refused};
 use crate::handle::{Opaque, free, handle_to, run_on, shared};
-use crate::memory::{Inputs, Slot, inputs, outputs, read_options};
+use crate::memory::{Inputs, Slot, array, inputs, outputs, read_options};
 use crate::session::fields::covbeam_surface_hit;
 use crate::status::{covbeam_poll, covbeam_status, run};
 use ::covbeam_session::describe::MeshArrays;
@@ -244,19 +244,4 @@ pub unsafe extern "C" fn covbeam_geometry_cast(
         found.iter().enumerate().for_each(|(index, hit)| hits.set(index, (*hit).into()));
         Ok(())
     })
-}
-
-/// An array that a struct names.
-///
-/// # Safety
-/// NULL, or readable while the result lives.
-pub(super) unsafe fn array<'a, T: Copy>(
-    first: *const T,
-    count: usize,
-    name: &str,
-) -> Result<&'a [T], crate::status::Failure> {
-    // SAFETY: by this function's contract.
-    unsafe { crate::memory::Inputs::new(first, size_of::<T>(), count, name) }?;
-    // SAFETY: checked by `Inputs`; readable by this function's contract.
-    Ok(if count == 0 { &[] } else { unsafe { core::slice::from_raw_parts(first, count) } })
 }

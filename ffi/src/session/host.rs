@@ -1,14 +1,13 @@
 //! Hosts that keep their own geometry: rays are cast by their functions.
 
-use super::description::{covbeam_description, described};
+use super::description::covbeam_description;
 use super::identity::Contents;
-use super::refused;
-use super::scene::{Described, covbeam_scene};
-use crate::handle::handle_to;
+use super::scene::{covbeam_scene, scene_of};
 use crate::memory::{Slot, read_options};
-use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
+use crate::status::{covbeam_status, covbeam_status::*, fail, run};
 use ::covbeam_geometry::hit::Hit;
-use ::covbeam_session::object::geometry::Geometry;
+use ::covbeam_session::describe::Description;
+use ::covbeam_session::object::geometry::HostGeometry;
 use core::ffi::c_void;
 use covbeam_core::Curvature;
 use glam::{DVec3, Vec3};
@@ -112,13 +111,9 @@ pub unsafe extern "C" fn covbeam_scene_new_of_host(
         let mut contents = Contents::default();
         contents.note(&(given.version, given.min, given.max));
         let host = Host { user: given.user, cast, blocked: given.blocked, min: given.min, max: given.max };
+        let make = |description: Description| description.scene_of_host(Arc::new(host));
         // SAFETY: by the caller's promise.
-        let given = unsafe { read_options(description, size_of::<covbeam_description>(), "description") }?;
-        // SAFETY: by the caller's promise.
-        let description = unsafe { described(&given, &mut contents) }?;
-        let scene = description.scene_of_host(Arc::new(host)).map_err(refused)?;
-        let made: Result<_, Failure> = handle_to(Described { scene: Arc::new(scene), contents });
-        out.set(made?);
+        out.set(unsafe { scene_of(description, contents, make) }?);
         Ok(())
     })
 }
@@ -155,7 +150,7 @@ const MISS: covbeam_host_hit = covbeam_host_hit {
     material: 0,
 };
 
-impl Geometry for Host {
+impl HostGeometry for Host {
     fn bounds(&self) -> (Vec3, Vec3) {
         (self.min.into(), self.max.into())
     }

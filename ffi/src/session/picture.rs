@@ -3,7 +3,7 @@
 use super::polled;
 use super::render::covbeam_session;
 use crate::handle::shared;
-use crate::memory::{Inputs, Slot, aligned, outputs};
+use crate::memory::{Slot, aligned, array, outputs};
 use crate::status::{Failure, covbeam_poll, covbeam_status, covbeam_status::*, fail, run};
 use ::covbeam_session::film::{Layers, Picture};
 use ::covbeam_session::kind::Kind;
@@ -39,7 +39,7 @@ pub enum covbeam_layer {
 /// @param session the session.
 /// @param layer a value of covbeam_layer.
 /// @param count pixels: width x height, rows from the top.
-/// @param out, out_stride receive three floats each, or one.
+/// @param out, out_stride receive three floats each, or one; a stride of 0: side by side.
 /// @param poll, user asked at least every 50 ms whether to go on.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covbeam_session_picture(
@@ -171,12 +171,7 @@ pub unsafe extern "C" fn covbeam_session_merge(
         // SAFETY: by the caller's promise.
         let session = unsafe { shared(session, "session") }?;
         // SAFETY: by the caller's promise.
-        unsafe { Inputs::<u8>::new(bytes.cast(), 1, size, "bytes") }?;
-        let bytes = match size {
-            0 => &[],
-            // SAFETY: checked above; readable by the caller's promise.
-            _ => unsafe { core::slice::from_raw_parts(bytes.cast::<u8>(), size) },
-        };
+        let bytes = unsafe { array(bytes.cast::<u8>(), size, "bytes") }?;
         polled(poll, user, |go_on| session.merge(bytes, go_on))
     })
 }

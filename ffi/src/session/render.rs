@@ -87,7 +87,7 @@ pub struct covbeam_session_info {
 /// takes up to a second or two.
 ///
 /// @param count number of scenes: a power of two. Of n of them each is in two of 2 n passes; what moves is blurred.
-/// @param scenes, scene_stride handles; they may be freed afterwards.
+/// @param scenes, scene_stride handles; they may be freed afterwards. The stride of one scene may be 0.
 /// @param settings how to render.
 /// @param poll, user asked at least every 50 ms, in this thread, whether to go on; NULL: it always goes on.
 /// @param out the handle.

@@ -6,8 +6,10 @@ use super::identity::Contents;
 use super::refused;
 use crate::handle::{Opaque, free, handle_to, optional};
 use crate::memory::{Slot, read_options};
-use crate::status::{covbeam_status, run};
+use crate::status::{Failure, covbeam_status, run};
+use ::covbeam_session::describe::Description;
 use ::covbeam_session::scene::Scene;
+use ::covbeam_session::work::failure;
 use std::sync::Arc;
 
 /// What is rendered: a description and a geometry. It does not change, and any number of sessions may use it.
@@ -42,16 +44,28 @@ pub unsafe extern "C" fn covbeam_scene_new(
         let kept = unsafe { optional(geometry, "geometry") }?;
         let built = kept.as_ref().map(|kept| kept.geometry.built()).transpose().map_err(refused)?;
         let built = built.unwrap_or_default();
-        let mut contents =
-            kept.as_deref().map_or_else(Contents::default, |kept: &Kept| kept.contents.clone());
+        let contents = kept.as_deref().map_or_else(Contents::default, |kept: &Kept| kept.contents.clone());
         // SAFETY: by the caller's promise.
-        let given = unsafe { read_options(description, size_of::<covbeam_description>(), "description") }?;
-        // SAFETY: by the caller's promise.
-        let description = unsafe { described(&given, &mut contents) }?;
-        let scene = Arc::new(description.scene(built).map_err(refused)?);
-        out.set(handle_to(Described { scene, contents })?);
+        out.set(unsafe { scene_of(description, contents, |description| description.scene(built)) }?);
         Ok(())
     })
+}
+
+/// A scene of a description, on the geometry that `contents` are of.
+///
+/// # Safety
+/// The description and all that it names are readable.
+pub(super) unsafe fn scene_of(
+    description: *const covbeam_description,
+    mut contents: Contents,
+    make: impl FnOnce(Description) -> failure::Result<Scene>,
+) -> Result<*mut covbeam_scene, Failure> {
+    // SAFETY: by this function's contract.
+    let given = unsafe { read_options(description, size_of::<covbeam_description>(), "description") }?;
+    // SAFETY: by this function's contract.
+    let description = unsafe { described(&given, &mut contents) }?;
+    let scene = Arc::new(make(description).map_err(refused)?);
+    handle_to(Described { scene, contents })
 }
 
 /// Frees a scene; sessions of it go on.

@@ -21,7 +21,7 @@ pub use shapes::ShapeFields;
 pub use volumes::{Volume, VolumeFields};
 
 use crate::light::shown::Shown;
-use crate::object::geometry::{Geometry, Surfaces};
+use crate::object::geometry::{Host, HostGeometry, Surfaces};
 use crate::pilot::defaults::{Given, NO_GRID};
 use crate::scene::{GlowingFog, Light as SceneLight, Placed, PlacedObject, Scene, Sees, nest};
 use crate::work::failure::{Result, invalid};
@@ -33,11 +33,11 @@ use volumes::Media;
 #[derive(Clone, Debug)]
 pub struct Description<'a> {
     /// What the materials of meshes, instances and shapes are numbers of.
-    pub materials: &'a [MaterialFields],
+    pub materials: Vec<MaterialFields>,
     /// What the objects of instances are numbers of.
-    pub objects: &'a [ObjectFields],
+    pub objects: Vec<ObjectFields>,
     /// Spheres, boxes and rectangles.
-    pub shapes: &'a [ShapeFields],
+    pub shapes: Vec<ShapeFields>,
     /// Media and where they are.
     pub volumes: Vec<Volume<'a>>,
     /// Number of the volume outside of all objects and shapes, or -1.
@@ -66,24 +66,24 @@ impl Description<'_> {
     /// # Errors
     /// [`Failure::Invalid`](crate::work::failure::Failure::Invalid) names the field, what it is, and what to give.
     pub fn scene(&self, geometry: Arc<Instances>) -> Result<Scene> {
-        self.scene_on(Surfaces::Built(geometry))
+        self.scene_on((!geometry.is_empty()).then_some(Surfaces::Built(geometry)))
     }
 
-    /// The same with the geometry of a host, which keeps its own: [`Geometry`].
+    /// The same with the geometry of a host, which keeps its own: [`HostGeometry`].
     ///
     /// # Errors
     /// As [`Description::scene`]; its bounds are not finite, or the wrong way round.
-    pub fn scene_of_host(&self, geometry: Arc<dyn Geometry>) -> Result<Scene> {
-        let surfaces = Surfaces::Host(geometry);
+    pub fn scene_of_host(&self, geometry: Arc<dyn HostGeometry>) -> Result<Scene> {
+        let surfaces = Surfaces::Host(Host::new(geometry, self.objects.len(), self.materials.len()));
         if surfaces.bounds().is_none() {
             return Err(invalid!(
                 "geometry.bounds: not finite, or the wrong way round; give a box around all of it"
             ));
         }
-        self.scene_on(surfaces)
+        self.scene_on(Some(surfaces))
     }
 
-    fn scene_on(&self, surfaces: Surfaces) -> Result<Scene> {
+    fn scene_on(&self, surfaces: Option<Surfaces>) -> Result<Scene> {
         let camera = self.camera.camera()?;
         let materials = self.materials.iter().enumerate().map(|(index, fields)| fields.material(index));
         let materials = materials.collect::<Result<Vec<_>>>()?;
@@ -95,18 +95,12 @@ impl Description<'_> {
         let shape = |(index, fields): (usize, &ShapeFields)| fields.object(index, &of_shapes, &media);
         let mut objects = self.shapes.iter().enumerate().map(shape).collect::<Result<Vec<_>>>()?;
         nest(&mut objects);
-        let bounds = extent::bounds(surfaces.bounds(), &objects);
+        let bounds = extent::bounds(surfaces.as_ref().and_then(Surfaces::bounds), &objects);
         let lit = extent::lit(&self.volumes, self.world_volume, &self.lights, (bounds, &objects), &camera);
         let (mut lights, visible) = lights::lights(&self.lights, &media, &lit)?;
         let shown = Shown::new(&lights, |number| visible[number]);
         lights.extend(GlowingFog::all(&media.all).map(SceneLight::Glow));
-        let placed = match surfaces {
-            Surfaces::Built(geometry) if geometry.is_empty() => None,
-            Surfaces::Built(geometry) => Some(Placed::new(geometry, materials, placed_objects, media.fogs)),
-            Surfaces::Host(geometry) => {
-                Some(Placed::of_host(geometry, materials, placed_objects, media.fogs))
-            }
-        };
+        let placed = surfaces.map(|surfaces| Placed::of(surfaces, materials, placed_objects, media.fogs));
         let placed = placed.transpose().map_err(|error| invalid!("{error}"))?;
         let Given { settings, .. } = Given::default();
         Ok(Scene {

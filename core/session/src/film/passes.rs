@@ -130,6 +130,13 @@ impl From<PassRange> for Passes {
     }
 }
 
+/// Of ranges that a file holds: see [`Passes::are_sound`].
+impl From<Vec<PassRange>> for Passes {
+    fn from(ranges: Vec<PassRange>) -> Self {
+        Self { ranges }
+    }
+}
+
 impl fmt::Display for Passes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ranges: Vec<String> = self.ranges.iter().map(ToString::to_string).collect();

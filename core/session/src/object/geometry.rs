@@ -11,13 +11,13 @@ use std::sync::Arc;
 /// How far the squared length of a unit normal may be from 1.
 const UNIT: f32 = 1e-3;
 
-/// Surfaces of a host that one way is followed through at most.
-const MOST_SURFACES: usize = 512;
+/// Surfaces that one way is followed through at most.
+pub(crate) const MOST_SURFACES: usize = 512;
 
 /// Where rays meet the surfaces of a host that keeps its own geometry. Asked from many threads at once; the same question must get the same
 /// answer, or pictures depend on luck. What it says is checked: a hit that is out of reach or has numbers that mean nothing is none, and a
 /// way that meets more than 512 surfaces ends there, so that no answer makes a NaN or a pass without end.
-pub trait Geometry: fmt::Debug + Send + Sync {
+pub trait HostGeometry: fmt::Debug + Send + Sync {
     /// Lower and upper corner of a box around all of it \[scene unit\].
     fn bounds(&self) -> (Vec3, Vec3);
 
@@ -28,7 +28,7 @@ pub trait Geometry: fmt::Debug + Send + Sync {
     /// rounding can have moved `position`: some 4 ulps of the largest coordinate; curvature 0 makes light fields see the surface as flat.
     fn cast(&self, origin: DVec3, direction: DVec3, reach: f64) -> Option<Hit>;
 
-    /// Whether anything is met at a distance in (0, `reach`); None: see what [`Geometry::cast`] finds.
+    /// Whether anything is met at a distance in (0, `reach`); None: see what [`HostGeometry::cast`] finds.
     fn is_blocked(&self, _origin: DVec3, _direction: DVec3, _reach: f64) -> Option<bool> {
         None
     }
@@ -40,7 +40,17 @@ pub enum Surfaces {
     /// Instances of meshes.
     Built(Arc<Instances>),
     /// Whatever a host has.
-    Host(Arc<dyn Geometry>),
+    Host(Host),
+}
+
+/// Geometry of a host, and the numbers that its hits may bear.
+#[derive(Clone, Debug)]
+pub struct Host {
+    geometry: Arc<dyn HostGeometry>,
+    /// Below this.
+    objects: usize,
+    /// And below this.
+    materials: usize,
 }
 
 /// How hits on meshes are described.
@@ -55,18 +65,14 @@ pub(crate) enum Shading {
 /// Hits along a way, with their distances.
 pub(crate) type Met = SmallVec<[(f64, Hit); 4]>;
 
-/// Numbers that hits may bear: below that of objects, and below that of materials.
-pub(crate) type Limits = [usize; 2];
-
 impl Surfaces {
-    /// A box around all of it; None: there is nothing.
+    /// A box around all of it; None: there is nothing, or a host's is no box.
     pub(crate) fn bounds(&self) -> Option<(Vec3, Vec3)> {
         match self {
             Self::Built(instances) => (!instances.is_empty()).then(|| instances.bounds()),
             Self::Host(host) => {
-                let (min, max) = host.bounds();
-                Some((min, max))
-                    .filter(|(min, max)| min.is_finite() && max.is_finite() && min.cmple(*max).all())
+                let (min, max) = host.geometry.bounds();
+                (min.is_finite() && max.is_finite() && min.cmple(max).all()).then_some((min, max))
             }
         }
     }
@@ -78,7 +84,6 @@ impl Surfaces {
         (origin, direction): (DVec3, DVec3),
         reach: f64,
         shading: Shading,
-        limits: Limits,
     ) -> Option<Hit> {
         match self {
             Self::Built(instances) => {
@@ -86,7 +91,7 @@ impl Surfaces {
                 Some(described(instances, &hit, shading))
             }
             Self::Host(host) => {
-                let hit = sound(host.cast(origin, direction, reach)?, origin, reach, limits)?;
+                let hit = host.cast(origin, direction, reach)?;
                 Some(if shading == Shading::Flat { flat(hit) } else { hit })
             }
         }
@@ -94,13 +99,13 @@ impl Surfaces {
 
     /// Whether anything is hit with distance in (0, `reach`).
     #[inline]
-    pub(crate) fn is_blocked(&self, (origin, direction): (DVec3, DVec3), reach: f64, limits: Limits) -> bool {
+    pub(crate) fn is_blocked(&self, (origin, direction): (DVec3, DVec3), reach: f64) -> bool {
         match self {
             Self::Built(instances) => instances.occluded(origin, direction, reach),
-            Self::Host(host) => host.is_blocked(origin, direction, reach).unwrap_or_else(|| {
-                let hit = host.cast(origin, direction, reach);
-                hit.is_some_and(|hit| sound(hit, origin, reach, limits).is_some())
-            }),
+            Self::Host(host) => {
+                let blocked = host.geometry.is_blocked(origin, direction, reach);
+                blocked.unwrap_or_else(|| host.cast(origin, direction, reach).is_some())
+            }
         }
     }
 
@@ -110,7 +115,6 @@ impl Surfaces {
         (origin, direction): (DVec3, DVec3),
         reach: f64,
         shading: Shading,
-        limits: Limits,
         ends: impl Fn(u32) -> bool,
     ) -> Option<Met> {
         let mut met = Met::new();
@@ -123,7 +127,7 @@ impl Surfaces {
                 let mut passed = 0.0;
                 for _ in 0..MOST_SURFACES {
                     let from = origin + passed * direction;
-                    let Some(hit) = self.nearest((from, direction), reach - passed, shading, limits) else {
+                    let Some(hit) = self.nearest((from, direction), reach - passed, shading) else {
                         return Some(met);
                     };
                     if ends(hit.material) {
@@ -156,27 +160,34 @@ fn flat(hit: Hit) -> Hit {
     Hit { normal: hit.geometric_normal, curvature, ..hit }
 }
 
-/// A host's hit, if it can be one.
-fn sound(hit: Hit, origin: DVec3, reach: f64, [objects, materials]: Limits) -> Option<Hit> {
-    let is_unit = |normal: Vec3| (normal.length_squared() - 1.0).abs() <= UNIT;
-    let curvature = hit.curvature;
-    let numbers = [curvature.along, curvature.across, curvature.twist, curvature.tangent.length_squared()];
-    let least = f32::EPSILON * origin.abs().max_element() as f32;
-    let is_sound = hit.distance > 0.0
-        && f64::from(hit.distance) < reach
-        && hit.distance.is_finite()
-        && hit.position.is_finite()
-        && is_unit(hit.geometric_normal)
-        && is_unit(hit.normal)
-        && hit.normal.dot(hit.geometric_normal) >= 0.0
-        && numbers.iter().all(|number| number.is_finite())
-        && hit.offset >= 0.0
-        && hit.offset.is_finite()
-        && (hit.object as usize) < objects
-        && (hit.material as usize) < materials;
-    // One that does not move off the surface would be met again and again.
-    is_sound.then(|| Hit {
-        offset: if hit.offset > 0.0 { hit.offset } else { least.max(f32::MIN_POSITIVE) },
-        ..hit
-    })
+impl Host {
+    /// - `objects`, `materials`: how many numbers of each hits may bear.
+    pub(crate) fn new(geometry: Arc<dyn HostGeometry>, objects: usize, materials: usize) -> Self {
+        Self { geometry, objects, materials }
+    }
+
+    /// What the host finds, if it can be a hit.
+    fn cast(&self, origin: DVec3, direction: DVec3, reach: f64) -> Option<Hit> {
+        let hit = self.geometry.cast(origin, direction, reach)?;
+        let is_unit = |normal: Vec3| (normal.length_squared() - 1.0).abs() <= UNIT;
+        let curvature = hit.curvature;
+        let numbers =
+            [curvature.along, curvature.across, curvature.twist, curvature.tangent.length_squared()];
+        let is_sound = hit.distance > 0.0
+            && f64::from(hit.distance) < reach
+            && hit.distance.is_finite()
+            && hit.position.is_finite()
+            && is_unit(hit.geometric_normal)
+            && is_unit(hit.normal)
+            && hit.normal.dot(hit.geometric_normal) >= 0.0
+            && numbers.iter().all(|number| number.is_finite())
+            && hit.offset >= 0.0
+            && hit.offset.is_finite()
+            && (hit.object as usize) < self.objects
+            && (hit.material as usize) < self.materials;
+        let least = f32::EPSILON * origin.abs().max_element() as f32;
+        // One that does not move off the surface would be met again and again.
+        let offset = if hit.offset > 0.0 { hit.offset } else { least.max(f32::MIN_POSITIVE) };
+        is_sound.then_some(Hit { offset, ..hit })
+    }
 }

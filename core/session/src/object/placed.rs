@@ -2,17 +2,15 @@
 
 use crate::material::Material;
 use crate::medium::fogs::AddedFogs;
-use crate::object::geometry::{Geometry, Limits, Shading, Surfaces};
+use crate::object::geometry::{MOST_SURFACES, Shading, Surfaces};
 use covbeam_geometry::hit::Hit;
 use covbeam_geometry::instances::Instances;
 use covbeam_geometry::shape::unite;
 use glam::Vec3;
 use std::sync::Arc;
 
-/// A way that looks for what a place is inside of gives up after this many surfaces.
-const MOST_SURFACES: usize = 512;
-
-/// Along which it looks: unit, and no two of its parts are related to each other or to those of a scene.
+/// Along which a way out of what a place is inside of is looked for: unit, and no two of its parts are related to each other or to those of a
+/// scene.
 const PROBE: Vec3 = Vec3::new(0.408_103_88, 0.867_197_8, 0.285_340_5);
 
 /// What places are moved by to be off a surface that they may lie on: more than the rounding of places on it, in shares of the largest
@@ -87,7 +85,19 @@ impl Placed {
         objects: Vec<PlacedObject>,
         fogs: AddedFogs,
     ) -> Result<Self, PlacedError> {
-        if let Some([object, material]) = instances.largest_numbers() {
+        Self::of(Surfaces::Built(instances), materials, objects, fogs)
+    }
+
+    /// The same on any surfaces.
+    pub(crate) fn of(
+        surfaces: Surfaces,
+        materials: Vec<Material>,
+        objects: Vec<PlacedObject>,
+        fogs: AddedFogs,
+    ) -> Result<Self, PlacedError> {
+        if let Surfaces::Built(instances) = &surfaces
+            && let Some([object, material]) = instances.largest_numbers()
+        {
             if object as usize >= objects.len() {
                 return Err(PlacedError::Object(object, objects.len()));
             }
@@ -95,28 +105,6 @@ impl Placed {
                 return Err(PlacedError::Material(material, materials.len()));
             }
         }
-        Self::of(Surfaces::Built(instances), materials, objects, fogs)
-    }
-
-    /// The geometry of a host; numbers of its hits that mean nothing are no hits.
-    ///
-    /// # Errors
-    /// An object that is filled with a volume that is not there.
-    pub fn of_host(
-        geometry: Arc<dyn Geometry>,
-        materials: Vec<Material>,
-        objects: Vec<PlacedObject>,
-        fogs: AddedFogs,
-    ) -> Result<Self, PlacedError> {
-        Self::of(Surfaces::Host(geometry), materials, objects, fogs)
-    }
-
-    fn of(
-        surfaces: Surfaces,
-        materials: Vec<Material>,
-        objects: Vec<PlacedObject>,
-        fogs: AddedFogs,
-    ) -> Result<Self, PlacedError> {
         let volumes = fogs.volumes().len();
         for (object, filled) in objects.iter().enumerate() {
             if let Some(volume) = filled.fog.filter(|volume| usize::from(*volume) >= volumes) {
@@ -133,11 +121,6 @@ impl Placed {
     /// Where rays meet it.
     pub fn surfaces(&self) -> &Surfaces {
         &self.surfaces
-    }
-
-    /// Numbers that hits may bear.
-    pub(crate) fn limits(&self) -> Limits {
-        [self.objects.len(), self.materials.len()]
     }
 
     /// By the number that hits bear.
@@ -248,7 +231,7 @@ impl Placed {
     /// The nearest hit, whose `object` is counted among the placed ones.
     fn nearest(&self, origin: Vec3, direction: Vec3, max_distance: f32) -> Option<Hit> {
         let way = (origin.as_dvec3(), direction.as_dvec3());
-        self.surfaces.nearest(way, max_distance.into(), Shading::Flat, self.limits())
+        self.surfaces.nearest(way, max_distance.into(), Shading::Flat)
     }
 
     /// What was hit, if its number is counted among the placed objects.

@@ -66,7 +66,7 @@ impl Scene {
             }
         }
         if let Some(placed) = &self.placed
-            && let Some(hit) = placed.surfaces().nearest((from, along), nearest, shading, placed.limits())
+            && let Some(hit) = placed.surfaces().nearest((from, along), nearest, shading)
         {
             return Some((Hit { object: self.objects.len() as u32 + hit.object, ..hit }, false));
         }
@@ -105,7 +105,7 @@ impl Scene {
             || self
                 .placed
                 .as_ref()
-                .is_some_and(|placed| placed.surfaces().is_blocked((start, along), distance, placed.limits()))
+                .is_some_and(|placed| placed.surfaces().is_blocked((start, along), distance))
     }
 
     /// Whether something may let light go straight on: it is transparent in part, or a dielectric that has the index of what is around all, or

@@ -94,7 +94,7 @@ fn among_placed(
     // Placed glass bends light wherever it is.
     let ends = |material: u32| placed.materials()[material as usize].transparent() == Vec3::ZERO;
     let reach = way.length() - hair(to);
-    let hits = placed.surfaces().all_unless((origin, along), reach, Shading::Flat, placed.limits(), ends);
+    let hits = placed.surfaces().all_unless((origin, along), reach, Shading::Flat, ends);
     let Some(hits) = hits.filter(|hits| hits.len() < MOST_BOUNDS as usize) else { return Vec3::ZERO };
     let (mut left, mut start) = (Vec3::ONE, from);
     // What was met last, and how far away the same surface may be met again, at an edge.

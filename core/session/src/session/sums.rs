@@ -64,13 +64,10 @@ pub(super) fn open<'a>(bytes: &'a [u8], (identity, photons, plain): &Origin) -> 
         let message = "sums: of another scene, or of other settings; merge those of the same picture";
         return Err(Failure::Data(message.into()));
     }
-    let mut passes = Passes::default();
-    for _ in 0..header.word()? {
-        let range = PassRange { start: header.word()?, end: header.word()? };
-        if range.start >= range.end || passes.overlap(&range.into()).is_some() {
-            return Err(damaged());
-        }
-        passes.add(&range.into());
+    let ranges = (0..header.word()?).map(|_| Ok(PassRange { start: header.word()?, end: header.word()? }));
+    let passes = Passes::from(ranges.collect::<Result<Vec<_>>>()?);
+    if !passes.are_sound() {
+        return Err(damaged());
     }
     let words = header.bytes.as_chunks::<4>();
     let words: Vec<u32> = words.0.iter().map(|word| u32::from_le_bytes(*word)).collect();

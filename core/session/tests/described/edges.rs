@@ -71,9 +71,9 @@ fn compare(bounds: bool) {
     let materials = [MaterialFields { ior: 1.0, ..Default::default() }; 2];
     let materials = [materials[0], MaterialFields { transparent: [1.0; 3], ..materials[1] }];
     let description = Description {
-        materials: &materials,
-        objects: &[ObjectFields { volume: -1, is_closed: false }; 2],
-        shapes: &[],
+        materials: materials.into(),
+        objects: vec![ObjectFields { volume: -1, is_closed: false }; 2],
+        shapes: Vec::new(),
         volumes: Vec::new(),
         world_volume: -1,
         lights: Vec::new(),

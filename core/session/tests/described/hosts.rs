@@ -4,10 +4,10 @@ use crate::scenes::{BLACK, FOG, GLASS, LAMP, light, options, session, view, volu
 use crate::shapes::{add, built, icosphere, rows};
 use covbeam_geometry::hit::Hit;
 use covbeam_geometry::instances::Instances;
-use covbeam_session::describe::geometry::Geometry as Meshes;
+use covbeam_session::describe::geometry::Geometry;
 use covbeam_session::describe::{Description, MaterialFields, ObjectFields};
 use covbeam_session::film::Picture;
-use covbeam_session::object::geometry::Geometry;
+use covbeam_session::object::geometry::HostGeometry;
 use covbeam_session::scene::{Scene, Sees};
 use covbeam_session::work::failure::Failure;
 use glam::{DMat4, DVec3, Vec3};
@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 #[derive(Debug)]
 struct Truthful(Arc<Instances>);
 
-impl Geometry for Truthful {
+impl HostGeometry for Truthful {
     fn bounds(&self) -> (Vec3, Vec3) {
         self.0.bounds()
     }
@@ -51,7 +51,7 @@ impl Liar {
     }
 }
 
-impl Geometry for Liar {
+impl HostGeometry for Liar {
     fn bounds(&self) -> (Vec3, Vec3) {
         self.truth.bounds()
     }
@@ -95,7 +95,7 @@ impl Geometry for Liar {
 
 /// A ball of glass, one of fog in a bound that bends nothing, and a floor.
 fn meshes() -> Arc<Instances> {
-    let geometry = Meshes::default();
+    let geometry = Geometry::default();
     let ball = icosphere(3);
     let mesh = add(&geometry, &ball, 0, Some(&ball.radial_normals()));
     let place = |x: f64, y: f64, scale: DVec3, object: i32, material: i32| {
@@ -116,9 +116,9 @@ fn described_with<T>(bound: MaterialFields, of: impl FnOnce(&Description) -> T) 
     (smoke.fields.min, smoke.fields.max) = ([0.2, -0.5, -0.5], [1.2, 0.5, 0.5]);
     smoke.fields.scattering = [0.9; 3];
     of(&Description {
-        materials: &[GLASS, bound, grey],
-        objects: &[object(-1), object(1), object(-1)],
-        shapes: &[],
+        materials: vec![GLASS, bound, grey],
+        objects: vec![object(-1), object(1), object(-1)],
+        shapes: Vec::new(),
         volumes: vec![volume(FOG), smoke],
         world_volume: 0,
         lights: vec![light(LAMP)],
@@ -131,7 +131,7 @@ fn described<T>(of: impl FnOnce(&Description) -> T) -> T {
     described_with(MaterialFields { transparent: [1.0; 3], ..BLACK }, of)
 }
 
-fn of_host(geometry: Arc<dyn Geometry>) -> Arc<Scene> {
+fn of_host(geometry: Arc<dyn HostGeometry>) -> Arc<Scene> {
     Arc::new(described(|description| description.scene_of_host(geometry)).expect("valid"))
 }
 
@@ -168,7 +168,7 @@ fn a_host_that_tells_the_truth_has_the_picture_of_its_meshes() {
 fn bounds_that_are_no_box_are_refused() {
     #[derive(Debug)]
     struct Nowhere(Vec3, Vec3);
-    impl Geometry for Nowhere {
+    impl HostGeometry for Nowhere {
         fn bounds(&self) -> (Vec3, Vec3) {
             (self.0, self.1)
         }

@@ -96,9 +96,9 @@ pub(crate) fn mesh_in_fog() -> Arc<Scene> {
     let mesh = add(&geometry, &ball, 0, Some(&ball.radial_normals()));
     geometry.add_instance(mesh, &rows(DMat4::from_scale(DVec3::splat(0.5))), 0, -1).expect("valid");
     let description = Description {
-        materials: &[GLASS],
-        objects: &[ObjectFields { volume: -1, is_closed: true }],
-        shapes: &[],
+        materials: vec![GLASS],
+        objects: vec![ObjectFields { volume: -1, is_closed: true }],
+        shapes: Vec::new(),
         volumes: vec![volume(FOG)],
         world_volume: 0,
         lights: vec![light(LAMP)],
@@ -128,9 +128,9 @@ pub(crate) fn sphere_in_fog(camera: CameraFields) -> Arc<Scene> {
 /// The same with the sphere elsewhere.
 pub(crate) fn sphere_at(center: Vec3, camera: CameraFields) -> Arc<Scene> {
     without_meshes(&Description {
-        materials: &[GLASS],
-        objects: &[],
-        shapes: &[sphere(center, 0.5)],
+        materials: vec![GLASS],
+        objects: Vec::new(),
+        shapes: vec![sphere(center, 0.5)],
         volumes: vec![volume(FOG)],
         world_volume: 0,
         lights: vec![light(LAMP)],

@@ -75,9 +75,9 @@ fn described(lamp: LightFields) -> Scene {
     ];
     let dense = VolumeFields { scattering: [1.0, 0.75, 0.5], absorption: [0.125; 3], ..FOG };
     let description = Description {
-        materials: &[GLASS, BOUND, WHITE],
-        objects: &[],
-        shapes: &shapes,
+        materials: vec![GLASS, BOUND, WHITE],
+        objects: Vec::new(),
+        shapes: shapes.into(),
         volumes: vec![volume(FOG), volume(dense)],
         world_volume: 0,
         lights: vec![light(lamp)],
@@ -223,9 +223,9 @@ fn through(shapes: &[ShapeFields], world: i32) -> Vec3 {
         volume(VolumeFields { scattering, absorption, min: [-1.0; 3], max: [1.0; 3], ..FOG })
     };
     let scene = without_meshes(&Description {
-        materials: &[BLACK, BOUND],
-        objects: &[],
-        shapes,
+        materials: vec![BLACK, BOUND],
+        objects: Vec::new(),
+        shapes: shapes.to_vec(),
         volumes: vec![absorbing(0.25), absorbing(0.75)],
         world_volume: world,
         lights: vec![light(SQUARE)],
@@ -269,9 +269,9 @@ fn refusal(wrong: ShapeFields, object: i32) -> String {
     let bounded = VolumeFields { min: [-1.0; 3], max: [1.0; 3], ..FOG };
     let voxels = VolumeFields { cells: [1; 3], density_min: [-1.0; 3], density_max: [1.0; 3], ..bounded };
     let description = Description {
-        materials: &[BLACK, GLASS, BOUND],
-        objects: &[ObjectFields { volume: object, is_closed: true }],
-        shapes: &[ShapeFields { material: 1, ..sphere(Vec3::ZERO, 0.5) }, wrong],
+        materials: vec![BLACK, GLASS, BOUND],
+        objects: vec![ObjectFields { volume: object, is_closed: true }],
+        shapes: vec![ShapeFields { material: 1, ..sphere(Vec3::ZERO, 0.5) }, wrong],
         volumes: vec![
             volume(FOG),
             volume(bounded),
@@ -376,9 +376,9 @@ fn shapes_lie_among_meshes() {
     let of = |z: f32| {
         let wall = ShapeFields { material: 1, ..cuboid([-9.0, -9.0, z], [9.0, 9.0, z + 1.0]) };
         let description = Description {
-            materials: &[WHITE, BLACK],
-            objects: &[ObjectFields { volume: -1, is_closed: true }],
-            shapes: &[wall],
+            materials: vec![WHITE, BLACK],
+            objects: vec![ObjectFields { volume: -1, is_closed: true }],
+            shapes: vec![wall],
             volumes: Vec::new(),
             world_volume: -1,
             lights: vec![light(LightFields { position: [0.0, 0.0, -4.0], ..LAMP })],
