@@ -426,6 +426,10 @@ typedef struct covbeam_material {
      * GGX's alpha of metal, glass and coat, 0 to 1; below 1e-3 they are perfectly smooth.
      */
     float alpha;
+    /**
+     * A value of covbeam_asks.
+     */
+    uint32_t asks;
 } covbeam_material;
 
 /**
@@ -647,6 +651,15 @@ typedef struct covbeam_light {
      * Cells of a pattern or a sky, row by row, three floats each; NULL = a lamp without a pattern.
      */
     const float *cells;
+    /**
+     * Not 0: a host (covbeam_host) says what it sends. What is described is an estimate then, by which the library chooses among lamps and which
+     * is what the camera sees of it; it shines wherever the host's lamp does.
+     */
+    uint32_t is_own;
+    /**
+     * Not read.
+     */
+    uint32_t unused;
 } covbeam_light;
 
 /**
@@ -722,6 +735,14 @@ typedef struct covbeam_camera {
      * Pixels down.
      */
     uint32_t height;
+    /**
+     * Not 0: a host (covbeam_host) says where its rays go. What is described is an estimate then, by which the library plans.
+     */
+    uint32_t is_own;
+    /**
+     * Not read.
+     */
+    uint32_t unused;
 } covbeam_camera;
 
 /**
@@ -854,6 +875,10 @@ typedef struct covbeam_host_hit {
      * Number of the material in the description.
      */
     uint32_t material;
+    /**
+     * Whatever the host wants to find the place by when it is asked about it: a triangle and where in it.
+     */
+    uint32_t mark[3];
 } covbeam_host_hit;
 
 /**
@@ -874,7 +899,216 @@ typedef void (*covbeam_host_blocked)(void *user,
                                      uint8_t *blocked);
 
 /**
- * A host's geometry. It must outlive the scenes and sessions that are made of it.
+ * Says what surfaces are at hits: `lobes` holds their materials as described, to be changed. As covbeam_host_cast.
+ */
+typedef void (*covbeam_host_lobes)(void *user,
+                                   size_t count,
+                                   const struct covbeam_host_hit *hits,
+                                   struct covbeam_material *lobes);
+
+/**
+ * Light, or an eye path, that meets a surface.
+ */
+typedef struct covbeam_host_meeting {
+    /**
+     * Where, as the host gave it.
+     */
+    struct covbeam_host_hit hit;
+    /**
+     * Along which it comes, unit.
+     */
+    float direction[3];
+    /**
+     * Uniform in [0, 1): to draw the directions of rough ways with.
+     */
+    float xi[2];
+} covbeam_host_meeting;
+
+/**
+ * A way on from a surface that goes one direction, or a rough one of which one direction has been drawn.
+ */
+typedef struct covbeam_host_way {
+    /**
+     * What goes on like this of light that arrives, over the probability density of the direction, 0 to 1; 0: nothing does, and the rest is not
+     * read.
+     */
+    float factor[3];
+    /**
+     * Unit.
+     */
+    float direction[3];
+    /**
+     * Standard deviation of its directions [rad]; 0: it is sharp.
+     */
+    float deviation;
+} covbeam_host_way;
+
+/**
+ * All ways on from a surface, each a part of the light that arrives; what they leave is absorbed, and what is more than all, together with
+ * what the material lets straight through, is scaled down.
+ */
+typedef struct covbeam_host_ways {
+    /**
+     * Of Lambert reflection.
+     */
+    float diffuse[3];
+    /**
+     * Of Lambert transmission.
+     */
+    float translucent[3];
+    /**
+     * Back to the side that it comes from. Of lamps that are points, rough ones show nothing.
+     */
+    struct covbeam_host_way reflected[3];
+    /**
+     * Into glass or out of it, by the material's index of refraction.
+     */
+    struct covbeam_host_way refracted;
+} covbeam_host_ways;
+
+/**
+ * Draws the ways on from surfaces. As covbeam_host_cast.
+ */
+typedef void (*covbeam_host_scatter)(void *user,
+                                     size_t count,
+                                     const struct covbeam_host_meeting *meetings,
+                                     struct covbeam_host_ways *ways);
+
+/**
+ * A photon that is wanted of a lamp.
+ */
+typedef struct covbeam_host_draw {
+    /**
+     * Number of the light in the description.
+     */
+    uint32_t light;
+    /**
+     * In the unit square: says where it goes. Neighbouring places should go neighbouring ways, for the library learns which it needs.
+     */
+    float place[2];
+    /**
+     * Uniform in [0, 1): from which point of a lamp that has a size.
+     */
+    float xi[2];
+} covbeam_host_draw;
+
+/**
+ * A photon of a lamp.
+ */
+typedef struct covbeam_host_photon {
+    /**
+     * Where it starts [m].
+     */
+    float origin[3];
+    /**
+     * Unit.
+     */
+    float direction[3];
+    /**
+     * Flux of the lamp if all of its light left like this photon [W]: emission over the probability density of the place's photon. Its mean over
+     * the unit square is the lamp's flux. 0: none.
+     */
+    float power[3];
+    /**
+     * Normal of the surface that it leaves; 0 of a lamp without one.
+     */
+    float normal[3];
+    /**
+     * Radius of a disk that looks as large as the lamp from along its way [m]; 0: a point.
+     */
+    float radius;
+    /**
+     * How the lamp's light varies with direction [cycles2/rad2]: 1/(4 pi2 w2) where it falls off within an angle of w; 0: it is even.
+     */
+    float angular_variance;
+} covbeam_host_photon;
+
+/**
+ * Draws photons of lamps. As covbeam_host_cast.
+ */
+typedef void (*covbeam_host_emit)(void *user,
+                                  size_t count,
+                                  const struct covbeam_host_draw *draws,
+                                  struct covbeam_host_photon *photons);
+
+/**
+ * What a shadow ray asks of a lamp.
+ */
+typedef struct covbeam_host_question {
+    /**
+     * Number of the light in the description.
+     */
+    uint32_t light;
+    /**
+     * Where light is to arrive [m].
+     */
+    float place[3];
+    /**
+     * Uniform in [0, 1): the point that stands for all of a lamp that has a size; (0, 0): the middle of it, about.
+     */
+    float xi[2];
+} covbeam_host_question;
+
+/**
+ * What it is told, if nothing is in the way: the library finds that out.
+ */
+typedef struct covbeam_host_arrival {
+    /**
+     * What arrives on a small ball, over its cross section [W/m2].
+     */
+    float density[3];
+    /**
+     * From where [m].
+     */
+    float from[3];
+} covbeam_host_arrival;
+
+/**
+ * Says what arrives straight from lamps. As covbeam_host_cast.
+ */
+typedef void (*covbeam_host_illuminate)(void *user,
+                                        size_t count,
+                                        const struct covbeam_host_question *questions,
+                                        struct covbeam_host_arrival *arrivals);
+
+/**
+ * A ray that is wanted of the camera.
+ */
+typedef struct covbeam_host_pixel {
+    /**
+     * Place in the picture, from its upper left corner [pixels].
+     */
+    float place[2];
+    /**
+     * Uniform in [0, 1): where in the lens, by even parts of it; (0, 0): in its middle.
+     */
+    float lens[2];
+} covbeam_host_pixel;
+
+/**
+ * A ray of the camera.
+ */
+typedef struct covbeam_host_eye_ray {
+    /**
+     * Where it starts [m].
+     */
+    float origin[3];
+    /**
+     * Unit; 0: there is none, and the place is dark.
+     */
+    float direction[3];
+} covbeam_host_eye_ray;
+
+/**
+ * Says where rays of the camera go. As covbeam_host_cast.
+ */
+typedef void (*covbeam_host_eye)(void *user,
+                                 size_t count,
+                                 const struct covbeam_host_pixel *pixels,
+                                 struct covbeam_host_eye_ray *rays);
+
+/**
+ * A host's geometry, and functions for what its description says is its own. It must outlive the scenes and sessions that are made of it.
  */
 typedef struct covbeam_host {
     /**
@@ -882,7 +1116,7 @@ typedef struct covbeam_host {
      */
     uint32_t struct_size;
     /**
-     * Another number for another geometry: sums of sessions are told apart by it.
+     * Another number for another geometry, or other functions: sums of sessions are told apart by it.
      */
     uint32_t version;
     /**
@@ -898,7 +1132,27 @@ typedef struct covbeam_host {
      */
     covbeam_host_blocked blocked;
     /**
-     * Lower corner of a box around all of it [m].
+     * What surfaces are at hits: textures, masks; for materials that ask for lobes or ways.
+     */
+    covbeam_host_lobes lobes;
+    /**
+     * Where surfaces send light; for materials that ask for ways.
+     */
+    covbeam_host_scatter scatter;
+    /**
+     * Photons; for lights that are the host's own.
+     */
+    covbeam_host_emit emit;
+    /**
+     * And what they send straight to a place.
+     */
+    covbeam_host_illuminate illuminate;
+    /**
+     * Eye rays; for a camera that is the host's own.
+     */
+    covbeam_host_eye eye;
+    /**
+     * Lower corner of a box around all surfaces [m].
      */
     float min[3];
     /**
@@ -906,6 +1160,12 @@ typedef struct covbeam_host {
      */
     float max[3];
 } covbeam_host;
+
+/**
+ * Starts a thread of the host's that calls `body(argument)` once, which returns when the session is freed, and returns 0 at once; or anything
+ * else, without having started one: the session is refused then.
+ */
+typedef int32_t (*covbeam_spawn)(void *user, void (*body)(void *argument), void *argument);
 
 /**
  * How a session renders. With all fields but struct_size 0: covbeam's method, with what the scene asks for.
@@ -967,6 +1227,14 @@ typedef struct covbeam_session_settings {
      * Relative bias that kernels and filters of the first pass may cause, 1e-6 to 1; 0: 0.01. It falls with the passes.
      */
     double error;
+    /**
+     * Starts its threads, once for each; NULL: they are the library's own.
+     */
+    covbeam_spawn spawn;
+    /**
+     * What it is called with.
+     */
+    void *spawn_user;
 } covbeam_session_settings;
 
 /**

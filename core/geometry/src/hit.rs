@@ -20,6 +20,8 @@ pub struct Hit {
     pub object: u32,
     /// Number of the material that was hit, as its host counts.
     pub material: u32,
+    /// What a host that casts rays itself wants to find the place by when it is asked what is there: a triangle and where in it.
+    pub mark: [u32; 3],
     /// How far [`Hit::leave`] moves off the surface \[scene unit\]: more than rounding can have moved `position`.
     pub offset: f32,
 }

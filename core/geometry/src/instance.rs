@@ -161,6 +161,7 @@ impl Instance {
             },
             object: self.object,
             material: 0,
+            mark: [0; 3],
             offset: 4.0 * error,
         }
     }

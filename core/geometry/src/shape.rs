@@ -257,5 +257,15 @@ pub fn describe(
         },
     };
     let (distance, position) = (distance as f32, position.as_vec3());
-    Hit { distance, position, geometric_normal, normal, curvature, object: index, material: 0, offset }
+    Hit {
+        distance,
+        position,
+        geometric_normal,
+        normal,
+        curvature,
+        object: index,
+        material: 0,
+        mark: [0; 3],
+        offset,
+    }
 }

@@ -35,6 +35,8 @@ pub struct Camera {
     pub near: f32,
     /// None: a pinhole.
     pub lens: Option<Lens>,
+    /// Whether a host says where its rays go; what is said here is an estimate then.
+    pub is_own: bool,
 }
 
 impl Camera {
@@ -141,7 +143,7 @@ impl Camera {
 
     /// Whether a point's light is seen in one place only of the picture: through a pinhole that nothing is too near to, in perspective.
     pub fn is_pinhole(&self) -> bool {
-        self.projection == Projection::Perspective && self.lens.is_none() && self.near == 0.0
+        self.projection == Projection::Perspective && self.lens.is_none() && self.near == 0.0 && !self.is_own
     }
 
     /// The picture point of a world point, with its importance: the solid angle of the pixel there is

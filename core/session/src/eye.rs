@@ -201,7 +201,7 @@ impl EyeTracer<'_> {
     #[inline]
     fn meet(&self, branch: &Branch, hit: &Hit, path: &mut Path, random: &mut Random) {
         let scene = self.scene;
-        match *scene.material(hit) {
+        match *scene.material_at(hit) {
             Material::Black | Material::Clear => {}
             Material::Lambert { .. } if !scene.shows_surfaces() => {}
             Material::Lambert { albedo } => {

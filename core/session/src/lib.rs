@@ -10,6 +10,7 @@ pub mod describe;
 pub mod eye;
 pub mod film;
 pub mod gather;
+pub mod host;
 pub mod kind;
 pub mod lamps;
 pub mod light;

@@ -10,6 +10,7 @@ pub mod optics;
 pub(crate) mod passage;
 
 use crate::camera::Camera;
+use crate::host::Host;
 pub use crate::light::kinds::Light;
 pub use crate::light::shown::Shown;
 pub use crate::light::{Area, Ball, Cone, GlowingFog, Lamp, Pattern, ShiningMesh, Sky, Sun};
@@ -22,6 +23,7 @@ use covbeam_geometry::hit::Hit;
 pub use covbeam_geometry::shape::Shape;
 use glam::Vec3;
 pub use nesting::nest;
+use std::borrow::Cow;
 use std::f32::consts::PI;
 
 /// Most pixels along one side of the picture.
@@ -73,13 +75,27 @@ pub enum Sees {
 }
 
 impl Scene {
-    /// What was hit.
+    /// What was hit, as it is described.
     pub fn material(&self, hit: &Hit) -> &Material {
         match (self.objects.get(hit.object as usize), &self.placed) {
             (Some(object), _) => &object.material,
             (None, Some(placed)) => placed.material(hit),
             (None, None) => unreachable!("hits bear numbers of objects"),
         }
+    }
+
+    /// What was hit, as it is at that very place: textures of a host.
+    #[inline]
+    pub(crate) fn material_at(&self, hit: &Hit) -> Cow<'_, Material> {
+        match self.placed_hit(hit) {
+            Some((placed, object)) => placed.material_at(hit, object),
+            None => Cow::Borrowed(self.material(hit)),
+        }
+    }
+
+    /// The host that keeps the geometry, if one does.
+    pub(crate) fn host(&self) -> Option<&Host> {
+        self.placed.as_ref()?.host()
     }
 
     /// Materials of all that is there.

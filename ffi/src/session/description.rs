@@ -10,6 +10,7 @@ use ::covbeam_session::describe::{
     CameraFields, Description, Light, LightFields, LightKind, MaterialFields, ObjectFields, ShapeFields,
     Volume, VolumeFields,
 };
+use ::covbeam_session::material::Asks;
 use ::covbeam_session::scene::Sees;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
@@ -91,7 +92,7 @@ pub(super) unsafe fn described<'a>(
         Ok(light)
     };
     Ok(Description {
-        materials: materials.iter().map(material).collect(),
+        materials: materials.iter().enumerate().map(asking).collect::<Result<_, _>>()?,
         objects: objects.iter().map(object).collect(),
         shapes: shapes.iter().enumerate().map(shape).collect::<Result<_, _>>()?,
         lights: lights.iter().enumerate().map(light).collect::<Result<_, Failure>>()?,
@@ -102,9 +103,11 @@ pub(super) unsafe fn described<'a>(
     })
 }
 
-fn material(given: &covbeam_material) -> MaterialFields {
+/// Of a material that asks nothing.
+pub(super) fn material(given: &covbeam_material) -> MaterialFields {
     let covbeam_material { diffuse, translucent, metal, edge, coat, transparent, ior, alpha, .. } = *given;
     MaterialFields {
+        asks: Asks::Nothing,
         diffuse,
         translucent,
         metal,
@@ -116,6 +119,18 @@ fn material(given: &covbeam_material) -> MaterialFields {
         ior: if ior == 0.0 { 1.5 } else { ior },
         roughness: alpha,
     }
+}
+
+fn asking((index, given): (usize, &covbeam_material)) -> Result<MaterialFields, Failure> {
+    use covbeam_asks::*;
+    let all = [
+        (COVBEAM_ASKS_NOTHING, Asks::Nothing),
+        (COVBEAM_ASKS_LOBES, Asks::Lobes),
+        (COVBEAM_ASKS_WAYS, Asks::Ways),
+    ];
+    let known = all.into_iter().find(|(known, _)| *known as u32 == given.asks);
+    let unknown = || no(format_args!("materials[{index}].asks: {} is no covbeam_asks", given.asks));
+    known.map(|(_, asks)| MaterialFields { asks, ..material(given) }).ok_or_else(unknown)
 }
 
 fn object(given: &covbeam_object) -> ObjectFields {
@@ -216,6 +231,7 @@ unsafe fn light<'a>(index: usize, given: &covbeam_light) -> Result<Light<'a>, Fa
         rows,
         columns,
         is_visible: given.is_visible != 0,
+        is_own: given.is_own != 0,
     };
     Ok(Light { fields, triangles, cells: (!is_even).then_some(cells) })
 }
@@ -279,5 +295,6 @@ fn camera(given: &covbeam_camera) -> Result<CameraFields, Failure> {
         projection: projection(given)?,
         width: given.width,
         height: given.height,
+        is_own: given.is_own != 0,
     })
 }

@@ -25,6 +25,22 @@ pub struct covbeam_material {
     pub ior: f32,
     /// GGX's alpha of metal, glass and coat, 0 to 1; below 1e-3 they are perfectly smooth.
     pub alpha: f32,
+    /// A value of covbeam_asks.
+    pub asks: u32,
+}
+
+/// What a host that keeps its own geometry (covbeam_host) is asked for where a material is met.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum covbeam_asks {
+    /// Nothing: the material is the same everywhere.
+    COVBEAM_ASKS_NOTHING = 0,
+    /// Which lobes there are at the hit. The material is the most that any place has: larger weights are cut to its own, and its index of
+    /// refraction and whether it is of glass hold everywhere.
+    COVBEAM_ASKS_LOBES = 1,
+    /// That, if the host has a function for it, and the ways on, which a scattering function of the host's draws. The material is an estimate,
+    /// by which the library decides what is worth following; what it lets straight through, its index and whether it is of glass hold.
+    COVBEAM_ASKS_WAYS = 2,
 }
 
 /// What instances of one object have in common.
@@ -178,6 +194,11 @@ pub struct covbeam_light {
     pub triangles: *const f32,
     /// Cells of a pattern or a sky, row by row, three floats each; NULL = a lamp without a pattern.
     pub cells: *const f32,
+    /// Not 0: a host (covbeam_host) says what it sends. What is described is an estimate then, by which the library chooses among lamps and which
+    /// is what the camera sees of it; it shines wherever the host's lamp does.
+    pub is_own: u32,
+    /// Not read.
+    pub unused: u32,
 }
 
 /// How places in the picture become rays.
@@ -233,6 +254,10 @@ pub struct covbeam_camera {
     pub width: u32,
     /// Pixels down.
     pub height: u32,
+    /// Not 0: a host (covbeam_host) says where its rays go. What is described is an estimate then, by which the library plans.
+    pub is_own: u32,
+    /// Not read.
+    pub unused: u32,
 }
 
 /// Where a ray meets a surface.

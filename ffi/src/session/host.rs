@@ -1,16 +1,17 @@
-//! Hosts that keep their own geometry: rays are cast by their functions.
+//! Hosts that keep their own geometry, and if they like materials, lamps and camera of their own: what their functions are asked.
+
+mod calls;
 
 use super::description::covbeam_description;
+use super::fields::covbeam_material;
 use super::identity::Contents;
 use super::scene::{covbeam_scene, scene_of};
 use crate::memory::{Slot, read_options};
-use crate::status::{covbeam_status, covbeam_status::*, fail, run};
-use ::covbeam_geometry::hit::Hit;
+use crate::status::{Failure, covbeam_status, covbeam_status::*, fail, run};
 use ::covbeam_session::describe::Description;
-use ::covbeam_session::object::geometry::HostGeometry;
+use ::covbeam_session::material::Asks;
+use calls::Host;
 use core::ffi::c_void;
-use covbeam_core::Curvature;
-use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 /// A ray.
@@ -52,6 +53,121 @@ pub struct covbeam_host_hit {
     pub object: u32,
     /// Number of the material in the description.
     pub material: u32,
+    /// Whatever the host wants to find the place by when it is asked about it: a triangle and where in it.
+    pub mark: [u32; 3],
+}
+
+/// Light, or an eye path, that meets a surface.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct covbeam_host_meeting {
+    /// Where, as the host gave it.
+    pub hit: covbeam_host_hit,
+    /// Along which it comes, unit.
+    pub direction: [f32; 3],
+    /// Uniform in [0, 1): to draw the directions of rough ways with.
+    pub xi: [f32; 2],
+}
+
+/// A way on from a surface that goes one direction, or a rough one of which one direction has been drawn.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct covbeam_host_way {
+    /// What goes on like this of light that arrives, over the probability density of the direction, 0 to 1; 0: nothing does, and the rest is not
+    /// read.
+    pub factor: [f32; 3],
+    /// Unit.
+    pub direction: [f32; 3],
+    /// Standard deviation of its directions [rad]; 0: it is sharp.
+    pub deviation: f32,
+}
+
+/// All ways on from a surface, each a part of the light that arrives; what they leave is absorbed, and what is more than all, together with
+/// what the material lets straight through, is scaled down.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct covbeam_host_ways {
+    /// Of Lambert reflection.
+    pub diffuse: [f32; 3],
+    /// Of Lambert transmission.
+    pub translucent: [f32; 3],
+    /// Back to the side that it comes from. Of lamps that are points, rough ones show nothing.
+    pub reflected: [covbeam_host_way; 3],
+    /// Into glass or out of it, by the material's index of refraction.
+    pub refracted: covbeam_host_way,
+}
+
+/// A photon that is wanted of a lamp.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct covbeam_host_draw {
+    /// Number of the light in the description.
+    pub light: u32,
+    /// In the unit square: says where it goes. Neighbouring places should go neighbouring ways, for the library learns which it needs.
+    pub place: [f32; 2],
+    /// Uniform in [0, 1): from which point of a lamp that has a size.
+    pub xi: [f32; 2],
+}
+
+/// A photon of a lamp.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct covbeam_host_photon {
+    /// Where it starts [m].
+    pub origin: [f32; 3],
+    /// Unit.
+    pub direction: [f32; 3],
+    /// Flux of the lamp if all of its light left like this photon [W]: emission over the probability density of the place's photon. Its mean over
+    /// the unit square is the lamp's flux. 0: none.
+    pub power: [f32; 3],
+    /// Normal of the surface that it leaves; 0 of a lamp without one.
+    pub normal: [f32; 3],
+    /// Radius of a disk that looks as large as the lamp from along its way [m]; 0: a point.
+    pub radius: f32,
+    /// How the lamp's light varies with direction [cycles2/rad2]: 1/(4 pi2 w2) where it falls off within an angle of w; 0: it is even.
+    pub angular_variance: f32,
+}
+
+/// What a shadow ray asks of a lamp.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct covbeam_host_question {
+    /// Number of the light in the description.
+    pub light: u32,
+    /// Where light is to arrive [m].
+    pub place: [f32; 3],
+    /// Uniform in [0, 1): the point that stands for all of a lamp that has a size; (0, 0): the middle of it, about.
+    pub xi: [f32; 2],
+}
+
+/// What it is told, if nothing is in the way: the library finds that out.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct covbeam_host_arrival {
+    /// What arrives on a small ball, over its cross section [W/m2].
+    pub density: [f32; 3],
+    /// From where [m].
+    pub from: [f32; 3],
+}
+
+/// A ray that is wanted of the camera.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct covbeam_host_pixel {
+    /// Place in the picture, from its upper left corner [pixels].
+    pub place: [f32; 2],
+    /// Uniform in [0, 1): where in the lens, by even parts of it; (0, 0): in its middle.
+    pub lens: [f32; 2],
+}
+
+/// A ray of the camera.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct covbeam_host_eye_ray {
+    /// Where it starts [m].
+    pub origin: [f32; 3],
+    /// Unit; 0: there is none, and the place is dark.
+    pub direction: [f32; 3],
 }
 
 /// Finds the nearest surfaces that rays meet, from either side, and fills a hit for each. Called from many threads at once; the same rays
@@ -70,13 +186,63 @@ pub type covbeam_host_blocked = Option<
     unsafe extern "C" fn(user: *mut c_void, count: usize, rays: *const covbeam_host_ray, blocked: *mut u8),
 >;
 
-/// A host's geometry. It must outlive the scenes and sessions that are made of it.
+/// Says what surfaces are at hits: `lobes` holds their materials as described, to be changed. As covbeam_host_cast.
+pub type covbeam_host_lobes = Option<
+    unsafe extern "C" fn(
+        user: *mut c_void,
+        count: usize,
+        hits: *const covbeam_host_hit,
+        lobes: *mut covbeam_material,
+    ),
+>;
+
+/// Draws the ways on from surfaces. As covbeam_host_cast.
+pub type covbeam_host_scatter = Option<
+    unsafe extern "C" fn(
+        user: *mut c_void,
+        count: usize,
+        meetings: *const covbeam_host_meeting,
+        ways: *mut covbeam_host_ways,
+    ),
+>;
+
+/// Draws photons of lamps. As covbeam_host_cast.
+pub type covbeam_host_emit = Option<
+    unsafe extern "C" fn(
+        user: *mut c_void,
+        count: usize,
+        draws: *const covbeam_host_draw,
+        photons: *mut covbeam_host_photon,
+    ),
+>;
+
+/// Says what arrives straight from lamps. As covbeam_host_cast.
+pub type covbeam_host_illuminate = Option<
+    unsafe extern "C" fn(
+        user: *mut c_void,
+        count: usize,
+        questions: *const covbeam_host_question,
+        arrivals: *mut covbeam_host_arrival,
+    ),
+>;
+
+/// Says where rays of the camera go. As covbeam_host_cast.
+pub type covbeam_host_eye = Option<
+    unsafe extern "C" fn(
+        user: *mut c_void,
+        count: usize,
+        pixels: *const covbeam_host_pixel,
+        rays: *mut covbeam_host_eye_ray,
+    ),
+>;
+
+/// A host's geometry, and functions for what its description says is its own. It must outlive the scenes and sessions that are made of it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct covbeam_host {
     /// sizeof(covbeam_host).
     pub struct_size: u32,
-    /// Another number for another geometry: sums of sessions are told apart by it.
+    /// Another number for another geometry, or other functions: sums of sessions are told apart by it.
     pub version: u32,
     /// What the functions are called with.
     pub user: *mut c_void,
@@ -84,7 +250,17 @@ pub struct covbeam_host {
     pub cast: covbeam_host_cast,
     /// Whether rays meet anything; NULL: `cast` is asked.
     pub blocked: covbeam_host_blocked,
-    /// Lower corner of a box around all of it [m].
+    /// What surfaces are at hits: textures, masks; for materials that ask for lobes or ways.
+    pub lobes: covbeam_host_lobes,
+    /// Where surfaces send light; for materials that ask for ways.
+    pub scatter: covbeam_host_scatter,
+    /// Photons; for lights that are the host's own.
+    pub emit: covbeam_host_emit,
+    /// And what they send straight to a place.
+    pub illuminate: covbeam_host_illuminate,
+    /// Eye rays; for a camera that is the host's own.
+    pub eye: covbeam_host_eye,
+    /// Lower corner of a box around all surfaces [m].
     pub min: [f32; 3],
     /// Upper corner.
     pub max: [f32; 3],
@@ -104,91 +280,39 @@ pub unsafe extern "C" fn covbeam_scene_new_of_host(
     run(|| {
         let out = Slot::new(out, "out")?;
         // SAFETY: by the caller's promise.
-        let given = unsafe { read_options(host, size_of::<covbeam_host>(), "host") }?;
-        let Some(cast) = given.cast else {
+        let host = unsafe { read_options(host, size_of::<covbeam_host>(), "host") }?;
+        if host.cast.is_none() {
             return Err(fail(COVBEAM_NULL_POINTER, format_args!("host.cast: NULL; give a function")));
-        };
+        }
         let mut contents = Contents::default();
-        contents.note(&(given.version, given.min, given.max));
-        let host = Host { user: given.user, cast, blocked: given.blocked, min: given.min, max: given.max };
-        let make = |description: Description| description.scene_of_host(Arc::new(host));
+        contents.note(&(host.version, host.min, host.max));
         // SAFETY: by the caller's promise.
-        out.set(unsafe { scene_of(description, contents, make) }?);
+        let given = unsafe {
+            scene_of(description, contents, |description| {
+                answers(&host, &description)?;
+                description.scene_of_host(Arc::new(Host(host))).map_err(super::refused)
+            })
+        };
+        out.set(given?);
         Ok(())
     })
 }
 
-type Cast = unsafe extern "C" fn(*mut c_void, usize, *const covbeam_host_ray, *mut covbeam_host_hit);
-type Blocked = unsafe extern "C" fn(*mut c_void, usize, *const covbeam_host_ray, *mut u8);
-
-#[derive(Debug)]
-struct Host {
-    user: *mut c_void,
-    cast: Cast,
-    blocked: Option<Blocked>,
-    min: [f32; 3],
-    max: [f32; 3],
-}
-
-// SAFETY: the host promises that its functions may be called from any thread.
-unsafe impl Send for Host {}
-// SAFETY: and from several at once.
-unsafe impl Sync for Host {}
-
-/// No hit, which a function that writes nothing leaves as it is.
-const MISS: covbeam_host_hit = covbeam_host_hit {
-    distance: 0.0,
-    position: [0.0; 3],
-    geometric_normal: [0.0; 3],
-    normal: [0.0; 3],
-    offset: 0.0,
-    tangent: [0.0; 3],
-    along: 0.0,
-    across: 0.0,
-    twist: 0.0,
-    object: 0,
-    material: 0,
-};
-
-impl HostGeometry for Host {
-    fn bounds(&self) -> (Vec3, Vec3) {
-        (self.min.into(), self.max.into())
+/// Refuses a host without a function that its description asks for.
+fn answers(host: &covbeam_host, description: &Description) -> Result<(), Failure> {
+    let asks = |what: Asks| description.materials.iter().any(|material| material.asks == what);
+    let own = description.lights.iter().any(|light| light.fields.is_own);
+    let needed = [
+        ("lobes", host.lobes.is_some() || !asks(Asks::Lobes), "a material asks for it"),
+        ("scatter", host.scatter.is_some() || !asks(Asks::Ways), "a material asks for it"),
+        ("emit", host.emit.is_some() || !own, "a light is the host's own"),
+        ("illuminate", host.illuminate.is_some() || !own, "a light is the host's own"),
+        ("eye", host.eye.is_some() || !description.camera.is_own, "the camera is the host's own"),
+    ];
+    match needed.into_iter().find(|(_, is_there, _)| !is_there) {
+        Some((name, _, why)) => {
+            Err(fail(COVBEAM_NULL_POINTER, format_args!("host.{name}: NULL, and {why}; give a function")))
+        }
+        None => Ok(()),
     }
-
-    fn cast(&self, origin: DVec3, direction: DVec3, reach: f64) -> Option<Hit> {
-        let ray = covbeam_host_ray { origin: origin.to_array(), direction: direction.to_array(), reach };
-        let mut hit = MISS;
-        // SAFETY: the host's function, with what the host gave for it; both arrays have one element.
-        unsafe { (self.cast)(self.user, 1, &ray, &mut hit) };
-        // False for NaN.
-        (hit.distance > 0.0).then(|| Hit {
-            distance: hit.distance,
-            position: hit.position.into(),
-            geometric_normal: hit.geometric_normal.into(),
-            normal: hit.normal.into(),
-            curvature: curvature(&hit),
-            object: hit.object,
-            material: hit.material,
-            offset: hit.offset,
-        })
-    }
-
-    fn is_blocked(&self, origin: DVec3, direction: DVec3, reach: f64) -> Option<bool> {
-        let blocked = self.blocked?;
-        let ray = covbeam_host_ray { origin: origin.to_array(), direction: direction.to_array(), reach };
-        let mut is_blocked = 0;
-        // SAFETY: as above.
-        unsafe { blocked(self.user, 1, &ray, &mut is_blocked) };
-        Some(is_blocked != 0)
-    }
-}
-
-/// Of a hit; along any direction where it is flat.
-fn curvature(hit: &covbeam_host_hit) -> Curvature {
-    let covbeam_host_hit { tangent, along, across, twist, .. } = *hit;
-    let tangent = match [along, across, twist] == [0.0; 3] {
-        true => Vec3::from(hit.normal).try_normalize().unwrap_or(Vec3::Z).any_orthonormal_vector(),
-        false => tangent.into(),
-    };
-    Curvature { tangent, along, across, twist }
 }

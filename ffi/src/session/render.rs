@@ -114,10 +114,10 @@ pub unsafe extern "C" fn covbeam_session_new(
             instants.push(std::sync::Arc::clone(&one.scene));
         }
         // SAFETY: by the caller's promise.
-        let Chosen { given, settings, first_pass, threads } = unsafe { chosen(settings) }?;
+        let Chosen { given, settings, first_pass, threads, spawn } = unsafe { chosen(settings) }?;
         contents.note(&(&given, &settings));
         let identity = contents.identity();
-        let options = Options { given: Some(given), settings, first_pass, identity, threads };
+        let options = Options { given: Some(given), settings, first_pass, identity, threads, spawn };
         let session = polled(poll, user, |go_on| Session::new(&instants, options, go_on))?;
         out.set(handle_to(session)?);
         Ok(())

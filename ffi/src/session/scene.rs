@@ -9,7 +9,6 @@ use crate::memory::{Slot, read_options};
 use crate::status::{Failure, covbeam_status, run};
 use ::covbeam_session::describe::Description;
 use ::covbeam_session::scene::Scene;
-use ::covbeam_session::work::failure;
 use std::sync::Arc;
 
 /// What is rendered: a description and a geometry. It does not change, and any number of sessions may use it.
@@ -46,7 +45,9 @@ pub unsafe extern "C" fn covbeam_scene_new(
         let built = built.unwrap_or_default();
         let contents = kept.as_deref().map_or_else(Contents::default, |kept: &Kept| kept.contents.clone());
         // SAFETY: by the caller's promise.
-        out.set(unsafe { scene_of(description, contents, |description| description.scene(built)) }?);
+        out.set(unsafe {
+            scene_of(description, contents, |description| description.scene(built).map_err(refused))
+        }?);
         Ok(())
     })
 }
@@ -58,13 +59,13 @@ pub unsafe extern "C" fn covbeam_scene_new(
 pub(super) unsafe fn scene_of(
     description: *const covbeam_description,
     mut contents: Contents,
-    make: impl FnOnce(Description) -> failure::Result<Scene>,
+    make: impl FnOnce(Description) -> Result<Scene, Failure>,
 ) -> Result<*mut covbeam_scene, Failure> {
     // SAFETY: by this function's contract.
     let given = unsafe { read_options(description, size_of::<covbeam_description>(), "description") }?;
     // SAFETY: by this function's contract.
     let description = unsafe { described(&given, &mut contents) }?;
-    let scene = Arc::new(make(description).map_err(refused)?);
+    let scene = Arc::new(make(description)?);
     handle_to(Described { scene, contents })
 }
 

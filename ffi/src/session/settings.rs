@@ -6,7 +6,8 @@ use ::covbeam_geometry::MAX_COORDINATE;
 use ::covbeam_session::pilot::defaults::{Cells, Given};
 use ::covbeam_session::scene::MAX_PHOTONS;
 use ::covbeam_session::settings::{Layers, Method, Settings};
-use ::covbeam_session::work::threads;
+use ::covbeam_session::work::threads::{self, Spawn, Worker};
+use core::ffi::c_void;
 use std::fmt::Display;
 
 /// Methods, from the catalogue of the reference renderer.
@@ -24,6 +25,16 @@ pub enum covbeam_method {
     /// Light scattered once, by shadow rays along eye rays.
     COVBEAM_METHOD_MARCH = 4,
 }
+
+/// Starts a thread of the host's that calls `body(argument)` once, which returns when the session is freed, and returns 0 at once; or anything
+/// else, without having started one: the session is refused then.
+pub type covbeam_spawn = Option<
+    unsafe extern "C" fn(
+        user: *mut c_void,
+        body: unsafe extern "C" fn(argument: *mut c_void),
+        argument: *mut c_void,
+    ) -> i32,
+>;
 
 /// How a session renders. With all fields but struct_size 0: covbeam's method, with what the scene asks for.
 #[repr(C)]
@@ -57,7 +68,14 @@ pub struct covbeam_session_settings {
     pub radius: f64,
     /// Relative bias that kernels and filters of the first pass may cause, 1e-6 to 1; 0: 0.01. It falls with the passes.
     pub error: f64,
+    /// Starts its threads, once for each; NULL: they are the library's own.
+    pub spawn: covbeam_spawn,
+    /// What it is called with.
+    pub spawn_user: *mut c_void,
 }
+
+type Start =
+    unsafe extern "C" fn(*mut c_void, unsafe extern "C" fn(argument: *mut c_void), *mut c_void) -> i32;
 
 /// Voxels along a side of the grid.
 const MOST_VOXELS: u32 = 256;
@@ -68,6 +86,7 @@ pub(super) struct Chosen {
     pub(super) settings: Settings,
     pub(super) first_pass: u32,
     pub(super) threads: u32,
+    pub(super) spawn: Option<Spawn>,
 }
 
 /// Reads and checks settings.
@@ -130,7 +149,39 @@ pub(super) unsafe fn chosen(settings: *const covbeam_session_settings) -> Result
         }
         settings.layers = Layers::EachKind;
     }
-    Ok(Chosen { given: numbers, settings, first_pass: given.first_pass, threads })
+    let spawn = given.spawn.map(|start| spawn(start, given.spawn_user));
+    Ok(Chosen { given: numbers, settings, first_pass: given.first_pass, threads, spawn })
+}
+
+/// Threads that a host starts.
+fn spawn(start: Start, user: *mut c_void) -> Spawn {
+    struct Host(Start, *mut c_void);
+    // SAFETY: it is called from the thread that makes the session, one call at a time.
+    unsafe impl Send for Host {}
+    // SAFETY: as above.
+    unsafe impl Sync for Host {}
+    impl Host {
+        fn start(&self, worker: Worker) -> bool {
+            let worker = Box::into_raw(Box::new(worker));
+            // SAFETY: the host's function, with what the host gave for it.
+            let is_started = unsafe { (self.0)(self.1, body, worker.cast()) } == 0;
+            if !is_started {
+                // SAFETY: nobody else has it.
+                drop(unsafe { Box::from_raw(worker) });
+            }
+            is_started
+        }
+    }
+    let host = Host(start, user);
+    Spawn::new(move |worker| host.start(worker))
+}
+
+/// What a thread of the host does.
+unsafe extern "C" fn body(worker: *mut c_void) {
+    // SAFETY: the host passes on what it was given, once.
+    let worker = unsafe { Box::from_raw(worker.cast::<Worker>()) };
+    // Work that panics is caught where it is done.
+    worker.run();
 }
 
 fn wrong(name: &str, value: impl Display, wanted: &str) -> Failure {

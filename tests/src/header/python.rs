@@ -9,7 +9,7 @@ const STRUCTS: [&str; 7] =
     ["grid_layout", "phase", "medium", "column", "kernel", "schedule", "march_expected"];
 
 /// Structs of sessions, those that others have before these.
-const SESSION_STRUCTS: [&str; 17] = [
+const SESSION_STRUCTS: [&str; 26] = [
     "material",
     "object",
     "shape",
@@ -23,10 +23,31 @@ const SESSION_STRUCTS: [&str; 17] = [
     "surface_hit",
     "host_ray",
     "host_hit",
+    "host_meeting",
+    "host_way",
+    "host_ways",
+    "host_draw",
+    "host_photon",
+    "host_question",
+    "host_arrival",
+    "host_pixel",
+    "host_eye_ray",
     "host",
     "session_settings",
     "goal",
     "session_info",
+];
+
+/// Types of functions in structs.
+const FUNCTIONS: [&str; 8] = [
+    "covbeam_host_cast",
+    "covbeam_host_blocked",
+    "covbeam_host_lobes",
+    "covbeam_host_scatter",
+    "covbeam_host_emit",
+    "covbeam_host_illuminate",
+    "covbeam_host_eye",
+    "covbeam_spawn",
 ];
 
 /// The whole file.
@@ -106,7 +127,7 @@ fn class(header: &str, name: &str) -> Result<String, String> {
             "int32_t" => "ctypes.c_int32".to_owned(),
             "uint64_t" => "ctypes.c_uint64".to_owned(),
             "size_t" => "ctypes.c_size_t".to_owned(),
-            "covbeam_host_cast" | "covbeam_host_blocked" => "ctypes.c_void_p".to_owned(),
+            function if FUNCTIONS.contains(&function) => "ctypes.c_void_p".to_owned(),
             pointer if pointer.ends_with('*') => "ctypes.c_void_p".to_owned(),
             other => camel_case(other.trim_start_matches("struct ").trim_start_matches("covbeam_")),
         };

@@ -9,7 +9,19 @@ fn camera() -> Camera {
     let up = right.cross(forward);
     let position = Vec3::new(1.0, 2.0, -3.0);
     let (projection, frame) = (Projection::Perspective, Frame::Middle { half_height: 0.3 });
-    Camera { position, forward, right, up, projection, frame, width: 96, height: 64, near: 0.0, lens: None }
+    Camera {
+        position,
+        forward,
+        right,
+        up,
+        projection,
+        frame,
+        width: 96,
+        height: 64,
+        near: 0.0,
+        lens: None,
+        is_own: false,
+    }
 }
 
 /// The same as others, and as a part that shows the same.

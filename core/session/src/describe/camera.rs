@@ -46,6 +46,8 @@ pub struct CameraFields {
     pub width: u32,
     /// Pixels down.
     pub height: u32,
+    /// Whether a host says where its rays go; what is described is an estimate then.
+    pub is_own: bool,
 }
 
 impl CameraFields {
@@ -76,6 +78,7 @@ impl CameraFields {
             projection: Projection::Perspective,
             width,
             height,
+            is_own: false,
         }
     }
 
@@ -98,6 +101,7 @@ impl CameraFields {
             width: self.width,
             height: self.height,
             near: fields.number("near", self.near, 0.0..=f64::from(MAX_COORDINATE))?,
+            is_own: self.is_own,
             lens: if self.aperture == 0.0 { None } else { Some(self.lens()?) },
         })
     }

@@ -78,7 +78,7 @@ impl Geometry {
         let mut state = self.locked();
         let State::Open { drafts, instances } = &mut *state else { return Err(too_late("hierarchies")) };
         // Threads of their own, which are in nobody's way for as long as it takes them to leave off after the mesh that they are at.
-        let pool = threads::pool(0)?;
+        let pool = threads::pool(0, None)?;
         let (drafts, instances) = (std::mem::take(drafts), std::mem::take(instances));
         let job = Arc::<Job<Instances>>::default();
         let running = Arc::clone(&job);

@@ -2,6 +2,8 @@
 
 use super::fields::{BRIGHTEST, Fields};
 use super::volumes::Media;
+use crate::host::Host;
+use crate::light::OwnLight;
 use crate::scene::{Area, Ball, Cone, Lamp, Light as RenderLight, Pattern, ShiningMesh, Sky, Sun};
 use crate::work::failure::Result;
 use covbeam_geometry::MAX_COORDINATE;
@@ -81,6 +83,8 @@ pub struct LightFields {
     pub columns: u32,
     /// Whether the camera sees it, and mirrors and glass show it: what has a surface, a sky, or a sun with an angle. Others are seen by nobody.
     pub is_visible: bool,
+    /// Whether a host says what it sends; what is described is an estimate then, which shines wherever the host's light does, and what is seen.
+    pub is_own: bool,
 }
 
 impl LightFields {
@@ -105,7 +109,12 @@ pub struct Light<'a> {
 }
 
 /// Those that send any light, and which of them are seen.
-pub(super) fn lights(given: &[Light], media: &Media, lit: &Lit) -> Result<(Vec<RenderLight>, Vec<bool>)> {
+pub(super) fn lights(
+    given: &[Light],
+    media: &Media,
+    lit: &Lit,
+    host: Option<&Host>,
+) -> Result<(Vec<RenderLight>, Vec<bool>)> {
     let (mut lights, mut visible) = (Vec::new(), Vec::new());
     for (index, light) in given.iter().enumerate() {
         let fields = Fields::of("lights", index);
@@ -115,11 +124,20 @@ pub(super) fn lights(given: &[Light], media: &Media, lit: &Lit) -> Result<(Vec<R
             return Err(fields.wrong("flux", flux.to_array(), "a light whose power single precision holds"));
         }
         if flux != Vec3::ZERO {
-            lights.push(made);
+            lights.push(if light.fields.is_own { own(made, index, &fields, host)? } else { made });
             visible.push(light.fields.is_visible);
         }
     }
     Ok((lights, visible))
+}
+
+/// A light that the host says more about.
+fn own(described: RenderLight, index: usize, fields: &Fields, host: Option<&Host>) -> Result<RenderLight> {
+    let Some(host) = host else {
+        return Err(fields.wrong("is_own", true, "false where no host keeps the geometry"));
+    };
+    let (described, host) = (Box::new(described), host.clone());
+    Ok(RenderLight::Own(OwnLight { described, host, number: index as u32 }))
 }
 
 impl Light<'_> {

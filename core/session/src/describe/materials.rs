@@ -1,6 +1,7 @@
 //! Materials.
 
 use super::fields::Fields;
+use crate::material::Asks;
 use crate::scene::{Lobes, Material};
 use crate::work::failure::Result;
 
@@ -27,11 +28,17 @@ pub struct MaterialFields {
     pub ior: f32,
     /// GGX's alpha of metal, glass and coat.
     pub roughness: f32,
+    /// What a host is asked for at each hit; what is described is the most that any place has then.
+    pub asks: Asks,
 }
 
 impl MaterialFields {
-    pub(super) fn material(&self, index: usize) -> Result<Material> {
+    /// - `has_host`: whether one keeps the geometry.
+    pub(super) fn material(&self, index: usize, has_host: bool) -> Result<Material> {
         let fields = Fields::of("materials", index);
+        if self.asks != Asks::Nothing && !has_host {
+            return Err(fields.wrong("asks", self.asks, "Nothing where no host keeps the geometry"));
+        }
         let weight = |name, value: [f32; 3]| fields.color(name, value.map(f64::from), 1.0);
         Ok(Material::of_lobes(Lobes {
             diffuse: weight("diffuse", self.diffuse)?,
@@ -45,6 +52,7 @@ impl MaterialFields {
             index: fields.number("ior", self.ior.into(), 1e-3..=1e3)?,
             alpha: fields.number("roughness", self.roughness.into(), 0.0..=1.0)?,
             multiscatter: true,
+            asks: self.asks,
         }))
     }
 

@@ -20,8 +20,9 @@ pub use meshes::MeshArrays;
 pub use shapes::ShapeFields;
 pub use volumes::{Volume, VolumeFields};
 
+use crate::host::{Host, HostScene};
 use crate::light::shown::Shown;
-use crate::object::geometry::{Host, HostGeometry, Surfaces};
+use crate::object::geometry::Surfaces;
 use crate::pilot::defaults::{Given, NO_GRID};
 use crate::scene::{GlowingFog, Light as SceneLight, Placed, PlacedObject, Scene, Sees, nest};
 use crate::work::failure::{Result, invalid};
@@ -69,12 +70,12 @@ impl Description<'_> {
         self.scene_on((!geometry.is_empty()).then_some(Surfaces::Built(geometry)))
     }
 
-    /// The same with the geometry of a host, which keeps its own: [`HostGeometry`].
+    /// The same with the geometry of a host, which keeps its own: [`HostScene`].
     ///
     /// # Errors
     /// As [`Description::scene`]; its bounds are not finite, or the wrong way round.
-    pub fn scene_of_host(&self, geometry: Arc<dyn HostGeometry>) -> Result<Scene> {
-        let surfaces = Surfaces::Host(Host::new(geometry, self.objects.len(), self.materials.len()));
+    pub fn scene_of_host(&self, host: Arc<dyn HostScene>) -> Result<Scene> {
+        let surfaces = Surfaces::Host(Host::new(host, self.objects.len(), self.materials.len()));
         if surfaces.bounds().is_none() {
             return Err(invalid!(
                 "geometry.bounds: not finite, or the wrong way round; give a box around all of it"
@@ -85,7 +86,16 @@ impl Description<'_> {
 
     fn scene_on(&self, surfaces: Option<Surfaces>) -> Result<Scene> {
         let camera = self.camera.camera()?;
-        let materials = self.materials.iter().enumerate().map(|(index, fields)| fields.material(index));
+        if camera.is_own && !matches!(surfaces, Some(Surfaces::Host(_))) {
+            return Err(invalid!("camera.is_own: true; give false where no host keeps the geometry"));
+        }
+        let host = match &surfaces {
+            Some(Surfaces::Host(host)) => Some(host.clone()),
+            _ => None,
+        };
+        let host = host.as_ref();
+        let made = |(index, fields): (usize, &MaterialFields)| fields.material(index, host.is_some());
+        let materials = self.materials.iter().enumerate().map(made);
         let materials = materials.collect::<Result<Vec<_>>>()?;
         let in_shapes: Vec<i32> = self.shapes.iter().map(|shape| shape.volume).collect();
         let media = Media::new(&self.volumes, self.world_volume, &in_shapes)?;
@@ -97,7 +107,7 @@ impl Description<'_> {
         nest(&mut objects);
         let bounds = extent::bounds(surfaces.as_ref().and_then(Surfaces::bounds), &objects);
         let lit = extent::lit(&self.volumes, self.world_volume, &self.lights, (bounds, &objects), &camera);
-        let (mut lights, visible) = lights::lights(&self.lights, &media, &lit)?;
+        let (mut lights, visible) = lights::lights(&self.lights, &media, &lit, host)?;
         let shown = Shown::new(&lights, |number| visible[number]);
         lights.extend(GlowingFog::all(&media.all).map(SceneLight::Glow));
         let placed = surfaces.map(|surfaces| Placed::of(surfaces, materials, placed_objects, media.fogs));

@@ -2,6 +2,7 @@
 
 use super::fields::Fields;
 use super::volumes::Media;
+use crate::material::Asks;
 use crate::object::Object;
 use crate::scene::{Material, MediumDensity};
 use crate::work::failure::Result;
@@ -31,6 +32,13 @@ impl ShapeFields {
             let wanted = format_args!("the number of one of the {} materials", materials.len());
             return Err(fields.wrong("material", self.material, wanted));
         };
+        if matches!(material, Material::Lobes(lobes) if lobes.asks != Asks::Nothing) {
+            return Err(fields.wrong(
+                "material",
+                self.material,
+                "one that asks nothing: shapes are not the host's",
+            ));
+        }
         let is_glass = material.index().is_some();
         if is_glass && !shape.is_closed() {
             return Err(fields.wrong(

@@ -85,6 +85,8 @@ impl Branch {
         let next = self.next(hit, way.direction, way.factor * met.narrowing(way.lobe), way.interior, kind);
         let watch = match way.lobe {
             Lobe::Transparent => self.watch,
+            // Nobody asks lamps for it.
+            lobe if met.is_drawn(lobe) => next.watch.of_all(),
             Lobe::GlassTransmission if met.is_rough() => next.watch.of_all(),
             _ if met.is_rough() => next.watch.of_none(),
             _ => next.watch,

@@ -43,11 +43,13 @@ impl<'a> EyeStarts<'a> {
         self.camera.interior()
     }
 
-    /// The eye ray through a picture point and a place in the lens, as [`Camera::ray`](crate::camera::Camera::ray) has them.
+    /// The eye ray through a picture point and a place in the lens, as [`Camera::ray`](crate::camera::Camera::ray) or a host has them.
     pub fn at(&self, [x, y]: [f32; 2], lens: [f32; 2]) -> EyeStart {
         let camera = &self.scene.camera;
-        let (origin, direction) = camera.ray(x, y, lens);
-        let sees = camera.sees(x, y);
+        let host = self.scene.host().filter(|_| camera.is_own);
+        let own = host.and_then(|host| host.eye([x, y], lens));
+        let (origin, direction) = own.unwrap_or_else(|| camera.ray(x, y, lens));
+        let sees = if host.is_some() { own.is_some() } else { camera.sees(x, y) };
         // What is too near to be seen bounds media all the same.
         let (origin, interior) = self.camera.beside(self.scene, origin, direction);
         EyeStart { origin, direction, interior, place: [x, y], sees }
@@ -65,13 +67,17 @@ impl<'a> EyeStarts<'a> {
 
     /// The same through some place in the lens.
     pub(crate) fn anywhere(&self, point: [f32; 2], random: &mut Random) -> EyeStart {
-        let has_lens = self.scene.camera.lens.is_some();
-        self.at(point, if has_lens { [random.uniform(), random.uniform()] } else { [0.0; 2] })
+        self.at(point, if self.has_lens() { [random.uniform(), random.uniform()] } else { [0.0; 2] })
+    }
+
+    /// Whether it matters where in the lens rays start: of a host's camera nobody else knows.
+    fn has_lens(&self) -> bool {
+        self.scene.camera.lens.is_some() || self.scene.camera.is_own
     }
 
     /// A place in the lens for a pixel: even over the looks that this takes through it, numbered on over the passes.
     pub(crate) fn place_in_lens(&self, seed: u32, pixel: u32, look: u32) -> [f32; 2] {
-        if self.scene.camera.lens.is_none() {
+        if !self.has_lens() {
             return [0.0; 2];
         }
         // The same points for all pixels, turned differently in each.

@@ -35,6 +35,9 @@ pub(crate) struct FirstHits {
 impl FirstHits {
     /// Traces about `rays` rays from a light, at random in texels of equal solid angle.
     pub(crate) fn new(scene: &Scene, light: &Light, rays: usize, key: [u32; 2]) -> Self {
+        if let Light::Own(own) = light {
+            return Self::new(scene, &own.described, rays, key);
+        }
         let (axis, height, points) = match *light {
             Light::Point { .. } | Light::Sphere { .. } => (Vec3::Y, 2.0, 1),
             Light::Spot { direction, outer_angle, .. } => (direction, cap_height(outer_angle), 1),
@@ -49,7 +52,7 @@ impl FirstHits {
             Light::Area(area) => (area.normal(), 1.0, SPREAD_POINTS),
             Light::Mesh(_) => (Vec3::Y, 2.0, SPREAD_POINTS),
             // From everywhere, or by no shadow rays.
-            Light::Sun(_) | Light::Sky(_) | Light::Glow(_) => (Vec3::Y, 2.0, 0),
+            Light::Sun(_) | Light::Sky(_) | Light::Glow(_) | Light::Own(_) => (Vec3::Y, 2.0, 0),
         };
         let (across, aside) = axis.any_orthonormal_pair();
         let side = ((rays as f32 / (points.max(1) as f32 * FRAC_PI_4)).sqrt() as u32).max(1);

@@ -4,6 +4,7 @@ use super::area::Area;
 use super::glow::GlowingFog;
 use super::lamp::Lamp;
 use super::mesh::ShiningMesh;
+use super::own::OwnLight;
 use super::sky::Sky;
 use super::sun::Sun;
 use glam::Vec3;
@@ -74,4 +75,6 @@ pub enum Light {
     Sky(Sky),
     /// A medium that glows.
     Glow(GlowingFog),
+    /// One of a host's own.
+    Own(OwnLight),
 }

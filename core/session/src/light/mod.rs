@@ -9,6 +9,7 @@ mod glow;
 pub mod kinds;
 mod lamp;
 mod mesh;
+mod own;
 mod patch;
 mod pattern;
 mod rays;
@@ -27,6 +28,7 @@ pub use glow::GlowingFog;
 pub use kinds::Light;
 pub use lamp::Lamp;
 pub use mesh::ShiningMesh;
+pub use own::OwnLight;
 pub use pattern::Pattern;
 pub use rays::EmittedPhoton;
 pub(crate) use rays::Meetings;
@@ -63,6 +65,7 @@ impl Light {
             Light::Mesh(ref mesh) => mesh.flux(),
             Light::Sky(ref sky) => sky.flux(),
             Light::Glow(ref fog) => fog.flux(),
+            Light::Own(ref own) => own.described.flux(),
         }
     }
 
@@ -81,6 +84,7 @@ impl Light {
             Light::Mesh(ref mesh) => mesh.position(),
             Light::Sky(ref sky) => sky.position(),
             Light::Glow(ref fog) => fog.position(),
+            Light::Own(ref own) => own.described.position(),
         }
     }
 
@@ -91,7 +95,10 @@ impl Light {
 
     /// Whether its light comes from infinitely far away.
     pub(crate) fn is_far(&self) -> bool {
-        matches!(self, Light::Sun(_) | Light::Sky(_))
+        match self {
+            Light::Own(own) => own.described.is_far(),
+            light => matches!(light, Light::Sun(_) | Light::Sky(_)),
+        }
     }
 
     /// A box that a scene's own must hold: of what is infinitely far away, what it shines on.
@@ -103,6 +110,7 @@ impl Light {
             Light::Mesh(mesh) => mesh.bounds(),
             Light::Sky(sky) => sky.bounds(),
             Light::Glow(fog) => fog.bounds(),
+            Light::Own(own) => own.described.bounds(),
             _ => (self.position(), self.position()),
         }
     }
@@ -124,6 +132,7 @@ impl Light {
             Light::Sky(ref sky) => sky.may_have_sent(origin),
             // Its light counts as scattered.
             Light::Glow(_) => false,
+            Light::Own(ref own) => own.described.may_have_sent(origin, direction),
         }
     }
 
@@ -181,6 +190,7 @@ impl Light {
             Light::Mesh(ref mesh) => mesh.emit_at([a, b], sampler),
             Light::Sky(ref sky) => sky.emit_at([a, b], sampler),
             Light::Glow(ref fog) => fog.emit_at([a, b], sampler),
+            Light::Own(ref own) => own.emit_at([a, b], sampler),
         }
     }
 
@@ -209,6 +219,7 @@ impl Light {
             Light::Mesh(ref mesh) => mesh.light_field(photon.direction, photon.normal),
             Light::Sky(ref sky) => sky.light_field(photon.direction),
             Light::Glow(ref fog) => fog.light_field(photon.direction),
+            Light::Own(ref own) => own.light_field(photon),
         }
     }
 
@@ -244,6 +255,7 @@ impl Light {
             Light::Mesh(ref mesh) => mesh.flux_density(point, xi),
             Light::Sky(ref sky) => sky.flux_density(point, xi),
             Light::Glow(ref fog) => (Vec3::ZERO, fog.position()),
+            Light::Own(ref own) => own.flux_density(point, xi),
         }
     }
 
@@ -254,6 +266,7 @@ impl Light {
             Light::Lamp(ref lamp) => lamp.expected(point),
             Light::Area(area) => area.expected(point),
             Light::Mesh(ref mesh) => mesh.expected(point),
+            Light::Own(ref own) => own.expected(point),
             // All their points send the same, about.
             _ => self.flux_density(point, [0.0; 2]),
         }
@@ -282,6 +295,7 @@ impl Light {
             Light::Area(area) => area.lit_stretch(o, d, [from, to]),
             Light::Mesh(_) | Light::Sky(_) => (from < to).then_some((from, to)),
             Light::Glow(_) => None,
+            Light::Own(ref own) => own.described.lit_stretch(origin, direction, from, to),
         }
     }
 
@@ -313,6 +327,7 @@ impl Light {
             Light::Area(area) => area.met(o, d),
             Light::Mesh(ref mesh) => return mesh.met(o, d, ends, found),
             Light::Sky(ref sky) => Some((f64::INFINITY, sky.seen_along(direction))),
+            Light::Own(ref own) => return own.described.met(origin, direction, ends, found),
         };
         let is_there = |(distance, radiance): &(f64, Vec3)| {
             *distance > ends[0] && *distance <= ends[1] && *radiance != Vec3::ZERO
@@ -331,6 +346,7 @@ impl Light {
             Light::Sky(ref sky) => Some(sky.brightest()),
             Light::Sun(sun) => (sun.angle > 0.0).then(|| sun.radiance()),
             Light::Point { .. } | Light::Spot { .. } | Light::Lamp(_) | Light::Glow(_) => None,
+            Light::Own(ref own) => own.described.brightest(),
         }
     }
 
@@ -349,6 +365,7 @@ impl Light {
             Light::Sphere { center, radius, .. } => Some(wide(Shape::Sphere { center, radius }.bounds())),
             Light::Area(area) => Some(wide(area.bounds())),
             Light::Mesh(ref mesh) => Some(wide(mesh.bounds())),
+            Light::Own(ref own) => own.described.extent(),
             _ => None,
         }
     }
@@ -389,6 +406,7 @@ impl Light {
             Light::Mesh(ref mesh) => return mesh.middle(),
             Light::Sky(ref sky) => return sky.middle(),
             Light::Glow(ref fog) => fog.softening(),
+            Light::Own(ref own) => return own.described.middle(),
         };
         (self.position(), softening)
     }
@@ -398,6 +416,7 @@ impl Light {
         let angle = match *self {
             Light::Spot { outer_angle, .. } => outer_angle,
             Light::Lamp(Lamp { cone: Some(cone), .. }) => cone.cosine.clamp(-1.0, 1.0).acos(),
+            Light::Own(ref own) => return own.described.half_angle_of_point(),
             _ => PI,
         };
         (!self.has_size()).then_some(angle)
@@ -408,6 +427,7 @@ impl Light {
         match self {
             Light::Point { .. } | Light::Spot { .. } => false,
             Light::Lamp(lamp) => lamp.has_size(),
+            Light::Own(own) => own.described.has_size(),
             _ => true,
         }
     }

@@ -25,12 +25,14 @@ pub struct EmittedPhoton {
     pub dark: f32,
     /// And how far along its way its light ends, > 0; infinity: nowhere.
     pub until: f32,
+    /// Of lights of a host: how large it looks from along its way, and its angular variance.
+    pub(super) bandwidth: [f32; 2],
 }
 
 impl EmittedPhoton {
     /// A photon whose light is all along its way.
     pub(super) fn new(origin: Vec3, direction: Vec3, power: Vec3, normal: Vec3) -> Self {
-        Self { origin, direction, power, normal, dark: 0.0, until: f32::INFINITY }
+        Self { origin, direction, power, normal, dark: 0.0, until: f32::INFINITY, bandwidth: [0.0; 2] }
     }
 }
 

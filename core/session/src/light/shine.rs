@@ -61,6 +61,7 @@ impl Light {
                 angle: area.spread.min(FRAC_PI_2),
                 ..flat(area.normal(), 0.5 * (area.edge_u.length() + area.edge_v.length()))
             },
+            Self::Own(ref own) => own.described.shine(),
             Self::Mesh(ref mesh) => {
                 let (min, max) = mesh.bounds();
                 even(0.5 * (max - min).length())

@@ -58,6 +58,20 @@ pub struct Lobes {
     /// Whether light that facets hide from each other goes on all the same, as if they did not, which is about what is left of it after many of
     /// them (Blender's *multiple scattering*); else it is lost.
     pub multiscatter: bool,
+    /// What a host is asked for at each hit.
+    pub asks: Asks,
+}
+
+/// What a host that keeps its own geometry is asked for where a material is met.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Asks {
+    /// Nothing: the material is the same everywhere.
+    #[default]
+    Nothing,
+    /// Which lobes there are at the hit: [`HostScene::lobes`](crate::host::HostScene::lobes).
+    Lobes,
+    /// That, and the ways on, which a scattering function of the host's draws: [`HostScene::ways`](crate::host::HostScene::ways).
+    Ways,
 }
 
 impl Lobes {
@@ -74,6 +88,7 @@ impl Lobes {
         index: 1.5,
         alpha: 0.0,
         multiscatter: false,
+        asks: Asks::Nothing,
     };
 
     /// Most light, per channel, that all of them together may send on.
@@ -110,6 +125,9 @@ impl Material {
     pub fn of_lobes(mut lobes: Lobes) -> Self {
         if lobes.alpha < SMOOTH {
             lobes.alpha = 0.0;
+        }
+        if lobes.asks != Asks::Nothing {
+            return Self::Lobes(lobes);
         }
         let Lobes { diffuse, metal, edge, index, alpha, multiscatter, .. } = lobes;
         let alone = |of: Lobes| lobes == Lobes { index, alpha, multiscatter, ..of };

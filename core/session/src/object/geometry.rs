@@ -1,38 +1,15 @@
 //! Geometry of placed objects: meshes that were built here, or that of a host which keeps its own.
 
+use crate::host::Host;
 use covbeam::Curvature;
 use covbeam_geometry::hit::Hit;
 use covbeam_geometry::instances::{InstanceHit, Instances};
 use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
-use std::fmt;
 use std::sync::Arc;
-
-/// How far the squared length of a unit normal may be from 1.
-const UNIT: f32 = 1e-3;
 
 /// Surfaces that one way is followed through at most.
 pub(crate) const MOST_SURFACES: usize = 512;
-
-/// Where rays meet the surfaces of a host that keeps its own geometry. Asked from many threads at once; the same question must get the same
-/// answer, or pictures depend on luck. What it says is checked: a hit that is out of reach or has numbers that mean nothing is none, and a
-/// way that meets more than 512 surfaces ends there, so that no answer makes a NaN or a pass without end.
-pub trait HostGeometry: fmt::Debug + Send + Sync {
-    /// Lower and upper corner of a box around all of it \[scene unit\].
-    fn bounds(&self) -> (Vec3, Vec3);
-
-    /// The nearest surface at a distance in (0, `reach`), from either side; `direction` is unit. Objects of glass and such that fog fills must
-    /// be met each time that their inside is entered and left.
-    ///
-    /// Of the hit: [`Hit::object`] and [`Hit::material`] are numbers of what the scene has of them, counted from 0; [`Hit::offset`] is more than
-    /// rounding can have moved `position`: some 4 ulps of the largest coordinate; curvature 0 makes light fields see the surface as flat.
-    fn cast(&self, origin: DVec3, direction: DVec3, reach: f64) -> Option<Hit>;
-
-    /// Whether anything is met at a distance in (0, `reach`); None: see what [`HostGeometry::cast`] finds.
-    fn is_blocked(&self, _origin: DVec3, _direction: DVec3, _reach: f64) -> Option<bool> {
-        None
-    }
-}
 
 /// Where rays meet placed objects.
 #[derive(Clone, Debug)]
@@ -41,16 +18,6 @@ pub enum Surfaces {
     Built(Arc<Instances>),
     /// Whatever a host has.
     Host(Host),
-}
-
-/// Geometry of a host, and the numbers that its hits may bear.
-#[derive(Clone, Debug)]
-pub struct Host {
-    geometry: Arc<dyn HostGeometry>,
-    /// Below this.
-    objects: usize,
-    /// And below this.
-    materials: usize,
 }
 
 /// How hits on meshes are described.
@@ -70,10 +37,7 @@ impl Surfaces {
     pub(crate) fn bounds(&self) -> Option<(Vec3, Vec3)> {
         match self {
             Self::Built(instances) => (!instances.is_empty()).then(|| instances.bounds()),
-            Self::Host(host) => {
-                let (min, max) = host.geometry.bounds();
-                (min.is_finite() && max.is_finite() && min.cmple(max).all()).then_some((min, max))
-            }
+            Self::Host(host) => host.bounds(),
         }
     }
 
@@ -102,10 +66,7 @@ impl Surfaces {
     pub(crate) fn is_blocked(&self, (origin, direction): (DVec3, DVec3), reach: f64) -> bool {
         match self {
             Self::Built(instances) => instances.occluded(origin, direction, reach),
-            Self::Host(host) => {
-                let blocked = host.geometry.is_blocked(origin, direction, reach);
-                blocked.unwrap_or_else(|| host.cast(origin, direction, reach).is_some())
-            }
+            Self::Host(host) => host.is_blocked(origin, direction, reach),
         }
     }
 
@@ -158,36 +119,4 @@ fn flat(hit: Hit) -> Hit {
     let tangent = hit.geometric_normal.any_orthonormal_vector();
     let curvature = Curvature { tangent, along: 0.0, across: 0.0, twist: 0.0 };
     Hit { normal: hit.geometric_normal, curvature, ..hit }
-}
-
-impl Host {
-    /// - `objects`, `materials`: how many numbers of each hits may bear.
-    pub(crate) fn new(geometry: Arc<dyn HostGeometry>, objects: usize, materials: usize) -> Self {
-        Self { geometry, objects, materials }
-    }
-
-    /// What the host finds, if it can be a hit.
-    fn cast(&self, origin: DVec3, direction: DVec3, reach: f64) -> Option<Hit> {
-        let hit = self.geometry.cast(origin, direction, reach)?;
-        let is_unit = |normal: Vec3| (normal.length_squared() - 1.0).abs() <= UNIT;
-        let curvature = hit.curvature;
-        let numbers =
-            [curvature.along, curvature.across, curvature.twist, curvature.tangent.length_squared()];
-        let is_sound = hit.distance > 0.0
-            && f64::from(hit.distance) < reach
-            && hit.distance.is_finite()
-            && hit.position.is_finite()
-            && is_unit(hit.geometric_normal)
-            && is_unit(hit.normal)
-            && hit.normal.dot(hit.geometric_normal) >= 0.0
-            && numbers.iter().all(|number| number.is_finite())
-            && hit.offset >= 0.0
-            && hit.offset.is_finite()
-            && (hit.object as usize) < self.objects
-            && (hit.material as usize) < self.materials;
-        let least = f32::EPSILON * origin.abs().max_element() as f32;
-        // One that does not move off the surface would be met again and again.
-        let offset = if hit.offset > 0.0 { hit.offset } else { least.max(f32::MIN_POSITIVE) };
-        is_sound.then_some(Hit { offset, ..hit })
-    }
 }

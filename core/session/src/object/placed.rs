@@ -1,12 +1,14 @@
 //! Many meshes placed by transforms under one hierarchy, with a material a triangle, and what fills them.
 
-use crate::material::Material;
+use crate::host::Host;
+use crate::material::{Asks, Material};
 use crate::medium::fogs::AddedFogs;
 use crate::object::geometry::{MOST_SURFACES, Shading, Surfaces};
 use covbeam_geometry::hit::Hit;
 use covbeam_geometry::instances::Instances;
 use covbeam_geometry::shape::unite;
 use glam::Vec3;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Along which a way out of what a place is inside of is looked for: unit, and no two of its parts are related to each other or to those of a
@@ -234,9 +236,29 @@ impl Placed {
         self.surfaces.nearest(way, max_distance.into(), Shading::Flat)
     }
 
-    /// What was hit, if its number is counted among the placed objects.
+    /// What was hit, as it is described.
     pub(crate) fn material(&self, hit: &Hit) -> &Material {
         &self.materials[hit.material as usize]
+    }
+
+    /// What was hit, as it is there.
+    ///
+    /// - `object`: counted among the placed ones.
+    pub(crate) fn material_at(&self, hit: &Hit, object: u32) -> Cow<'_, Material> {
+        match (self.material(hit), self.host()) {
+            (Material::Lobes(lobes), Some(host)) if lobes.asks != Asks::Nothing => {
+                Cow::Owned(host.material(&Hit { object, ..*hit }, lobes))
+            }
+            (material, _) => Cow::Borrowed(material),
+        }
+    }
+
+    /// Whose geometry it is; None: it was built here.
+    pub(crate) fn host(&self) -> Option<&Host> {
+        match &self.surfaces {
+            Surfaces::Built(_) => None,
+            Surfaces::Host(host) => Some(host),
+        }
     }
 }
 

@@ -48,7 +48,7 @@ impl Transport<'_> {
         out: &mut PhotonRecord,
     ) -> Ways<'h> {
         let is_lit = photon.is_lit(hit.distance);
-        match *self.scene.material(hit) {
+        match *self.scene.material_at(hit) {
             Material::Clear => {
                 photon.go_straight_on(self.scene, hit);
                 Ways::Straight
@@ -124,7 +124,7 @@ impl Transport<'_> {
         let is_lit = photon.is_lit(hit.distance);
         let xi = sampler.uniform_pair();
         let met = Encounter::new(self.scene, hit, photon.direction, &photon.interior, lobes, xi);
-        if is_lit && lobes.diffuse.max(lobes.translucent) != Vec3::ZERO {
+        if is_lit && met.is_diffuse() {
             photon.arrive(self.scene, hit, met.normal, record, out);
         }
         if is_lit && record == Record::Connections {

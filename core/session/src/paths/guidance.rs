@@ -118,7 +118,7 @@ impl LampEmission {
 fn of_arrival(scene: &Scene, importance: &Importance, hit: &Hit, may_bounce: bool) -> f32 {
     let here = importance.at(hit.position);
     let beyond = if may_bounce { here.scattered } else { 0.0 };
-    match *scene.material(hit) {
+    match *scene.material_at(hit) {
         Material::Black => 0.0,
         Material::Clear => beyond,
         Material::Lambert { albedo } => of_diffuse(albedo, &here, false, may_bounce),

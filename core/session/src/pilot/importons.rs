@@ -259,7 +259,7 @@ impl Walker<'_> {
     /// Meets a surface, where the camera may see it; whether the path goes on, along a direction of its own.
     fn meet(&self, importon: &mut Importon, hit: &Hit, walk: &mut Walk) -> bool {
         let channel = self.channel;
-        match *self.scene.material(hit) {
+        match *self.scene.material_at(hit) {
             Material::Black => return false,
             Material::Clear => {
                 importon.interior = importon.interior.through(self.scene, hit, importon.direction)

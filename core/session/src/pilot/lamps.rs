@@ -180,7 +180,7 @@ impl<'a> Lamp<'a> {
 
     /// Of a ray's light that arrives on a surface, what is worth anything where it is scattered diffusely.
     fn of_surface(&self, ray: &Ray, hit: &Hit) -> f32 {
-        let albedo = match *self.scene.material(hit) {
+        let albedo = match *self.scene.material_at(hit) {
             Material::Lambert { albedo } => albedo,
             Material::Lobes(ref lobes) => lobes.diffuse + lobes.translucent,
             _ => return 0.0,
@@ -196,8 +196,8 @@ impl<'a> Lamp<'a> {
     fn ways(&self, mut ray: Ray, hit: &Hit, all: f32, random: &mut Random) -> [Option<Ray>; 2] {
         let is_lit = hit.distance >= ray.dark;
         let mut goes_straight = false;
-        let material = self.scene.material(hit);
-        match material {
+        let material = self.scene.material_at(hit);
+        match *material {
             Material::Clear => ray.bounds += 1,
             _ => ray.met += 1,
         }

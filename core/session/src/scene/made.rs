@@ -27,6 +27,7 @@ pub(crate) fn camera(position: [f32; 3], look_at: [f32; 3], fov: f32, [width, he
         height,
         near: 0.0,
         lens: None,
+        is_own: false,
     }
 }
 

@@ -12,7 +12,7 @@ use glam::Vec3;
 
 /// What a ray is inside of behind a surface that does nothing but bound media, through which all light goes straight on; None: another one.
 pub(crate) fn clear(scene: &Scene, hit: &Hit, direction: Vec3, interior: &Interior) -> Option<Interior> {
-    match *scene.material(hit) {
+    match *scene.material_at(hit) {
         Material::Dielectric { .. } => {
             let boundary = Boundary::new(scene, hit, direction, interior);
             boundary.is_matched().then_some(boundary.beyond)
@@ -57,7 +57,7 @@ pub(crate) fn passage(scene: &Scene, fogs: &[Medium], mut interior: Interior, fr
         let Some(hit) = hit.filter(|hit| !hit.lies_in_plane(to)) else {
             return left * through(&interior, start, to);
         };
-        let (share, beyond) = match *scene.material(&hit) {
+        let (share, beyond) = match *scene.material_at(&hit) {
             Material::Dielectric { .. } => {
                 let boundary = Boundary::new(scene, &hit, direction, &interior);
                 if !boundary.is_matched() {
@@ -104,7 +104,7 @@ fn among_placed(
             continue;
         }
         (last, again) = (hit.object, hit.distance + hit.offset);
-        left *= placed.material(&hit).transparent() * through(&interior, start, hit.position);
+        left *= placed.material_at(&hit, hit.object).transparent() * through(&interior, start, hit.position);
         interior = interior.through(scene, &hit, along.as_vec3());
         start = hit.position;
     }

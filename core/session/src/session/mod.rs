@@ -45,7 +45,7 @@ impl Session {
         let kinds = options.settings.layers == Layers::EachKind;
         state::check_memory(&instants[0], options.settings.photons, kinds)?;
         let (size, settings) = ([camera.width, camera.height], options.settings);
-        let pool = work::threads::pool(options.threads)?;
+        let pool = work::threads::pool(options.threads, options.spawn.as_ref())?;
         let (orders, received) = channel();
         let shared = Arc::<Shared>::default();
         let scenes = instants.iter().map(|scene| scene.as_ref().clone()).collect();

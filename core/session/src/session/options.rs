@@ -3,6 +3,7 @@
 use super::sums::Identity;
 use crate::pilot::defaults::Given;
 use crate::settings::{Method, Settings};
+use crate::work::threads::Spawn;
 
 /// How a session renders. The default is covbeam's method with what the scene asks for.
 #[derive(Clone, Debug)]
@@ -17,11 +18,13 @@ pub struct Options {
     pub identity: Identity,
     /// Threads; 0 = one a core. Results do not depend on it.
     pub threads: u32,
+    /// Who starts them; None: they are native threads of the library's.
+    pub spawn: Option<Spawn>,
 }
 
 impl Default for Options {
     fn default() -> Self {
         let (given, settings) = (Some(Given::default()), Settings::of(Method::Covbeam, 0, 0));
-        Self { given, settings, first_pass: 0, identity: Identity::default(), threads: 0 }
+        Self { given, settings, first_pass: 0, identity: Identity::default(), threads: 0, spawn: None }
     }
 }

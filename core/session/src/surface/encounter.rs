@@ -1,17 +1,20 @@
 //! Light at a surface of several lobes: how much each takes, where it sends it, and how much goes into a given direction.
 
 mod lobe;
+mod own;
 
 pub(crate) use lobe::Lobe;
 
+use crate::host::Host;
 use crate::light::cosine_direction;
-use crate::material::{FOCUSING, Lobes, microfacet};
+use crate::material::{Asks, FOCUSING, Lobes, microfacet};
 use crate::scene::Scene;
 use crate::scene::optics::{Interior, curvature_towards, facing_normal, reflect, refract};
 use covbeam::{Curvature, LightField};
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 use lobe::{coat, metal};
+use own::OwnWays;
 use std::f32::consts::{FRAC_1_PI, FRAC_1_SQRT_2, TAU};
 
 /// A way on from a surface.
@@ -44,6 +47,8 @@ pub(crate) struct Encounter<'a> {
     interiors: [Interior; 3],
     /// Of all lobes, in their order.
     factors: [Vec3; 7],
+    /// Of a host's own scattering function: where it sends reflected and refracted light.
+    own: Option<OwnWays>,
 }
 
 impl<'a> Encounter<'a> {
@@ -68,16 +73,26 @@ impl<'a> Encounter<'a> {
         let eta = interior.eta(scene, hit, direction, &beyond);
         let straight_eta = if scene.placed_hit(hit).is_some() { 1.0 } else { eta };
         let (reflectance, refracted) = refract(direction, facet, eta);
-        let factors = [
-            lobes.transparent,
-            lobes.diffuse
-                * (Vec3::ONE - coat(lobes, direction, if lobes.multiscatter { facet } else { normal })),
-            lobes.translucent,
-            metal(lobes, direction, facet),
-            coat(lobes, direction, facet),
-            lobes.glass_reflection * reflectance,
-            lobes.glass_transmission * (1.0 - reflectance),
-        ];
+        let of_lobes = || {
+            [
+                lobes.transparent,
+                lobes.diffuse
+                    * (Vec3::ONE - coat(lobes, direction, if lobes.multiscatter { facet } else { normal })),
+                lobes.translucent,
+                metal(lobes, direction, facet),
+                coat(lobes, direction, facet),
+                lobes.glass_reflection * reflectance,
+                lobes.glass_transmission * (1.0 - reflectance),
+            ]
+        };
+        let (factors, own) = match own_host(scene, hit, lobes) {
+            Some((host, hit)) => {
+                let ways = host.ways(&hit, direction, xi, Vec3::ONE - lobes.transparent);
+                let (factors, own) = OwnWays::sorted(lobes.transparent, &ways);
+                (factors, Some(own))
+            }
+            None => (of_lobes(), None),
+        };
         Self {
             lobes,
             direction,
@@ -89,12 +104,26 @@ impl<'a> Encounter<'a> {
             straight_eta,
             interiors: [*interior, through, beyond],
             factors,
+            own,
         }
     }
 
-    /// Whether light of lamps that arrives on this side leaves it in other directions than sharp ones.
+    /// Whether light of lamps that arrives on this side leaves it in other directions than sharp ones, as is known of all.
     pub(crate) fn is_rough(&self) -> bool {
-        self.lobes.is_rough()
+        self.own.is_none() && self.lobes.is_rough()
+    }
+
+    /// Whether a way is one of many that only a host knows.
+    pub(crate) fn is_drawn(&self, lobe: Lobe) -> bool {
+        self.own.is_some_and(|own| !lobe.is_diffuse() && own.is_rough(lobe))
+    }
+
+    /// Whether any light leaves it diffusely.
+    pub(crate) fn is_diffuse(&self) -> bool {
+        match self.own {
+            Some(_) => self.diffuse() != [Vec3::ZERO; 2],
+            None => self.lobes.diffuse.max(self.lobes.translucent) != Vec3::ZERO,
+        }
     }
 
     /// What light that comes through the surface diffusely is inside of before.
@@ -164,8 +193,11 @@ impl<'a> Encounter<'a> {
             Lobe::Transparent => self.direction,
             Lobe::Diffuse => cosine_direction(self.normal, xi),
             Lobe::Translucent => cosine_direction(-self.normal, xi),
-            Lobe::Metal | Lobe::Coat | Lobe::GlassReflection => reflect(self.direction, self.facet),
-            Lobe::GlassTransmission => self.refracted?,
+            lobe => match &self.own {
+                Some(own) => own.direction(lobe),
+                None if lobe == Lobe::GlassTransmission => self.refracted?,
+                None => reflect(self.direction, self.facet),
+            },
         };
         let side = if lobe.crosses() { -1.0 } else { 1.0 };
         let is_facet = !(lobe == Lobe::Transparent || lobe.is_diffuse());
@@ -183,7 +215,7 @@ impl<'a> Encounter<'a> {
 
     /// Share of the facet's light that no other facet is in the way of, by the cosine at which it leaves.
     fn seen(&self, cosine: f32) -> f32 {
-        if !self.lobes.is_rough() || self.lobes.multiscatter {
+        if !self.is_rough() || self.lobes.multiscatter {
             return 1.0;
         }
         let cos_in = (-self.direction.dot(self.normal)).clamp(1e-6, 1.0);
@@ -209,7 +241,7 @@ impl<'a> Encounter<'a> {
     /// Of it, what rough lobes reflect.
     pub(crate) fn glossy_towards(&self, out: Vec3) -> Vec3 {
         let (lobes, cos_out, cos_in) = (self.lobes, out.dot(self.normal), -self.direction.dot(self.normal));
-        if !(lobes.is_rough() && cos_in > 0.0 && cos_out > 0.0) {
+        if !(self.is_rough() && cos_in > 0.0 && cos_out > 0.0) {
             return Vec3::ZERO;
         }
         let seen = |cos_out: f32| microfacet::seen_by_both(cos_in.min(1.0), cos_out.min(1.0), lobes.alpha);
@@ -230,14 +262,23 @@ impl<'a> Encounter<'a> {
 
     /// Whether light keeps its directions well enough on a way to make caustics.
     pub(crate) fn keeps_focus(&self, lobe: Lobe) -> bool {
-        lobe == Lobe::Transparent || !(lobe.is_diffuse() || self.lobes.alpha > FOCUSING)
+        match (lobe, &self.own) {
+            (Lobe::Transparent, _) => true,
+            (Lobe::Diffuse | Lobe::Translucent, _) => false,
+            (_, Some(own)) => own.keeps_focus(lobe),
+            (_, None) => self.lobes.alpha <= FOCUSING,
+        }
     }
 
     /// What a way makes of a light field.
     ///
     /// - `curves`: whether the surface's curvature counts.
     pub(crate) fn turn(&self, field: &mut LightField, hit: &Hit, way: &Way, curves: bool) {
-        let curvature = if curves { curvature_towards(hit, self.facet) } else { Curvature::default() };
+        let curvature = |facet| if curves { curvature_towards(hit, facet) } else { Curvature::default() };
+        if let Some(own) = self.own.filter(|_| !(way.lobe == Lobe::Transparent || way.lobe.is_diffuse())) {
+            return own.turn(field, way.lobe, (self.direction, self.normal), curvature, self.eta);
+        }
+        let curvature = curvature(self.facet);
         // How far light turns with a facet.
         let turns = match way.lobe {
             Lobe::Transparent => return,
@@ -251,12 +292,21 @@ impl<'a> Encounter<'a> {
                 2.0
             }
         };
-        if self.lobes.is_rough() {
+        if self.is_rough() {
             // A facet turns by α/√2 along each axis.
             let deviation = (turns * self.lobes.alpha * FRAC_1_SQRT_2).max(1e-3);
             field.scatter(way.direction, (TAU * deviation).powi(-2));
         }
     }
+}
+
+/// The host whose scattering function a surface has, and the hit as it knows it.
+fn own_host<'s>(scene: &'s Scene, hit: &Hit, lobes: &Lobes) -> Option<(&'s Host, Hit)> {
+    if lobes.asks != Asks::Ways {
+        return None;
+    }
+    let (placed, object) = scene.placed_hit(hit)?;
+    Some((placed.host()?, Hit { object, ..*hit }))
 }
 
 #[cfg(test)]

@@ -30,6 +30,7 @@ impl Meshes {
             curvature: surface.curvature,
             object: 0,
             material: 0,
+            mark: [0; 3],
             offset: 4.0 * (rounding + mesh.position_error()),
         })
     }

@@ -7,7 +7,7 @@ use covbeam_geometry::instances::Instances;
 use covbeam_session::describe::geometry::Geometry;
 use covbeam_session::describe::{Description, MaterialFields, ObjectFields};
 use covbeam_session::film::Picture;
-use covbeam_session::object::geometry::HostGeometry;
+use covbeam_session::host::HostScene;
 use covbeam_session::scene::{Scene, Sees};
 use covbeam_session::work::failure::Failure;
 use glam::{DMat4, DVec3, Vec3};
@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 #[derive(Debug)]
 struct Truthful(Arc<Instances>);
 
-impl HostGeometry for Truthful {
+impl HostScene for Truthful {
     fn bounds(&self) -> (Vec3, Vec3) {
         self.0.bounds()
     }
@@ -51,7 +51,7 @@ impl Liar {
     }
 }
 
-impl HostGeometry for Liar {
+impl HostScene for Liar {
     fn bounds(&self) -> (Vec3, Vec3) {
         self.truth.bounds()
     }
@@ -70,6 +70,7 @@ impl HostGeometry for Liar {
             curvature: Default::default(),
             object: 0,
             material: 0,
+            mark: [0; 3],
             offset: 1e-6,
         };
         let hit = hit.unwrap_or(wrong);
@@ -131,7 +132,7 @@ fn described<T>(of: impl FnOnce(&Description) -> T) -> T {
     described_with(MaterialFields { transparent: [1.0; 3], ..BLACK }, of)
 }
 
-fn of_host(geometry: Arc<dyn HostGeometry>) -> Arc<Scene> {
+fn of_host(geometry: Arc<dyn HostScene>) -> Arc<Scene> {
     Arc::new(described(|description| description.scene_of_host(geometry)).expect("valid"))
 }
 
@@ -168,7 +169,7 @@ fn a_host_that_tells_the_truth_has_the_picture_of_its_meshes() {
 fn bounds_that_are_no_box_are_refused() {
     #[derive(Debug)]
     struct Nowhere(Vec3, Vec3);
-    impl HostGeometry for Nowhere {
+    impl HostScene for Nowhere {
         fn bounds(&self) -> (Vec3, Vec3) {
             (self.0, self.1)
         }

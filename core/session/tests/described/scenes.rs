@@ -9,6 +9,7 @@ use covbeam_session::describe::{
     VolumeFields,
 };
 use covbeam_session::film::Picture;
+use covbeam_session::material::Asks;
 use covbeam_session::scene::{Scene, Sees, Shape};
 use covbeam_session::session::{Options, Session};
 use covbeam_session::settings::{Method, Settings};
@@ -31,6 +32,7 @@ pub(crate) const BLACK: MaterialFields = MaterialFields {
     transparent: [0.0; 3],
     ior: 1.5,
     roughness: 0.0,
+    asks: Asks::Nothing,
 };
 
 pub(crate) const GLASS: MaterialFields =
@@ -74,6 +76,7 @@ pub(crate) const LAMP: LightFields = LightFields {
     rows: 0,
     columns: 0,
     is_visible: false,
+    is_own: false,
 };
 
 pub(crate) fn volume(fields: VolumeFields) -> Volume<'static> {

@@ -25,6 +25,7 @@ pub(crate) const CAMERA: CameraFields = CameraFields {
     projection: Projection::Perspective,
     width: 16,
     height: 16,
+    is_own: false,
 };
 
 /// SplitMix64 (Steele, Lea and Flood 2014).

@@ -135,6 +135,7 @@ fn by_hand(lamp: LightFields) -> Scene {
             height: 16,
             near: 0.0,
             lens: None,
+            is_own: false,
         },
         grid: NO_GRID,
         settings: Given::default().settings,

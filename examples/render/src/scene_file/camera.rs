@@ -42,6 +42,7 @@ pub(crate) fn read_camera(table: &Table<'_>) -> Result<Camera, SceneError> {
         field.number("a length in 0..=1e9", |near| (0.0..=MAX_COORDINATE).contains(&near))
     })?;
     Ok(Camera {
+        is_own: false,
         position,
         forward: forward.as_vec3().normalize(),
         right: right.as_vec3().normalize(),

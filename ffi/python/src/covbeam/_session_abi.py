@@ -17,6 +17,7 @@ class Material(ctypes.Structure):
         ("transparent", ctypes.c_float * 3),
         ("ior", ctypes.c_float),
         ("alpha", ctypes.c_float),
+        ("asks", ctypes.c_uint32),
     ]
 
 
@@ -86,6 +87,8 @@ class Light(ctypes.Structure):
         ("triangle_count", ctypes.c_size_t),
         ("triangles", ctypes.c_void_p),
         ("cells", ctypes.c_void_p),
+        ("is_own", ctypes.c_uint32),
+        ("unused", ctypes.c_uint32),
     ]
 
 
@@ -108,6 +111,8 @@ class Camera(ctypes.Structure):
         ("projection", ctypes.c_uint32),
         ("width", ctypes.c_uint32),
         ("height", ctypes.c_uint32),
+        ("is_own", ctypes.c_uint32),
+        ("unused", ctypes.c_uint32),
     ]
 
 
@@ -193,6 +198,80 @@ class HostHit(ctypes.Structure):
         ("twist", ctypes.c_float),
         ("object", ctypes.c_uint32),
         ("material", ctypes.c_uint32),
+        ("mark", ctypes.c_uint32 * 3),
+    ]
+
+
+class HostMeeting(ctypes.Structure):
+    _fields_ = [
+        ("hit", HostHit),
+        ("direction", ctypes.c_float * 3),
+        ("xi", ctypes.c_float * 2),
+    ]
+
+
+class HostWay(ctypes.Structure):
+    _fields_ = [
+        ("factor", ctypes.c_float * 3),
+        ("direction", ctypes.c_float * 3),
+        ("deviation", ctypes.c_float),
+    ]
+
+
+class HostWays(ctypes.Structure):
+    _fields_ = [
+        ("diffuse", ctypes.c_float * 3),
+        ("translucent", ctypes.c_float * 3),
+        ("reflected", HostWay * 3),
+        ("refracted", HostWay),
+    ]
+
+
+class HostDraw(ctypes.Structure):
+    _fields_ = [
+        ("light", ctypes.c_uint32),
+        ("place", ctypes.c_float * 2),
+        ("xi", ctypes.c_float * 2),
+    ]
+
+
+class HostPhoton(ctypes.Structure):
+    _fields_ = [
+        ("origin", ctypes.c_float * 3),
+        ("direction", ctypes.c_float * 3),
+        ("power", ctypes.c_float * 3),
+        ("normal", ctypes.c_float * 3),
+        ("radius", ctypes.c_float),
+        ("angular_variance", ctypes.c_float),
+    ]
+
+
+class HostQuestion(ctypes.Structure):
+    _fields_ = [
+        ("light", ctypes.c_uint32),
+        ("place", ctypes.c_float * 3),
+        ("xi", ctypes.c_float * 2),
+    ]
+
+
+class HostArrival(ctypes.Structure):
+    _fields_ = [
+        ("density", ctypes.c_float * 3),
+        ("from", ctypes.c_float * 3),
+    ]
+
+
+class HostPixel(ctypes.Structure):
+    _fields_ = [
+        ("place", ctypes.c_float * 2),
+        ("lens", ctypes.c_float * 2),
+    ]
+
+
+class HostEyeRay(ctypes.Structure):
+    _fields_ = [
+        ("origin", ctypes.c_float * 3),
+        ("direction", ctypes.c_float * 3),
     ]
 
 
@@ -203,6 +282,11 @@ class Host(ctypes.Structure):
         ("user", ctypes.c_void_p),
         ("cast", ctypes.c_void_p),
         ("blocked", ctypes.c_void_p),
+        ("lobes", ctypes.c_void_p),
+        ("scatter", ctypes.c_void_p),
+        ("emit", ctypes.c_void_p),
+        ("illuminate", ctypes.c_void_p),
+        ("eye", ctypes.c_void_p),
         ("min", ctypes.c_float * 3),
         ("max", ctypes.c_float * 3),
     ]
@@ -224,6 +308,8 @@ class SessionSettings(ctypes.Structure):
         ("every_pixel", ctypes.c_uint32),
         ("radius", ctypes.c_double),
         ("error", ctypes.c_double),
+        ("spawn", ctypes.c_void_p),
+        ("spawn_user", ctypes.c_void_p),
     ]
 
 

@@ -44,6 +44,7 @@ unsafe extern "C" fn cast(
             twist: 0.0,
             object: 0,
             material: 0,
+            mark: [0; 3],
         };
     }
 }
@@ -76,6 +77,11 @@ fn host(cast: covbeam_host_cast) -> covbeam_host {
         user: null_mut(),
         cast,
         blocked: None,
+        lobes: None,
+        scatter: None,
+        emit: None,
+        illuminate: None,
+        eye: None,
         min: [-size; 3],
         max: [size; 3],
     }

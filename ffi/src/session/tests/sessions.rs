@@ -23,6 +23,8 @@ const SETTINGS: covbeam_session_settings = covbeam_session_settings {
     every_pixel: 0,
     radius: 0.0,
     error: 0.0,
+    spawn: None,
+    spawn_user: core::ptr::null_mut(),
 };
 
 /// Fog everywhere, without anything in it.

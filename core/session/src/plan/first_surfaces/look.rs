@@ -49,7 +49,7 @@ impl Look {
         let is_black = !glows
             && shown == Vec3::ZERO
             && lamps_seen != Fill::Uneven
-            && surface.as_ref().is_none_or(|(hit, _)| !scene.shows(scene.material(hit)));
+            && surface.as_ref().is_none_or(|(hit, _)| !scene.shows(&scene.material_at(hit)));
         let surface = surface.filter(|_| scene.shows_surfaces());
         let of_surface =
             surface.map_or(0.0, |(hit, interior)| lit(scene, fogs, lamps, interior, start.direction, &hit));
@@ -89,7 +89,7 @@ fn lit(
     direction: Vec3,
     hit: &Hit,
 ) -> f32 {
-    let albedo = scene.material(hit).diffuse();
+    let albedo = scene.material_at(hit).diffuse();
     if albedo == Vec3::ZERO {
         return 0.0;
     }

@@ -1,0 +1,57 @@
+//! Lights of a host: it says what they send, and a described light that stands for them where that is enough.
+
+use super::kinds::Light;
+use super::rays::{EmittedPhoton, LEAST_EXPECTED};
+use crate::host::Host;
+use crate::random::{PathSampler, spread};
+use covbeam::{EVEN_LAMP, LightField};
+use glam::Vec3;
+
+/// Points of a light that tell what to expect of it.
+const EXPECTED_POINTS: usize = 4;
+
+/// A light of a host.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OwnLight {
+    /// An estimate: where the light is, how much it sends about where, and what is seen of it. It shines wherever the host's does.
+    pub described: Box<Light>,
+    /// Who says what it sends.
+    pub host: Host,
+    /// Its number, as the host knows it.
+    pub number: u32,
+}
+
+impl OwnLight {
+    /// As [`Light::emit_at`].
+    pub(super) fn emit_at(&self, place: [f32; 2], sampler: &mut PathSampler) -> EmittedPhoton {
+        let photon = self.host.emit(self.number, place, sampler.uniform_pair());
+        EmittedPhoton {
+            bandwidth: [photon.radius, photon.angular_variance],
+            ..EmittedPhoton::new(photon.origin, photon.direction, photon.power, photon.normal)
+        }
+    }
+
+    /// As [`Light::light_field`].
+    pub(super) fn light_field(&self, photon: &EmittedPhoton) -> LightField {
+        let [radius, angular] = photon.bandwidth;
+        let angular = angular.max(EVEN_LAMP);
+        match radius == 0.0 {
+            true => LightField::point(photon.direction, angular),
+            false => LightField::disk(photon.direction, photon.direction, radius, angular),
+        }
+    }
+
+    /// As [`Light::flux_density`].
+    pub(super) fn flux_density(&self, point: Vec3, xi: [f32; 2]) -> (Vec3, Vec3) {
+        self.host.illuminate(self.number, point, xi)
+    }
+
+    /// As [`Light::expected`]: the mean of some points, and a little of what is described.
+    pub(super) fn expected(&self, point: Vec3) -> (Vec3, Vec3) {
+        let (described, from) = self.described.expected(point);
+        let points = if self.described.has_size() { EXPECTED_POINTS } else { 1 };
+        let found =
+            (0..points).map(|index| self.flux_density(point, spread([0.5; 2], index)).0).sum::<Vec3>();
+        (found / points as f32 + LEAST_EXPECTED * described, from)
+    }
+}
