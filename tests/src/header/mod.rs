@@ -43,11 +43,12 @@ const SOURCES: [&str; 22] = [
 ];
 
 /// Those of sessions, the same.
-const SESSION_SOURCES: [&str; 8] = [
+const SESSION_SOURCES: [&str; 9] = [
     "session/fields.rs",
     "session/description.rs",
     "session/geometry.rs",
     "session/scene.rs",
+    "session/host/fields.rs",
     "session/host.rs",
     "session/settings.rs",
     "session/render.rs",

@@ -1,9 +1,9 @@
 //! Flat lights whose light may be narrowed by a honeycomb before them.
 
-use super::patch::{FRAC_1_SQRT_PI, diffuse_field, front, lifted};
 use super::rays::{CURVATURE, EmittedPhoton, LEAST_EXPECTED};
+use super::seen::patch::{FRAC_1_SQRT_PI, diffuse_field, front, lifted};
+use super::seen::{disk, patch};
 use super::stretch::{before, in_cone};
-use super::{disk, patch};
 use crate::random::PathSampler;
 use covbeam::LightField;
 use covbeam_geometry::shape::intersect_rectangle;

@@ -4,9 +4,9 @@ use super::area::Area;
 use super::glow::GlowingFog;
 use super::lamp::Lamp;
 use super::mesh::ShiningMesh;
-use super::own::OwnLight;
 use super::sky::Sky;
 use super::sun::Sun;
+use crate::host::Host;
 use glam::Vec3;
 
 /// A light.
@@ -77,4 +77,15 @@ pub enum Light {
     Glow(GlowingFog),
     /// One of a host's own.
     Own(OwnLight),
+}
+
+/// A light of a host.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OwnLight {
+    /// An estimate: where the light is, how much it sends about where, and what is seen of it. It shines wherever the host's does.
+    pub described: Box<Light>,
+    /// Who says what it sends.
+    pub host: Host,
+    /// Its number, as the host knows it.
+    pub number: u32,
 }

@@ -3,8 +3,9 @@
 use super::directions::{across, cap_direction, cone_direction, even_direction};
 use super::pattern::Pattern;
 use super::rays::{EmittedPhoton, LEAST_EXPECTED};
+use super::seen::sphere;
+use super::spot::Cone;
 use super::stretch::in_cone;
-use super::{sphere, spot::Cone};
 use crate::random::{PathSampler, spread};
 use covbeam::{EVEN_LAMP, LightField};
 use glam::{DVec3, Vec3};

@@ -3,10 +3,10 @@
 mod tree;
 
 use super::directions::cosine_direction;
-use super::patch::triangle::SeenTriangle;
-use super::patch::{FRAC_1_SQRT_PI, diffuse_field, lifted};
 use super::rays::EmittedPhoton;
 use super::rays::Meetings;
+use super::seen::patch::triangle::SeenTriangle;
+use super::seen::patch::{FRAC_1_SQRT_PI, diffuse_field, lifted};
 use crate::random::PathSampler;
 use covbeam::LightField;
 use covbeam_geometry::MAX_COORDINATE;

@@ -1,8 +1,7 @@
 //! Lights of a host: it says what they send, and a described light that stands for them where that is enough.
 
-use super::kinds::Light;
+use super::kinds::OwnLight;
 use super::rays::{EmittedPhoton, LEAST_EXPECTED};
-use crate::host::Host;
 use crate::random::{PathSampler, spread};
 use covbeam::{EVEN_LAMP, LightField};
 use glam::Vec3;
@@ -10,19 +9,8 @@ use glam::Vec3;
 /// Points of a light that tell what to expect of it.
 const EXPECTED_POINTS: usize = 4;
 
-/// A light of a host.
-#[derive(Clone, Debug, PartialEq)]
-pub struct OwnLight {
-    /// An estimate: where the light is, how much it sends about where, and what is seen of it. It shines wherever the host's does.
-    pub described: Box<Light>,
-    /// Who says what it sends.
-    pub host: Host,
-    /// Its number, as the host knows it.
-    pub number: u32,
-}
-
 impl OwnLight {
-    /// As [`Light::emit_at`].
+    /// As [`super::Light::emit_at`].
     pub(super) fn emit_at(&self, place: [f32; 2], sampler: &mut PathSampler) -> EmittedPhoton {
         let photon = self.host.emit(self.number, place, sampler.uniform_pair());
         EmittedPhoton {
@@ -31,7 +19,7 @@ impl OwnLight {
         }
     }
 
-    /// As [`Light::light_field`].
+    /// As [`super::Light::light_field`].
     pub(super) fn light_field(&self, photon: &EmittedPhoton) -> LightField {
         let [radius, angular] = photon.bandwidth;
         let angular = angular.max(EVEN_LAMP);
@@ -41,12 +29,12 @@ impl OwnLight {
         }
     }
 
-    /// As [`Light::flux_density`].
+    /// As [`super::Light::flux_density`].
     pub(super) fn flux_density(&self, point: Vec3, xi: [f32; 2]) -> (Vec3, Vec3) {
         self.host.illuminate(self.number, point, xi)
     }
 
-    /// As [`Light::expected`]: the mean of some points, and a little of what is described.
+    /// As [`super::Light::expected`]: the mean of some points, and a little of what is described.
     pub(super) fn expected(&self, point: Vec3) -> (Vec3, Vec3) {
         let (described, from) = self.described.expected(point);
         let points = if self.described.has_size() { EXPECTED_POINTS } else { 1 };

@@ -1,7 +1,7 @@
 //! Where a light shines, and how strongly, in a few numbers: for choosing among many.
 
 use super::kinds::Light;
-use super::patch::front;
+use super::seen::patch::front;
 use crate::color::mean;
 use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, PI};

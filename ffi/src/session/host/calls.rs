@@ -1,8 +1,8 @@
 //! A host's functions, called.
 
-use super::*;
+use super::fields::*;
 use crate::session::description::material;
-use crate::session::fields::covbeam_asks;
+use crate::session::fields::{covbeam_asks, covbeam_material};
 use ::covbeam_geometry::hit::Hit;
 use ::covbeam_session::host::{HostPhoton, HostScene, HostWay, HostWays};
 use ::covbeam_session::scene::Lobes;

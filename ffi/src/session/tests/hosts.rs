@@ -2,7 +2,8 @@
 
 use super::scenes::Given;
 use super::*;
-use crate::session::host::*;
+use crate::session::host::covbeam_scene_new_of_host;
+use crate::session::host::fields::*;
 use crate::session::picture::*;
 use crate::session::render::*;
 use crate::session::scene::{covbeam_scene, covbeam_scene_free};

@@ -310,7 +310,7 @@ fn a_rectangle_is_seen_under_lamberts_vector_and_its_solid_angle() {
         let side = 500;
         for k in 0..side * side {
             let xi = [k % side, k / side].map(|i| (i as f32 + 0.5) / side as f32);
-            let (weight, point) = patch::sample(c, edge_u, edge_v, place.as_vec3(), xi);
+            let (weight, point) = seen::patch::sample(c, edge_u, edge_v, place.as_vec3(), xi);
             let (weight, offset) = (f64::from(weight), point.as_dvec3() - corner);
             let normal = u.cross(v);
             let at = |edge: DVec3, other: DVec3| {

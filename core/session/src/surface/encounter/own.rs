@@ -1,6 +1,6 @@
 //! Ways that a host's own scattering function sends light on.
 
-use super::Lobe;
+use super::lobe::Lobe;
 use crate::host::{HostWay, HostWays};
 use crate::material::FOCUSING;
 use covbeam::{Curvature, LightField};

@@ -1,8 +1,8 @@
 //! Flat patches that shine: which side does, how large they are, their light fields, and where a parallelogram is seen.
 
-pub(super) mod triangle;
+pub(crate) mod triangle;
 
-use crate::light::patch::triangle::SeenTriangle;
+use crate::light::seen::patch::triangle::SeenTriangle;
 use covbeam::LightField;
 use glam::{DVec3, Vec3};
 use std::f32::consts::PI;
@@ -12,7 +12,7 @@ use std::f32::consts::PI;
 const DIFFUSE_ANGULAR_VARIANCE: f32 = 3.0 / (4.0 * PI * PI);
 
 /// Radius of a disk as large as a square, over the square's side.
-pub(super) const FRAC_1_SQRT_PI: f32 = 0.564_189_6;
+pub(crate) const FRAC_1_SQRT_PI: f32 = 0.564_189_6;
 
 /// Light starts this far above patches that may lie on a scene's surfaces, in their sizes.
 const LIFT: f64 = 1e-5;
@@ -22,19 +22,19 @@ const CLEAR: f64 = 1.0 / 1_048_576.0;
 const LEAST_CLEAR: f64 = 2e-9;
 
 /// Unit normal of the side of a parallelogram that shines.
-pub(super) fn front(edge_u: Vec3, edge_v: Vec3) -> Vec3 {
+pub(crate) fn front(edge_u: Vec3, edge_v: Vec3) -> Vec3 {
     edge_u.as_dvec3().cross(edge_v.as_dvec3()).normalize().as_vec3().normalize()
 }
 
 /// Radius of a disk as large as a parallelogram.
-pub(super) fn equal_radius(edge_u: Vec3, edge_v: Vec3) -> f32 {
+pub(crate) fn equal_radius(edge_u: Vec3, edge_v: Vec3) -> f32 {
     FRAC_1_SQRT_PI * edge_u.as_dvec3().cross(edge_v.as_dvec3()).length().sqrt() as f32
 }
 
 /// A place on a patch, moved off it.
 ///
 /// - `size`: of the light; `normal`: unit, to the side that it is moved to.
-pub(super) fn lifted(place: DVec3, size: f64, normal: DVec3) -> Vec3 {
+pub(crate) fn lifted(place: DVec3, size: f64, normal: DVec3) -> Vec3 {
     let clear = (CLEAR * place.abs().max_element()).max(LEAST_CLEAR);
     (place + (LIFT * size + clear) * normal).as_vec3()
 }
@@ -46,12 +46,12 @@ fn halves(corner: Vec3, edge_u: Vec3, edge_v: Vec3, place: Vec3) -> [SeenTriangl
 }
 
 /// Of a parallelogram's front \[sr\].
-pub(super) fn solid_angle(corner: Vec3, edge_u: Vec3, edge_v: Vec3, place: Vec3) -> f32 {
+pub(crate) fn solid_angle(corner: Vec3, edge_u: Vec3, edge_v: Vec3, place: Vec3) -> f32 {
     halves(corner, edge_u, edge_v, place).iter().map(|half| half.solid_angle).sum::<f64>() as f32
 }
 
-/// Draws a point of a parallelogram's front as [`crate::light::disk::sample`] does, to the same bound on what it stands for.
-pub(super) fn sample(corner: Vec3, edge_u: Vec3, edge_v: Vec3, place: Vec3, xi: [f32; 2]) -> (f32, Vec3) {
+/// Draws a point of a parallelogram's front as [`crate::light::seen::disk::sample`] does, to the same bound on what it stands for.
+pub(crate) fn sample(corner: Vec3, edge_u: Vec3, edge_v: Vec3, place: Vec3, xi: [f32; 2]) -> (f32, Vec3) {
     let halves = halves(corner, edge_u, edge_v, place);
     let solid = halves[0].solid_angle + halves[1].solid_angle;
     if !(solid > 0.0) {
@@ -69,7 +69,7 @@ pub(super) fn sample(corner: Vec3, edge_u: Vec3, edge_v: Vec3, place: Vec3, xi: 
 }
 
 /// Of a patch that shines as a Lambert surface.
-pub(super) fn diffuse_field(direction: Vec3, normal: Vec3, radius: f32) -> LightField {
+pub(crate) fn diffuse_field(direction: Vec3, normal: Vec3, radius: f32) -> LightField {
     let mut field = LightField::disk(direction, normal, radius, DIFFUSE_ANGULAR_VARIANCE);
     // Beyond 60° the gradient of cos θ, tan² θ, outweighs the curvature.
     let cos_theta = direction.dot(normal);

@@ -4,7 +4,7 @@ use glam::Vec3;
 use std::f64::consts::TAU;
 
 /// Draws a point of the side of a sphere that a place sees, by solid angle: what it stands for \[sr\], and the point. Places inside: 0.
-pub(super) fn sample(center: Vec3, radius: f32, place: Vec3, xi: [f32; 2]) -> (f32, Vec3) {
+pub(crate) fn sample(center: Vec3, radius: f32, place: Vec3, xi: [f32; 2]) -> (f32, Vec3) {
     let offset = center.as_dvec3() - place.as_dvec3();
     let (distance2, radius2) = (offset.length_squared(), f64::from(radius).powi(2));
     let sin2 = radius2 / distance2;
