@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Meshes behind a host's interface.
 #[derive(Debug)]
-struct Truthful(Arc<Instances>);
+pub(crate) struct Truthful(pub(crate) Arc<Instances>);
 
 impl HostScene for Truthful {
     fn bounds(&self) -> (Vec3, Vec3) {
@@ -95,7 +95,7 @@ impl HostScene for Liar {
 }
 
 /// A ball of glass, one of fog in a bound that bends nothing, and a floor.
-fn meshes() -> Arc<Instances> {
+pub(crate) fn meshes() -> Arc<Instances> {
     let geometry = Geometry::default();
     let ball = icosphere(3);
     let mesh = add(&geometry, &ball, 0, Some(&ball.radial_normals()));
@@ -110,7 +110,7 @@ fn meshes() -> Arc<Instances> {
 }
 
 /// `bound`: what the ball of fog is bounded by.
-fn described_with<T>(bound: MaterialFields, of: impl FnOnce(&Description) -> T) -> T {
+pub(crate) fn described_with<T>(bound: MaterialFields, of: impl FnOnce(&Description) -> T) -> T {
     let grey = MaterialFields { diffuse: [0.5; 3], ..BLACK };
     let object = |volume| ObjectFields { volume, is_closed: true };
     let mut smoke = volume(FOG);
@@ -136,7 +136,7 @@ fn of_host(geometry: Arc<dyn HostScene>) -> Arc<Scene> {
     Arc::new(described(|description| description.scene_of_host(geometry)).expect("valid"))
 }
 
-fn picture(scene: &Arc<Scene>, passes: u32, photons: u32) -> Arc<Picture> {
+pub(crate) fn picture(scene: &Arc<Scene>, passes: u32, photons: u32) -> Arc<Picture> {
     let session = session(scene, options(photons));
     (0..passes).for_each(|_| session.pass(&mut || true).expect("a pass"));
     session.picture(&mut || true).expect("made")

@@ -6,6 +6,7 @@ mod edges;
 mod goals;
 mod hosts;
 mod instances;
+mod own;
 mod scenes;
 mod sessions;
 mod shapes;
