@@ -1,10 +1,23 @@
-//! A call on an array: everything is checked before anything is written, since a host would not look at a
+//! Calls on arrays: everything is checked before anything is written, since a host would not look at a
 //! status an element.
 
 use crate::memory::Outputs;
 use crate::status::Failure;
-use crate::types::{covbeam_light_field, light_field};
-use covbeam_core::LightField;
+
+/// Checks the arguments of every element, then hands them on in their order.
+pub(crate) fn each<A>(
+    count: usize,
+    arguments: impl Fn(usize) -> Result<A, Failure>,
+    mut apply: impl FnMut(usize, A),
+) -> Result<(), Failure> {
+    for i in 0..count {
+        arguments(i)?;
+    }
+    for i in 0..count {
+        apply(i, arguments(i)?);
+    }
+    Ok(())
+}
 
 /// Checks every argument, then writes the results.
 pub(crate) fn write<A, T: Copy>(
@@ -12,29 +25,5 @@ pub(crate) fn write<A, T: Copy>(
     arguments: impl Fn(usize) -> Result<A, Failure>,
     result: impl Fn(A) -> T,
 ) -> Result<(), Failure> {
-    for i in 0..out.count() {
-        arguments(i)?;
-    }
-    for i in 0..out.count() {
-        out.set(i, result(arguments(i)?));
-    }
-    Ok(())
-}
-
-/// Checks every field and every argument, then changes the fields.
-pub(crate) fn update<A>(
-    mut fields: Outputs<covbeam_light_field>,
-    arguments: impl Fn(usize) -> Result<A, Failure>,
-    mut apply: impl FnMut(usize, &mut LightField, A),
-) -> Result<(), Failure> {
-    for i in 0..fields.count() {
-        light_field(fields.get(i))?;
-        arguments(i)?;
-    }
-    for i in 0..fields.count() {
-        let mut field = light_field(fields.get(i))?;
-        apply(i, &mut field, arguments(i)?);
-        fields.set(i, field.into());
-    }
-    Ok(())
+    each(out.count(), arguments, |i, argument| out.set(i, result(argument)))
 }

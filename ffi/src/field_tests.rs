@@ -1,10 +1,16 @@
 //! A message names the element and the field that is wrong, as C does.
 
+use crate::beam::{beam, covbeam_beam};
+use crate::eye_ray::{covbeam_eye_ray, eye_ray};
+use crate::hostile::message;
+use crate::image::spectrum::{covbeam_image_spectrum, image_spectrum};
+use crate::light_field::field::{covbeam_light_field, light_field};
+use crate::light_field::smooth_surface::{covbeam_curvature, curvature};
+use crate::light_path::edge::covbeam_edge;
+use crate::light_path::segment::{covbeam_segment, whole};
 use crate::memory::{Element, Inputs};
-use crate::segment::whole;
-use crate::status::{Failure, covbeam_last_error};
-use crate::types::*;
-use core::ffi::CStr;
+use crate::spectrum::{covbeam_spectrum, spectrum};
+use crate::status::Failure;
 
 /// What is said of the second of three elements.
 fn said<T: Copy, R>(value: T, name: &str, check: fn(Element<T>) -> Result<R, Failure>) -> String {
@@ -12,8 +18,7 @@ fn said<T: Copy, R>(value: T, name: &str, check: fn(Element<T>) -> Result<R, Fai
     // SAFETY: an array of this function's.
     let inputs = unsafe { Inputs::new(array.as_ptr(), size_of::<T>(), 3, name) }.unwrap();
     assert!(check(inputs.get(1)).is_err());
-    // SAFETY: never NULL, and ends with NUL.
-    unsafe { CStr::from_ptr(covbeam_last_error()) }.to_str().unwrap().to_owned()
+    message()
 }
 
 /// For each field: a sound element with a NaN in it, and what the message begins with.

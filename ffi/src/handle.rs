@@ -214,10 +214,14 @@ pub(crate) unsafe fn free<H: Opaque>(handle: *mut H, name: &str) -> covbeam_stat
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::*;
-    use crate::status::covbeam_last_error;
-    use crate::types::covbeam_grid_layout;
-    use core::ffi::CStr;
+    use crate::beam_map::handle::{covbeam_beam_map_clear, covbeam_beam_map_free};
+    use crate::grid::handle::{
+        Grid, covbeam_grid, covbeam_grid_clear, covbeam_grid_free, covbeam_grid_get_layout, covbeam_grid_new,
+    };
+    use crate::grid::look_up::covbeam_grid_resolve;
+    use crate::grid::merge::covbeam_grid_merge;
+    use crate::hostile::message;
+    use crate::voxels::covbeam_grid_layout;
     use core::ptr;
     use std::process::Command;
 
@@ -228,11 +232,6 @@ mod tests {
         // SAFETY: both point to locals.
         assert_eq!(unsafe { covbeam_grid_new(&LAYOUT, &mut grid) }, COVBEAM_OK);
         grid
-    }
-
-    fn message() -> String {
-        // SAFETY: never NULL, and ends with NUL.
-        unsafe { CStr::from_ptr(covbeam_last_error()) }.to_str().unwrap().to_owned()
     }
 
     #[test]
@@ -338,12 +337,12 @@ mod tests {
     fn handles_of_another_kind_and_freed_ones_are_refused() {
         let grid = grid();
         // SAFETY: a live handle of another kind; the call looks at its tag only.
-        let status = unsafe { crate::beam_map::covbeam_beam_map_clear(grid.cast()) };
+        let status = unsafe { covbeam_beam_map_clear(grid.cast()) };
         assert_eq!(status, COVBEAM_INVALID_HANDLE);
         assert_eq!(message(), "map: not a covbeam_beam_map, or freed");
         // SAFETY: a free of the wrong kind is refused by the tag, too; then the right one.
         unsafe {
-            assert_eq!(crate::beam_map::covbeam_beam_map_free(grid.cast()), COVBEAM_INVALID_HANDLE);
+            assert_eq!(covbeam_beam_map_free(grid.cast()), COVBEAM_INVALID_HANDLE);
             assert_eq!(covbeam_grid_clear(grid), COVBEAM_OK);
             assert_eq!([covbeam_grid_free(grid), covbeam_grid_free(ptr::null_mut())], [COVBEAM_OK; 2]);
         }

@@ -1,7 +1,8 @@
 //! For the tests: one bad argument at a time, and what must come of it.
 
-use crate::status::{covbeam_status, covbeam_status::*};
+use crate::status::{covbeam_last_error, covbeam_status, covbeam_status::*};
 use core::cell::Cell;
+use core::ffi::CStr;
 use core::ptr;
 
 /// What outputs hold before a call; no function computes it from the arguments of the tests.
@@ -133,6 +134,12 @@ pub(crate) fn refuses(
             assert!(status == COVBEAM_OK || !touched, "number {i} = {hostile}, {rule:?}");
         }
     }
+}
+
+/// What the thread's latest failure says.
+pub(crate) fn message() -> String {
+    // SAFETY: never NULL, and ends with NUL.
+    unsafe { CStr::from_ptr(covbeam_last_error()) }.to_str().unwrap().to_owned()
 }
 
 /// An element of an array with a stride of its own.

@@ -3,16 +3,36 @@
 //! of the header.
 #![cfg(target_pointer_width = "64")]
 
-use crate::beam_map::covbeam_shade;
-use crate::column::covbeam_column;
-use crate::edges::covbeam_probe;
-use crate::importance::{covbeam_importance_cell, covbeam_segment_importance};
-use crate::kernel::{covbeam_kernel, covbeam_kernel_shape, covbeam_schedule};
-use crate::medium::{covbeam_density_kind, covbeam_medium};
-use crate::status::covbeam_poll;
-use crate::status::covbeam_status;
-use crate::types::*;
+use crate::beam::covbeam_beam;
+use crate::beam_map::shaded::{covbeam_contact, covbeam_shade};
+use crate::eye_ray::{covbeam_eye_ray, covbeam_gathered};
+use crate::film::picture::covbeam_film_pixel;
+use crate::film::rays::covbeam_film_ray;
+use crate::grid::cells::{covbeam_fluence_cell, covbeam_grid_cell};
+use crate::image::filter::covbeam_image_filter;
+use crate::image::spectrum::{covbeam_image_spectrum, covbeam_pixel_step};
+use crate::importance::look_up::{covbeam_importance_cell, covbeam_segment_importance};
+use crate::kernel::options::covbeam_kernel;
+use crate::kernel::schedule::covbeam_schedule;
+use crate::kernel::shape::covbeam_kernel_shape;
+use crate::light_field::field::covbeam_light_field;
+use crate::light_field::smooth_surface::covbeam_curvature;
+use crate::light_path::edge::covbeam_edge;
+use crate::light_path::find_edges::{covbeam_probe, covbeam_probe_hit};
+use crate::light_path::segment::covbeam_segment;
+use crate::march::expected::covbeam_march_expected;
+use crate::march::knots::covbeam_march_knot;
+use crate::march::rounds::covbeam_march_sample;
+use crate::medium::column::covbeam_column;
+use crate::medium::density::covbeam_derivatives;
+use crate::medium::knots::covbeam_knot;
+use crate::medium::options::{covbeam_density_kind, covbeam_medium};
+use crate::medium::phase::{covbeam_phase, covbeam_phase_kind};
+use crate::pair::cross::covbeam_crossing;
+use crate::spectrum::covbeam_spectrum;
+use crate::status::{covbeam_poll, covbeam_status};
 use crate::version::COVBEAM_ABI_VERSION;
+use crate::voxels::covbeam_grid_layout;
 use core::mem::offset_of;
 
 /// `name: size, alignment { field at offset }`

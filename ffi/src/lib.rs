@@ -4,15 +4,16 @@
 //! result; a failure becomes a status and a message (`status`). The headers in `include/` are generated from here, so the docs
 //! of the functions are written for C programmers. Functions work on arrays; lines `@single`, `@kinds` and `@extra` of their
 //! docs are for the program that makes the headers, see `tests/src/header`.
+//!
+//! Here stands what every function needs, and what several rooms have in common; the functions stand in rooms named as
+//! core's.
 #![deny(missing_docs)]
 
 mod arrays;
+mod beam;
 mod beam_map;
 mod check;
-mod column;
-mod density;
-mod edges;
-mod emission;
+mod eye_ray;
 #[cfg(test)]
 mod field_tests;
 mod film;
@@ -25,21 +26,15 @@ mod image;
 mod importance;
 mod kernel;
 mod layout;
-mod light_fields;
+mod light_field;
+mod light_path;
 mod march;
 mod medium;
-mod medium_points;
-mod medium_rays;
 mod memory;
-#[cfg(test)]
-mod overhead;
 mod pair;
-mod phase;
-mod picture;
-mod segment;
 #[cfg(feature = "session")]
 mod session;
 mod spectrum;
 mod status;
-mod types;
 mod version;
+mod voxels;

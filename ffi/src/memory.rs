@@ -135,6 +135,23 @@ impl<'a, T: Copy> Inputs<'a, T> {
         Ok(Self { first, stride, count, name })
     }
 
+    /// Like `new`; none where the array is NULL.
+    ///
+    /// # Safety
+    /// NULL, or readable while this lives.
+    pub(crate) unsafe fn optional(
+        first: *const T,
+        stride: usize,
+        count: usize,
+        name: &'a str,
+    ) -> Result<Option<Self>, Failure> {
+        if first.is_null() {
+            return Ok(None);
+        }
+        // SAFETY: by this function's contract.
+        unsafe { Self::new(first, stride, count, name) }.map(Some)
+    }
+
     #[inline(always)]
     pub(crate) fn get(&self, index: usize) -> Element<'a, T> {
         assert!(index < self.count);
@@ -175,6 +192,15 @@ impl<'a, T: Copy> Element<'a, T> {
     /// A parameter that is no array.
     pub(crate) fn single(value: T, name: &'a str) -> Self {
         Self { value, place: Place { name, ..Place::default() } }
+    }
+
+    /// A parameter that is a pointer to one value.
+    ///
+    /// # Safety
+    /// NULL, or readable.
+    pub(crate) unsafe fn read(pointer: *const T, name: &'a str) -> Result<Self, Failure> {
+        // SAFETY: by this function's contract.
+        Ok(Self::single(unsafe { read(pointer, name) }?, name))
     }
 
     /// A part of this element, under the same name.
@@ -311,3 +337,15 @@ macro_rules! outputs {
     };
 }
 pub(crate) use outputs;
+
+/// Says that two structs have the same layout: arrays of the host's are read as the core's without a copy.
+macro_rules! same_layout {
+    ($ours:ty, $core:ty, $last:ident) => {
+        const _: () = assert!(
+            size_of::<$ours>() == size_of::<$core>()
+                && align_of::<$ours>() == align_of::<$core>()
+                && core::mem::offset_of!($ours, $last) == core::mem::offset_of!($core, $last)
+        );
+    };
+}
+pub(crate) use same_layout;

@@ -1,10 +1,49 @@
 //! Spectra of the fluence around a point.
 
 use crate::arrays::write;
-use crate::check::{finite_not_negative, unit};
-use crate::memory::{Inputs, inputs, outputs};
-use crate::status::{covbeam_status, run};
-use crate::types::{covbeam_spectrum, spectrum};
+use crate::check::{finite, finite_not_negative, unit};
+use crate::memory::{Element, Inputs, field, inputs, outputs};
+use crate::status::{Failure, covbeam_status, run};
+use covbeam_core::FluenceSpectrum;
+
+/// Covariance of the spectrum of the fluence around a point, in world axes [cycles^2/m^2].
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct covbeam_spectrum {
+    /// Variance along world x.
+    pub xx: f32,
+    /// Variance along world y.
+    pub yy: f32,
+    /// Variance along world z.
+    pub zz: f32,
+    /// Covariance of x and y.
+    pub xy: f32,
+    /// Covariance of x and z.
+    pub xz: f32,
+    /// Covariance of y and z.
+    pub yz: f32,
+}
+
+impl From<FluenceSpectrum> for covbeam_spectrum {
+    fn from(s: FluenceSpectrum) -> Self {
+        let [xx, yy, zz, xy, xz, yz] = s.to_array();
+        Self { xx, yy, zz, xy, xz, yz }
+    }
+}
+
+impl From<covbeam_spectrum> for FluenceSpectrum {
+    fn from(s: covbeam_spectrum) -> Self {
+        Self::from_array([s.xx, s.yy, s.zz, s.xy, s.xz, s.yz])
+    }
+}
+
+pub(crate) fn spectrum(e: Element<covbeam_spectrum>) -> Result<FluenceSpectrum, Failure> {
+    let diagonal = [field!(e, xx), field!(e, yy), field!(e, zz)];
+    for variance in diagonal.into_iter().chain([field!(e, xy), field!(e, xz), field!(e, yz)]) {
+        finite(variance)?;
+    }
+    Ok(e.value.into())
+}
 
 /// A spectrum's variance along an axis: what covbeam_kernel_radius_from_error takes.
 ///
@@ -78,14 +117,14 @@ pub unsafe extern "C" fn covbeam_spectra_add_along(
 #[allow(clippy::undocumented_unsafe_blocks, reason = "every argument is a local, or refused")]
 mod tests {
     use super::*;
-    use crate::hostile::{Rule::*, UNTOUCHED, refuses};
+    use crate::hostile::{Rule, Rule::*, UNTOUCHED, refuses};
 
     fn spectrum_of(n: &[f32]) -> covbeam_spectrum {
         covbeam_spectrum { xx: n[0], yy: n[1], zz: n[2], xy: n[3], xz: n[4], yz: n[5] }
     }
 
     /// A spectrum, then the z axis.
-    const NUMBERS: [(f32, crate::hostile::Rule); 9] = [
+    const NUMBERS: [(f32, Rule); 9] = [
         (4.0, Finite),
         (5.0, Finite),
         (6.0, Finite),

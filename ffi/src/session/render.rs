@@ -6,7 +6,7 @@ use super::{polled, refused};
 use crate::handle::{Opaque, free, handle_to, shared};
 use crate::memory::{Slot, inputs, read_options};
 use crate::status::{Failure, covbeam_poll, covbeam_status, covbeam_status::*, fail, run};
-use crate::types::covbeam_grid_layout;
+use crate::voxels::covbeam_grid_layout;
 use ::covbeam_session::render::{End, Goal};
 use ::covbeam_session::session::{Options, Session};
 use core::ffi::c_void;

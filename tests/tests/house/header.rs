@@ -1,5 +1,6 @@
 //! What is made from the C ABI is up to date, and the headers document what a C programmer must know.
 
+use crate::rooms::sources;
 use covbeam_tests::header::{Function, files, headers, repository};
 use std::fs;
 
@@ -20,10 +21,7 @@ fn the_committed_files_are_the_generated_ones() {
 #[test]
 fn every_exported_function_is_declared() {
     let mut exported = Vec::new();
-    let files = ["ffi/src", "ffi/src/session"].map(|folder| fs::read_dir(repository().join(folder)).unwrap());
-    let files = files.into_iter().flatten().map(|entry| entry.unwrap().path()).filter(|path| path.is_file());
-    for path in files {
-        let source = fs::read_to_string(path).unwrap();
+    for source in sources("ffi/src").into_values() {
         for (_, item) in
             source.match_indices("#[unsafe(no_mangle)]\n").map(|(at, mark)| source.split_at(at + mark.len()))
         {

@@ -61,7 +61,7 @@ const WITHOUT_LINE: [(&str, &str); 31] = [
     ("beam_map_get_memory", "a number of bytes"),
     (
         "find_edges",
-        "calls the host; ffi/src/edges.rs compares it with the core's, and clients with a ball's silhouette",
+        "calls the host; find_edges.rs of the ABI compares it with the core's, and clients with a ball's silhouette",
     ),
     ("beam_map_gather_shaded", "calls the host; vectors.c counts its contacts at each beam_map_gather"),
     ("grid_new_in", "memory of the host's; vectors.c compares its means at each grid_resolve"),
