@@ -358,7 +358,7 @@ fn lamps_that_have_a_size_are_what_the_host_says() {
         let side = f64::from(SIDE);
         let (u, v) = ([side, 0.0, 0.0], [0.0, 0.0, side]);
         let (kind, radiance) = (LightKind::Area, [RADIANCE.into(); 3]);
-        LightFields { kind, u, v, radiance, spread: PI.into(), is_own, ..LAMP }
+        LightFields { kind, u, v, radiance, spread: f64::from(PI) / 2.0, is_own, ..LAMP }
     };
     let described = quarters(&scene(Nothing, |given| given.lights = vec![light(panel(false))]));
     let own = scene(Panel, |given| given.lights = vec![light(panel(true))]);
