@@ -29,6 +29,7 @@ class ShapeKind(IntEnum):
 #: - transparent: of light that goes straight on, as if nothing were there.
 #: - ior: index of refraction of glass and coat, over that of the side that the normal points to; 0: 1.5.
 #: - alpha: GGX's alpha of metal, glass and coat, 0 to 1; below 1e-3 they are perfectly smooth.
+#: - asks: 0; hosts with geometry of their own, in C, have functions that it names.
 MATERIAL = np.dtype(
     [
         ("diffuse", np.float32, (3,)),
@@ -41,6 +42,7 @@ MATERIAL = np.dtype(
         ("transparent", np.float32, (3,)),
         ("ior", np.float32),
         ("alpha", np.float32),
+        ("asks", np.uint32),
     ]
 )
 
