@@ -14,7 +14,9 @@
  *   covbeam_session_picture(session, COVBEAM_LAYER_ALL, pixels, rgb, 0, NULL, NULL);
  *
  * A renderer that keeps its own geometry gives functions in place of meshes (covbeam_host, covbeam_scene_new_of_host): the nearest surface of a ray,
- * and, if it is cheaper, whether a ray is blocked. The library's threads call them; the same ray must get the same answer.
+ * and, if it is cheaper, whether a ray is blocked. It may keep textures, scattering functions, lamps and camera, too: materials, lights and a camera
+ * that are described as its own are an estimate, by which the library decides what is worth following, and the picture has what its functions say.
+ * The library's threads call them (or the host's: covbeam_session_settings.spawn); the same question must get the same answer.
  *
  * Numbers: a picture of so many passes depends on scene, settings and seed alone, and has the same bits on any number of threads. Sums of passes
  * are exact: machines that render some each (first_pass) give the same bits as one that renders all (covbeam_session_save, _merge).

@@ -22,6 +22,8 @@ pub struct Hit {
     pub material: u32,
     /// What a host that casts rays itself wants to find the place by when it is asked what is there: a triangle and where in it.
     pub mark: [u32; 3],
+    /// Whether whoever looked for it knows that the ray meets no other surface there.
+    pub is_alone: bool,
     /// How far [`Hit::leave`] moves off the surface \[scene unit\]: more than rounding can have moved `position`.
     pub offset: f32,
 }

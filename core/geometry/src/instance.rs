@@ -162,6 +162,7 @@ impl Instance {
             object: self.object,
             material: 0,
             mark: [0; 3],
+            is_alone: false,
             offset: 4.0 * error,
         }
     }

@@ -266,6 +266,7 @@ pub fn describe(
         object: index,
         material: 0,
         mark: [0; 3],
+        is_alone: false,
         offset,
     }
 }

@@ -62,7 +62,7 @@ impl Host {
         let least = f32::EPSILON * origin.abs().max_element() as f32;
         // One that does not move off the surface would be met again and again.
         let offset = if hit.offset > 0.0 { hit.offset } else { least.max(f32::MIN_POSITIVE) };
-        is_sound.then_some(Hit { offset, ..hit })
+        is_sound.then_some(Hit { offset, is_alone: false, ..hit })
     }
 
     /// Whether anything is in the way.

@@ -38,8 +38,9 @@ impl Scene {
         if self.weight(&hit) == SOLID {
             return hit;
         }
-        let mut decides = hit;
-        for other in self.faces_at(&hit, direction, shading) {
+        let others = self.faces_at(&hit, direction, shading);
+        let mut decides = Hit { is_alone: others.is_empty(), ..hit };
+        for other in others {
             if self.decides_before(&other, &decides) {
                 decides = Hit { distance: hit.distance, ..other };
             }
@@ -49,7 +50,7 @@ impl Scene {
 
     /// The surfaces that a ray along `direction` crosses together with `hit`, but for objects that it enters and leaves there.
     pub(crate) fn coincident(&self, hit: &Hit, direction: Vec3) -> Faces {
-        self.faces_at(hit, direction, Shading::Flat)
+        if hit.is_alone { Faces::new() } else { self.faces_at(hit, direction, Shading::Flat) }
     }
 
     /// Whether of two surfaces at one place the first counts before the other.

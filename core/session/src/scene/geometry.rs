@@ -27,18 +27,12 @@ impl Scene {
 
     /// The nearest hit; of several at its place the one that decides what happens there.
     fn nearest(&self, origin: Vec3, direction: Vec3, max_distance: f32, shading: Shading) -> Option<Hit> {
-        let (hit, is_alone) = self.first(origin, direction, max_distance, shading)?;
-        Some(if is_alone { hit } else { self.deciding(hit, direction, shading) })
+        let hit = self.first(origin, direction, max_distance, shading)?;
+        Some(if hit.is_alone { hit } else { self.deciding(hit, direction, shading) })
     }
 
-    /// The nearest hit, and whether it is certain that no other object is at its place.
-    fn first(
-        &self,
-        origin: Vec3,
-        direction: Vec3,
-        max_distance: f32,
-        shading: Shading,
-    ) -> Option<(Hit, bool)> {
+    /// The nearest hit; whether it is alone may be left open.
+    fn first(&self, origin: Vec3, direction: Vec3, max_distance: f32, shading: Shading) -> Option<Hit> {
         let (from, along) = (origin.as_dvec3(), direction.as_dvec3());
         let mut nearest = f64::from(max_distance);
         // Where the line meets the first of the other shapes.
@@ -68,7 +62,7 @@ impl Scene {
         if let Some(placed) = &self.placed
             && let Some(hit) = placed.surfaces().nearest((from, along), nearest, shading)
         {
-            return Some((Hit { object: self.objects.len() as u32 + hit.object, ..hit }, false));
+            return Some(Hit { object: self.objects.len() as u32 + hit.object, ..hit });
         }
         let (object, index, mesh_hit) = found?;
         let hit = describe(&object.shape, index, from + along * nearest, nearest, mesh_hit);
@@ -82,7 +76,7 @@ impl Scene {
             && next - nearest > reach
             && self.placed.is_none()
             && !self.objects.iter().zip(0u32..).any(may_touch);
-        Some((hit, is_alone))
+        Some(Hit { is_alone, ..hit })
     }
 
     /// True if anything lies strictly between the two points (shadow ray). A start on a surface should be moved off it with

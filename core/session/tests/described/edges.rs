@@ -31,6 +31,7 @@ impl Meshes {
             object: 0,
             material: 0,
             mark: [0; 3],
+            is_alone: false,
             offset: 4.0 * (rounding + mesh.position_error()),
         })
     }

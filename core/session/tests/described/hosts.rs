@@ -71,6 +71,7 @@ impl HostScene for Liar {
             object: 0,
             material: 0,
             mark: [0; 3],
+            is_alone: false,
             offset: 1e-6,
         };
         let hit = hit.unwrap_or(wrong);

@@ -76,6 +76,7 @@ impl HostScene for Host {
             object: hit.object,
             material: hit.material,
             mark: hit.mark,
+            is_alone: false,
             offset: hit.offset,
         })
     }

@@ -1,5 +1,6 @@
 //! Arguments that no host should pass: each is refused by a status and a message that says what is wrong and where.
 
+mod border;
 mod hosts;
 mod meshes;
 mod scenes;
