@@ -157,7 +157,7 @@ fn agrees_with_light_tracing(name: &str, scene: &Scene, photons: u32, noise: [f6
 fn coloured_fog_is_that_of_light_tracing() {
     let fog = "scattering = [0.2, 0.1, 0.05]\nabsorption = [0.02, 0.1, 0.0]";
     let scene = room(fog, "[0.8, 0.5, 0.2]", &[SPOT, POINT].concat());
-    agrees_with_light_tracing("coloured", &scene, 2000, [0.02, 0.025]);
+    agrees_with_light_tracing("coloured", &scene, 1000, [0.02, 0.025]);
 }
 
 #[test]
@@ -191,7 +191,7 @@ fn thick_white_fog_is_that_of_light_tracing() {
 #[test]
 fn a_room_without_fog_is_that_of_light_tracing() {
     let scene = room("", "[0.8, 0.5, 0.2]", &[SPOT, POINT].concat());
-    agrees_with_light_tracing("vacuum", &scene, 8000, [0.012, 0.025]);
+    agrees_with_light_tracing("vacuum", &scene, 3000, [0.012, 0.025]);
 }
 
 /// Where light tracing is blind. The caustics have the same kernels in both; what differs are beams of straight light, which vary over 1 m.

@@ -192,7 +192,7 @@ fn beams_and_light_tracing_agree_on_all_orders_of_scattering() {
         // Of many runs: one in a hundred has a path that passes the camera closely.
         let control = pictures(&scene(air, &brighter, 24), Method::LightTrace, (100_000, 1), 200, 32);
         for (method, first) in [(Method::Plain, 300), (Method::Thesis, 400)] {
-            let beams = pictures(&room, method, (2_000, 16), first, 10);
+            let beams = pictures(&room, method, (2_000, 10), first, 10);
             for region in REGIONS {
                 let sample = |pictures: &[Vec<DVec3>]| {
                     let means = pictures.iter().map(|picture| mean(picture, region).y);

@@ -172,25 +172,30 @@ fn fog_seen_in_rough_metal_is_the_closed_form() {
     const SCATTERING: f64 = 1e-4;
     let scene = lit_fog(SCATTERING);
     let source = SCATTERING / (4.0 * PI) * IRRADIANCE;
+    let of_row = |y: usize| {
+        expected(&scene, [y * HALF, (y + 1) * HALF], |place, view| {
+            // Over the hemisphere above the floor.
+            let (rings, parts) = (90, 180);
+            (0..rings * parts)
+                .map(|index| {
+                    let height = (f64::from(index / parts) + 0.5) / f64::from(rings);
+                    let phi = TAU * (f64::from(index % parts) + 0.5) / f64::from(parts);
+                    let r = (1.0 - height * height).sqrt();
+                    let out = DVec3::new(r * phi.cos(), height, r * phi.sin());
+                    let seen = in_box(place, out) * height;
+                    if seen > 0.0 { metal(DVec3::Y, view, out) * source * seen } else { 0.0 }
+                })
+                .sum::<f64>()
+                * TAU
+                / f64::from(rings * parts)
+        })
+    };
+    let expected: Vec<f64> = (0..SIZE as usize / HALF).map(of_row).collect();
     for (method, passes) in [(Method::Plain, 50), (Method::Thesis, 50), (Method::March, 50)] {
-        for (y, found) in rows(&runs(&scene, method, passes), 0, HALF).iter().enumerate() {
-            let expected = expected(&scene, [y * HALF, (y + 1) * HALF], |place, view| {
-                // Over the hemisphere above the floor.
-                let (rings, parts) = (90, 180);
-                (0..rings * parts)
-                    .map(|index| {
-                        let height = (f64::from(index / parts) + 0.5) / f64::from(rings);
-                        let phi = TAU * (f64::from(index % parts) + 0.5) / f64::from(parts);
-                        let r = (1.0 - height * height).sqrt();
-                        let out = DVec3::new(r * phi.cos(), height, r * phi.sin());
-                        let seen = in_box(place, out) * height;
-                        if seen > 0.0 { metal(DVec3::Y, view, out) * source * seen } else { 0.0 }
-                    })
-                    .sum::<f64>()
-                    * TAU
-                    / f64::from(rings * parts)
-            });
-            check(&format!("{method:?}, row {y}"), found, expected, [0.015, 0.025]);
+        let found = rows(&runs(&scene, method, passes), 0, HALF);
+        assert_eq!(found.len(), expected.len());
+        for (y, (found, expected)) in found.iter().zip(&expected).enumerate() {
+            check(&format!("{method:?}, row {y}"), found, *expected, [0.015, 0.025]);
         }
     }
 }

@@ -12,7 +12,7 @@ use std::path::Path;
 const SIZE: u32 = 16;
 /// Light paths of a pass, and passes of plain beams.
 const PATHS: u32 = 4000;
-const PASSES: u32 = 24;
+const PASSES: u32 = 12;
 
 /// Light scattered twice is 1e-3 of it at most.
 fn scene(light: &str) -> Scene {

@@ -445,7 +445,7 @@ fn read_and_shoot(bytes: &[u8]) {
 
 #[test]
 fn a_valid_obj_cut_anywhere_or_with_any_byte_changed_is_read_or_refused() {
-    let mut source = globe(4);
+    let mut source = globe(3);
     source.normals = source.positions.clone();
     let text = to_obj(&source) + "f -1//-1 -2//-2 -3//-3\nf 1//1 2//2 3//3 4//4 5//5\n";
     for end in 0..=text.len() {

@@ -219,9 +219,9 @@ fn the_methods_agree_on_the_mean_of_the_fog() {
                 .collect();
             Sample::of(&values)
         };
-        let ppb = sample(Method::Plain, 4_000, 8, 100);
-        let adaptive = sample(Method::Thesis, 4_000, 8, 200);
-        let light = sample(Method::LightTrace, 400_000, 1, 300);
+        let ppb = sample(Method::Plain, 2_000, 8, 100);
+        let adaptive = sample(Method::Thesis, 2_000, 8, 200);
+        let light = sample(Method::LightTrace, 130_000, 1, 300);
         println!("ppb {ppb:?}\nadaptive {adaptive:?}\nlight {light:?}");
         let level = sidak(0.001, 6);
         for (a, b) in [(ppb, adaptive), (ppb, light), (adaptive, light)] {

@@ -155,7 +155,7 @@ fn a_pane_without_thickness_leaves_the_fog_behind_it_lit() {
     for mesh in [pane.clone(), inverted(pane)] {
         let scene = scene(&text, &[Part { is_closed: false, ..part(mesh, air) }], Vec::new());
         // Straight light has come through glass then, and its beams have kernels.
-        agree("pane", guided(&scene, 8, 6), expected, 0.03, 0.2);
+        agree("pane", guided(&scene, 8, 4), expected, 0.03, 0.2);
     }
 }
 
