@@ -1,6 +1,6 @@
-# Commands two at a time, for scripts that source this: most of what they run has one thread.
+# Commands two at a time, or at_once, for scripts that source this: most of what they run has one thread.
 # shellcheck shell=bash
-running=0 failed=0
+running=0 failed=0 at_once=2
 
 # ended: waits until a command has ended.
 ended() {
@@ -10,7 +10,7 @@ ended() {
 
 # beside NAME COMMAND...: runs it beside what runs already. Its name and all that it says come when it has ended.
 beside() {
-    [ "$running" -lt 2 ] || ended
+    [ "$running" -lt "$at_once" ] || ended
     {
         status=0 started=$SECONDS
         said="$("${@:2}" 2>&1 < /dev/null)" || status=$?

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The extension for Blender as an artist gets it: zip built, accepted by Blender's own tool, and all its tests in two versions of Blender.
-#   tests/clients/blender.sh
-# Blender is its bpy package, in environments of its own (350 MB each); BLENDER_VENVS names a folder that has them, as bpy-VERSION.
+#   tests/clients/blender.sh [--fetch]     --fetch: makes the environments alone
+# Blender is its bpy package, in environments of its own (350 MB each); BLENDER_VENVS names a folder that has them, as bpy-VERSION, or gets them.
 set -euo pipefail
 
 repository="$(realpath "$(dirname "$0")/../..")"
@@ -33,6 +33,18 @@ for version in "${versions[@]}"; do
     fi
 done
 
+# fetched: waits until all environments are there.
+fetched() {
+    local job
+    for job in "${jobs[@]}"; do
+        wait "${job% *}" || { cat "$work/pip-${job#* }"; fail "bpy ${job#* } cannot be installed (above)"; }
+    done
+}
+if [ "${1:-}" = --fetch ]; then
+    fetched
+    exit
+fi
+
 # Meanwhile, the zip.
 python3 -m venv "$work/build"
 "$work/build/bin/pip" install --quiet hatchling
@@ -42,9 +54,7 @@ zip=("$work"/covbeam-*.zip)
 "$work/build/bin/python" -m zipfile -e "${zip[0]}" "$work/zip"
 "$work/build/bin/pip" install --quiet --no-deps --target "$work/site" "$work"/zip/wheels/*.whl
 
-for job in "${jobs[@]}"; do
-    wait "${job% *}" || { cat "$work/pip-${job#* }"; fail "bpy ${job#* } cannot be installed (above)"; }
-done
+fetched
 
 # Once is enough for what does not depend on Blender, and for the long comparison of brightness with Cycles.
 once=" test_host.py test_host_hard.py test_session.py test_calibration.py "
