@@ -9,6 +9,7 @@ pictures and differences of these and of 16 regions x 3 channels, and exits with
 """
 
 import argparse
+import functools
 import os
 import sys
 from dataclasses import dataclass
@@ -464,9 +465,9 @@ class Comparison:
         )
 
 
-def compare(name, size, seeds, samples, passes, photons, across=4, brighter=1.0):
-    """Compares both in one scene, and across x across regions. `brighter` is a factor on covbeam's picture, to see whether it would
-    be noticed."""
+@functools.cache
+def runs_of_both(name, size, seeds, samples, passes, photons, across):
+    """Means of across x across regions in pictures of covbeam and of Cycles, of so many seeds each."""
     scene, bounces = make(name, size, samples)
 
     def cycles(seed):
@@ -474,9 +475,16 @@ def compare(name, size, seeds, samples, passes, photons, across=4, brighter=1.0)
         return scenes.region_means(scenes.cycles_picture(scene), across)
 
     def ours(seed):
-        return brighter * scenes.region_means(covbeam_picture(passes, photons, seed, bounces), across)
+        return scenes.region_means(covbeam_picture(passes, photons, seed, bounces), across)
 
-    runs = [np.array([picture(seed) for seed in range(seeds)]) for picture in (ours, cycles)]
+    return tuple(np.array([picture(seed) for seed in range(seeds)]) for picture in (ours, cycles))
+
+
+def compare(name, size, seeds, samples, passes, photons, across=4, brighter=1.0):
+    """Compares both in one scene, and across x across regions. `brighter` is a factor on covbeam's picture, to see whether it would
+    be noticed."""
+    ours, cycles = runs_of_both(name, size, seeds, samples, passes, photons, across)
+    runs = [brighter * ours, cycles]
     wholes = [run.mean(axis=1) for run in runs]
     errors = [run.std(axis=0, ddof=1) / np.sqrt(seeds) for run in runs]
     means = np.array([whole.mean(axis=0) for whole in wholes])
