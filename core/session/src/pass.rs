@@ -24,9 +24,8 @@ use crate::plan::grids::Grids;
 use crate::plan::radius::{BeamVoxels, Radii, RadiusRule};
 use crate::plan::{FirstSurfaces, Plan};
 use crate::scene::Scene;
-use crate::scene::media;
 use crate::settings::{Gather, Settings};
-use covbeam::{FluenceCell, GridError, Medium};
+use covbeam::{FluenceCell, GridError};
 use fields::next_field_pass;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -60,7 +59,6 @@ pub struct Renderer<'a> {
     scene: &'a Scene,
     settings: Settings,
     tracer: PhotonTracer<'a>,
-    fogs: Vec<Medium<'a>>,
     starts: EyeStarts<'a>,
     small: SmallLamps,
     /// What is first behind each pixel; None: no eye rays are planned.
@@ -130,7 +128,6 @@ impl<'a> Renderer<'a> {
             scene,
             settings,
             tracer,
-            fogs: media::all(scene),
             starts: EyeStarts::new(scene),
             small: SmallLamps::new(scene),
             surfaces,
@@ -147,14 +144,15 @@ impl<'a> Renderer<'a> {
     /// Learns where light paths are needed at all instants.
     fn guide(instants: &mut [Self], cancelled: &(dyn Fn() -> bool + Sync)) {
         let scenes: Vec<_> =
-            instants.iter().map(|at| pilot::Instant { scene: at.scene, fogs: &at.fogs }).collect();
+            instants.iter().map(|at| pilot::Instant { scene: at.scene, fogs: at.tracer.fogs() }).collect();
         let found = pilot::guidance(&scenes, cancelled);
         let mut spread = None;
         for (made, guidance) in instants.iter_mut().zip(found) {
             let Some(guidance) = guidance else { continue };
             made.tracer.guide(guidance);
             // What it says of one holds for the others: only their noise depends on it.
-            made.spread = *spread.get_or_insert_with(|| Spread::of(&made.tracer, &made.fogs, cancelled));
+            made.spread =
+                *spread.get_or_insert_with(|| Spread::of(&made.tracer, made.tracer.fogs(), cancelled));
             match made.spread {
                 Some(_) => made.decide_branches(),
                 None => made.tracer.guide_no_more(),
@@ -326,9 +324,9 @@ impl<'a> Renderer<'a> {
             for (sequence, count) in sequences {
                 record.append(self.trace(sequence, earlier, count, Record::Beams, cancelled)?.0);
             }
-            beams.add(&record.beams, &self.fogs);
+            beams.add(&record.beams, self.tracer.fogs());
         }
-        beams.add(&record.beams, &self.fogs);
+        beams.add(&record.beams, self.tracer.fogs());
         Some(())
     }
 
@@ -392,7 +390,7 @@ impl<'a> Renderer<'a> {
         };
         let (grids, split) = (&mut self.grids, self.split);
         let plan = |layer| {
-            let spectra = grids.image(layer, surfaces, &self.fogs);
+            let spectra = grids.image(layer, surfaces, self.tracer.fogs());
             let kind = split.filter(|split| split.count() > 1).map(|split| split.last_kind(layer));
             let made = Plan::new(Arc::clone(surfaces), kind, index, error, beams, spectra, cancelled)?;
             Some(if self.is_everywhere { made.everywhere() } else { made })

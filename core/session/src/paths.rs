@@ -26,7 +26,7 @@ pub use crate::paths::record::{Energy, FieldSegment, PathBeam, PhotonRecord, Rec
 use crate::paths::transport::Transport;
 use crate::random::{Emission, PathSampler};
 use crate::scene::Scene;
-use covbeam::CovarianceGrid;
+use covbeam::{CovarianceGrid, Medium};
 pub(crate) use weight::{GOING_ON, LONG_PATH};
 
 /// Beams of a guided path, on average, at most: where each of very many scatterings matters, paths branch less than the picture would like,
@@ -110,6 +110,11 @@ impl<'a> PhotonTracer<'a> {
     /// The scene.
     pub(crate) fn scene(&self) -> &'a Scene {
         self.transport.scene
+    }
+
+    /// The scene's media, by region.
+    pub(crate) fn fogs(&self) -> &[Medium<'a>] {
+        &self.transport.fogs
     }
 
     /// The lamps that shadow rays look for.

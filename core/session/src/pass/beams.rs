@@ -66,7 +66,7 @@ impl Renderer<'_> {
         let (beams, surfaces) = self.built(index, kernel, record, !plans.is_empty(), &mut times);
         let tracer = EyeTracer {
             scene: self.scene,
-            fogs: &self.fogs,
+            fogs: self.tracer.fogs(),
             starts: self.starts,
             lamps: self.tracer.lamps(),
             surfaces: &surfaces,
@@ -76,7 +76,7 @@ impl Renderer<'_> {
         };
         let view = View {
             scene: self.scene,
-            fogs: &self.fogs,
+            fogs: self.tracer.fogs(),
             tracer,
             beams: &beams,
             seed: self.settings.seed,
@@ -115,7 +115,7 @@ impl Renderer<'_> {
     fn straight(&self, index: u32) -> Straight<'_> {
         Straight {
             scene: self.scene,
-            fogs: &self.fogs,
+            fogs: self.tracer.fogs(),
             lamps: self.tracer.lamps(),
             seed: self.settings.seed,
             pass: index,
@@ -183,7 +183,11 @@ impl Renderer<'_> {
 
     /// Hierarchies over the beams of each medium, for kernels up to a radius.
     fn maps(&self, beams: Vec<Vec<Beam>>, radius: f32) -> Vec<BeamMap> {
-        beams.into_iter().zip(&self.fogs).map(|(beams, fog)| BeamMap::build(beams, radius, fog)).collect()
+        beams
+            .into_iter()
+            .zip(self.tracer.fogs())
+            .map(|(beams, fog)| BeamMap::build(beams, radius, fog))
+            .collect()
     }
 
     /// Straight light next to the lamps; None: no lamp is a point.

@@ -44,6 +44,6 @@ impl Renderer<'_> {
         let mut random = Random::new([self.settings.seed, index, pixel, SHOWN_KEY]);
         let start = self.starts.at(corner.map(|corner| corner as f32 + random.uniform()), [0.0; 2]);
         let seen = self.scene.shown.seen(self.scene, &self.small, &self.starts, &start);
-        seen.iter().map(|seen| seen.dimmed(self.scene, &self.fogs)).sum()
+        seen.iter().map(|seen| seen.dimmed(self.scene, self.tracer.fogs())).sum()
     }
 }

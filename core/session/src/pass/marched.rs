@@ -40,7 +40,7 @@ impl Renderer<'_> {
         times.plan = start.elapsed().as_secs_f64();
         let marcher = Marcher {
             scene,
-            fogs: &self.fogs,
+            fogs: self.tracer.fogs(),
             starts: self.starts,
             small: &self.small,
             marching: self.settings.marching,
