@@ -5,6 +5,7 @@ COVBEAM_INCLUDE names the folder of covbeam.h; CC the C compiler (cc).
 
 import copy
 import ctypes
+import functools
 import gc
 import math
 import os
@@ -198,6 +199,56 @@ class Picture(unittest.TestCase):
         # The lamp is in the middle.
         centre = picture[24:40, 24:40].mean()
         self.assertGreater(centre, 3 * np.concatenate([picture[:8], picture[-8:]]).mean())
+
+
+class Pool(unittest.TestCase):
+    """examples/python/pool.py."""
+
+    def setUp(self):
+        sys.path.insert(0, str(REPOSITORY / "examples" / "python"))
+        self.addCleanup(sys.path.pop, 0)
+        import pool
+
+        self.pool = pool
+
+    def test_the_water_is_a_closed_mesh_that_holds_as_much_as_its_height_says(self):
+        for waves in (0.0, 0.08):
+            positions, triangles, normals = self.pool.tank(waves)
+            edges = np.concatenate([triangles[:, [i, (i + 1) % 3]] for i in range(3)])
+            self.assertEqual(len(np.unique(edges, axis=0)), len(edges), "each edge once in this direction")
+            np.testing.assert_array_equal(np.unique(edges, axis=0), np.unique(edges[:, ::-1], axis=0), "and once in the other")
+            a, b, c = (positions[triangles[:, i]].astype(float) for i in range(3))
+            # Divergence theorem; inside is what lies behind all triangles.
+            volume = np.einsum("ij,ij->", a, np.cross(b, c)) / 6
+            x, z = (np.arange(2000) + 0.5) / 2000, (np.arange(1000) + 0.5)[:, None] / 1000
+            height = sum(
+                share * np.sin(np.pi * nx * x) * np.sin(np.pi * nz * z) for nx, nz, share in ((3, 2, 0.4), (7, 4, 0.3), (11, 5, 0.2), (6, 9, 0.1))
+            ).mean()
+            # Triangles are a thousandth of a wave lower.
+            self.assertAlmostEqual(volume, np.prod(self.pool.SIZE) + waves * height * self.pool.SIZE[0] * self.pool.SIZE[2], delta=2e-4)
+            self.assertGreater(np.einsum("ij,ij->i", normals[:, 0].astype(float), np.cross(b - a, c - a)).min(), 0, "on the outer side")
+
+    def test_still_water_is_a_box_of_it(self):
+        size = 48
+        made = self.pool.scene(size, 0.0)
+        with mock.patch.object(cs, "Scene", functools.partial(self.boxed, cs.Scene)):
+            boxed = self.pool.scene(size, 0.0)
+        pictures = []
+        for scene in (made, boxed):
+            session = cs.Session(scene, seed=1)
+            session.until(passes=8)
+            pictures.append(session.picture())
+        # The same random numbers: where light goes the same ways, noise goes with it. Eight passes know each mean to half a percent.
+        regions = [picture.reshape(3, 12, 4, 12, 3).mean(axis=(1, 3)) for picture in pictures]
+        np.testing.assert_allclose(*(picture.mean(axis=(0, 1)) for picture in pictures), rtol=0.005)
+        np.testing.assert_allclose(*regions, rtol=0.05)
+
+    def boxed(self, make, geometry, materials, camera, lights, volumes, *, world_volume, shapes, object_volumes, object_closed):
+        """The same scene with a box in place of the mesh."""
+        box = np.zeros(1, cs.SHAPE)
+        box["kind"], box["material"], box["volume"] = cs.ShapeKind.BOX, self.pool.WATER, object_volumes[0]
+        box["a"], box["b"] = self.pool.SIZE * [-0.5, 0, -0.5], self.pool.SIZE * [0.5, 1, 0.5]
+        return make(None, materials, camera, lights, volumes, world_volume, shapes=np.concatenate([shapes, box]))
 
 
 class Example(unittest.TestCase):
