@@ -392,6 +392,99 @@ fn cameras_are_what_the_host_says() {
     }
 }
 
+/// Numbers that mean nothing as often as not, others each time.
+#[derive(Debug, Default)]
+struct Wild(AtomicU32);
+
+impl Wild {
+    fn number(&self) -> f32 {
+        const NUMBERS: [f32; 12] =
+            [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 1e30, 3e38, 1e-38, 0.0, 0.3, 0.7, 1.0, 2.0];
+        // Multiples of the golden ratio: all of them, in no order that repeats soon.
+        let asked = self.0.fetch_add(1, Ordering::Relaxed);
+        NUMBERS[(asked.wrapping_mul(0x9e37_79b9) >> 16) as usize % NUMBERS.len()]
+    }
+
+    fn vector(&self) -> Vec3 {
+        Vec3::new(self.number(), self.number(), self.number())
+    }
+
+    /// Unit as often as not.
+    fn direction(&self) -> Vec3 {
+        let vector = self.vector();
+        if self.number() > 0.5 { vector.normalize() } else { vector }
+    }
+}
+
+impl Answers for Wild {
+    fn lobes(&self, _hit: &Hit, lobes: &Lobes) -> Lobes {
+        let (alpha, index) = (self.number(), self.number());
+        let [diffuse, transparent, metal, coat] = [(); 4].map(|()| self.vector());
+        Lobes { diffuse, transparent, metal, coat, alpha, index, glass_transmission: self.vector(), ..*lobes }
+    }
+
+    fn ways(&self, _hit: &Hit, _direction: Vec3, _xi: [f32; 2]) -> HostWays {
+        let way = || HostWay { factor: self.vector(), direction: self.direction(), deviation: self.number() };
+        let reflected = [(); 3].map(|()| way());
+        HostWays { diffuse: self.vector(), translucent: self.vector(), reflected, refracted: way() }
+    }
+
+    fn emit(&self, _place: [f32; 2], _xi: [f32; 2]) -> HostPhoton {
+        HostPhoton {
+            origin: self.vector(),
+            direction: self.direction(),
+            power: self.vector(),
+            normal: self.direction(),
+            radius: self.number(),
+            angular_variance: self.number(),
+        }
+    }
+
+    fn illuminate(&self, _place: Vec3, _xi: [f32; 2]) -> (Vec3, Vec3) {
+        (self.vector(), self.vector())
+    }
+
+    fn eye(&self, _place: [f32; 2]) -> Option<(Vec3, Vec3)> {
+        Some((self.vector(), self.direction()))
+    }
+}
+
+/// Light of 10³⁰ W may be more than single precision holds where it arrives: such a pass is refused by name, and no other.
+#[test]
+fn hosts_that_answer_anything_get_finite_pictures_or_a_word() {
+    type Change = fn(&mut Description);
+    let changes: [Change; 4] = [
+        |given| {
+            given.materials[2] = MaterialFields {
+                diffuse: [0.6; 3],
+                transparent: [0.3; 3],
+                metal: [0.2; 3],
+                asks: Asks::Lobes,
+                ..BLACK
+            }
+        },
+        |given| given.materials.iter_mut().for_each(|material| material.asks = Asks::Ways),
+        |given| given.lights[0].fields.is_own = true,
+        |given| given.camera.is_own = true,
+    ];
+    for change in changes {
+        let scene = scene(Wild::default(), change);
+        let session = session(&scene, options(50));
+        for _ in 0..12 {
+            match session.pass(&mut || true) {
+                Ok(()) => {}
+                Err(Failure::Invalid(message) | Failure::Data(message)) => {
+                    println!("{message}");
+                    assert!(message.contains("precision"), "{message}");
+                }
+                Err(other) => panic!("{other:?}"),
+            }
+        }
+        let Ok(picture) = session.picture(&mut || true) else { continue };
+        assert!(picture.radiance.iter().all(|pixel| pixel.is_finite() && pixel.min_element() >= 0.0));
+    }
+}
+
 #[test]
 fn what_only_a_host_knows_is_refused_without_one() {
     type Change = fn(&mut Description);
