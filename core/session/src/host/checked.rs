@@ -102,7 +102,7 @@ impl Host {
             let is_there = is_unit(way.direction) && way.factor != Vec3::ZERO;
             let deviation = if way.deviation > 0.0 { way.deviation.min(PI) } else { 0.0 };
             let factor = if is_there { positive(way.factor).min(Vec3::ONE) } else { Vec3::ZERO };
-            HostWay { factor, deviation, ..way }
+            HostWay { factor, deviation, direction: way.direction.normalize_or_zero() }
         };
         let (diffuse, translucent) = (positive(ways.diffuse), positive(ways.translucent));
         let (reflected, refracted) = (ways.reflected.map(way), way(ways.refracted));
