@@ -37,6 +37,37 @@
 #include "covbeam.h"
 
 /**
+ * What a host that keeps its own geometry (covbeam_host) is asked for where a material is met.
+ */
+enum covbeam_asks
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * Nothing: the material is the same everywhere.
+     */
+    COVBEAM_ASKS_NOTHING = 0,
+    /**
+     * Which lobes there are at the hit. The material is the most that any place has: larger weights are cut to its own, and its index of
+     * refraction and whether it is of glass hold everywhere.
+     */
+    COVBEAM_ASKS_LOBES = 1,
+    /**
+     * That, if the host has a function for it, and the ways on, which a scattering function of the host's draws. The material is an estimate,
+     * by which the library decides what is worth following; what it lets straight through, its index and whether it is of glass hold.
+     */
+    COVBEAM_ASKS_WAYS = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum covbeam_asks covbeam_asks;
+#else
+typedef uint32_t covbeam_asks;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
  * Kinds of shapes.
  */
 enum covbeam_shape_kind

@@ -97,7 +97,8 @@ const SESSION_SOURCES: [&str; 9] = [
 ];
 
 /// Enumerations whose values are fields of theirs, as numbers.
-const SESSION_ENUMS: [&str; 6] = [
+const SESSION_ENUMS: [&str; 7] = [
+    "covbeam_asks",
     "covbeam_shape_kind",
     "covbeam_light_kind",
     "covbeam_projection",

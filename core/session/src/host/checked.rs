@@ -43,6 +43,9 @@ impl Host {
 
     /// What the host finds, if it can be a hit.
     pub(crate) fn cast(&self, origin: DVec3, direction: DVec3, reach: f64) -> Option<Hit> {
+        if !is_ray(origin, direction, reach) {
+            return None;
+        }
         let hit = self.scene.cast(origin, direction, reach)?;
         let curvature = hit.curvature;
         let numbers =
@@ -67,6 +70,9 @@ impl Host {
 
     /// Whether anything is in the way.
     pub(crate) fn is_blocked(&self, origin: DVec3, direction: DVec3, reach: f64) -> bool {
+        if !is_ray(origin, direction, reach) {
+            return false;
+        }
         let blocked = self.scene.is_blocked(origin, direction, reach);
         blocked.unwrap_or_else(|| self.cast(origin, direction, reach).is_some())
     }
@@ -147,6 +153,11 @@ impl Host {
     }
 }
 
+/// Whether hosts are asked about it: one that is cut to nothing meets nothing, and casters may end the process where they meet a NaN.
+fn is_ray(origin: DVec3, direction: DVec3, reach: f64) -> bool {
+    origin.is_finite() && direction.is_finite() && reach > 0.0
+}
+
 fn is_unit(vector: Vec3) -> bool {
     (vector.length_squared() - 1.0).abs() <= UNIT
 }
@@ -159,4 +170,49 @@ fn is_place(place: Vec3) -> bool {
 fn positive(light: Vec3) -> Vec3 {
     let number = |value: f32| if value > 0.0 && value.is_finite() { value } else { 0.0 };
     Vec3::new(number(light.x), number(light.y), number(light.z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A host that ends the process where it is asked about what is no ray.
+    #[derive(Debug)]
+    struct Strict;
+
+    impl HostScene for Strict {
+        fn bounds(&self) -> (Vec3, Vec3) {
+            (Vec3::NEG_ONE, Vec3::ONE)
+        }
+
+        fn cast(&self, origin: DVec3, direction: DVec3, reach: f64) -> Option<Hit> {
+            assert!(origin.is_finite() && direction.is_normalized() && reach > 0.0);
+            None
+        }
+
+        fn is_blocked(&self, origin: DVec3, direction: DVec3, reach: f64) -> Option<bool> {
+            self.cast(origin, direction, reach).map(|_| true).or(Some(true))
+        }
+    }
+
+    #[test]
+    fn hosts_are_asked_about_rays_alone() {
+        let host = Host::new(Arc::new(Strict), 1, 1);
+        assert!(
+            host.is_blocked(DVec3::ZERO, DVec3::X, 1.0)
+                && host.cast(DVec3::ZERO, DVec3::X, f64::INFINITY).is_none()
+        );
+        let nowhere = DVec3::ZERO / 0.0;
+        let none = [
+            (DVec3::ZERO, nowhere, 1.0),
+            (nowhere, DVec3::X, 1.0),
+            (DVec3::ZERO, DVec3::X, 0.0),
+            (DVec3::ZERO, DVec3::X, f64::NAN),
+        ];
+        for (origin, direction, reach) in none {
+            assert!(
+                host.cast(origin, direction, reach).is_none() && !host.is_blocked(origin, direction, reach)
+            );
+        }
+    }
 }

@@ -111,6 +111,9 @@ fn goes_on(scene: &Scene, start: Vec3, normal: Vec3, step: Vec3) -> bool {
     let height = RISE * step.length();
     let over = step + height * normal;
     let length = over.length();
+    if length == 0.0 {
+        return true;
+    }
     if nearest(scene, start, over / length, length).is_some() {
         return false;
     }
@@ -162,6 +165,11 @@ mod tests {
         let of =
             |index| Clearance::new(&scene, start, Vec3::Y, [0.0, REACH], &mut Random::new([index, 0, 0, 0]));
         (0..4000).map(of).collect()
+    }
+
+    #[test]
+    fn the_surface_is_where_it_is() {
+        assert!(goes_on(&scene(), Vec3::new(0.3, 1e-6, 0.0), Vec3::Y, Vec3::ZERO));
     }
 
     #[test]
