@@ -470,7 +470,7 @@ typedef struct covbeam_material {
  */
 typedef struct covbeam_object {
     /**
-     * Number of the volume that fills it, or -1.
+     * Number of the volume that fills it, or -1: what is around it goes on inside. Glass that no fog goes on in wants a volume without coefficients.
      */
     int32_t volume;
     /**
@@ -586,6 +586,18 @@ typedef struct covbeam_volume {
      * The numbers of the volumes of which this is the sum, where all of them and no others are.
      */
     const int32_t *parts;
+    /**
+     * Of the world's volume: height in which its density falls to 1/e [m]; 0: it does not, and the next two are not read.
+     */
+    double scale_height;
+    /**
+     * Where it is 1 [m].
+     */
+    double origin[3];
+    /**
+     * Where it falls to, unit.
+     */
+    double up[3];
 } covbeam_volume;
 
 /**

@@ -49,11 +49,7 @@ static void glass_ball(World& world) {
 static void shaft(World& world) {
     look(world, {0.4, 1.7, -6.6}, {0.1, 1.62, 0}, 33), fill(world, 0.25, 0.02, 0.2);
     light(world, {-0.5, 4.2, 0}, {0.1, 1.9, 0}, 18, 20, grey(60));
-    covbeam_volume& fog = world.volumes[0];
-    Vec3{-4, -0.01, -7}.store(fog.density_min), Vec3{4, 5, 4}.store(fog.density_max), Vec3{1, 128, 1}.store(fog.density_cells);
-    static std::array<float, 128> layers; // upwards, by a factor e thinner every 1.5 m
-    for (size_t i = 0; i < layers.size(); ++i) layers[i] = float(std::exp((0.01 - (double(i) + 0.5) * 5.01 / 128) / 1.5));
-    fog.density = layers.data();
+    world.volumes[0].scale_height = 1.5, Vec3{0, 1, 0}.store(world.volumes[0].up);
     add(world, {load_mesh("embree/assets/shaft-floor.obj")}, material(grey(0.08)));
     add(world, {{}, {0.1f, 1.9f, 0, 0.4f}}, material({}));
 }

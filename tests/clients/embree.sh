@@ -53,10 +53,10 @@ render_seeds shaft shaft
 render_seeds rose-window rose-window --own
 compare embree "$root/examples/scenes/glass-ball.toml" 4 0 "$work"/glass-ball-*.pfm
 compare embree "$root/examples/scenes/glass-ball.toml" 4 0 "$work"/own-*.pfm
-compare embree-voxels "$root/tests/scenes/embree-shaft.toml" 4 0 "$work"/shaft-*.pfm
+compare embree "$root/tests/scenes/embree-shaft.toml" 4 0 "$work"/shaft-*.pfm
 compare embree "$root/tests/scenes/embree-rose-window.toml" 4 0 "$work"/rose-window-*.pfm
 # Two pictures of other scenes are told apart.
-if compare embree-voxels "$root/tests/scenes/embree-shaft.toml" 4 0 "$work"/glass-ball-*.pfm > "$work/log" 2>&1; then fail "another scene is not told apart"; fi
+if compare embree "$root/tests/scenes/embree-shaft.toml" 4 0 "$work"/glass-ball-*.pfm > "$work/log" 2>&1; then fail "another scene is not told apart"; fi
 
 # Both modes of the scene with textures, which the renderer does not have.
 render_seeds leaves leaves

@@ -53,7 +53,7 @@ pub trait HostScene: fmt::Debug + Send + Sync {
     /// The photon of a place in the unit square, of a light by its number in the description. Neighbouring places should go neighbouring ways:
     /// guides learn which of them the picture needs.
     ///
-    /// - `xi`: uniform, for the point of a light that has a size.
+    /// - `xi`: uniform, for the point of a light that is described with a size.
     fn emit(&self, _light: u32, _place: [f32; 2], _xi: [f32; 2]) -> HostPhoton {
         HostPhoton::default()
     }

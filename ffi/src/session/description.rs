@@ -183,6 +183,9 @@ unsafe fn volume<'a>(index: usize, given: &covbeam_volume) -> Result<Volume<'a>,
         cells: density_cells,
         glow_cells,
         phase: given.phase,
+        scale_height: given.scale_height,
+        origin: given.origin,
+        up: given.up,
     };
     Ok(Volume { fields, densities: (!is_even).then_some(densities), glow: (!is_dark).then_some(glow), parts })
 }

@@ -47,7 +47,7 @@ pub enum covbeam_asks {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct covbeam_object {
-    /// Number of the volume that fills it, or -1.
+    /// Number of the volume that fills it, or -1: what is around it goes on inside. Glass that no fog goes on in wants a volume without coefficients.
     pub volume: i32,
     /// Not 0: it has an inside. Fog inside of what is of glass is kept apart from that outside.
     pub is_closed: u32,
@@ -124,6 +124,12 @@ pub struct covbeam_volume {
     pub glow: *const f32,
     /// The numbers of the volumes of which this is the sum, where all of them and no others are.
     pub parts: *const i32,
+    /// Of the world's volume: height in which its density falls to 1/e [m]; 0: it does not, and the next two are not read.
+    pub scale_height: f64,
+    /// Where it is 1 [m].
+    pub origin: [f64; 3],
+    /// Where it falls to, unit.
+    pub up: [f64; 3],
 }
 
 /// Kinds of lights.

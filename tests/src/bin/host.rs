@@ -65,7 +65,7 @@ struct Host {
     more: f64,
 }
 
-const HOSTS: [Host; 5] = [
+const HOSTS: [Host; 4] = [
     // examples/c. The ball has a radius of 44. The lamp stands at the upper left, so the caustic runs to the lower right.
     Host {
         name: "glass-ball",
@@ -128,14 +128,6 @@ const HOSTS: [Host; 5] = [
     },
     // examples/embree: of a few pictures, whose errors scatter.
     Host { name: "embree", kernels: None, regions: &EMBREE, judged: ("whole", |_, _| true), more: 1.4 },
-    // The same where its fog is voxels and the renderer's is not: kernels blur the border of the lamp's cone there, which shadow rays do not.
-    Host {
-        name: "embree-voxels",
-        kernels: None,
-        regions: &EMBREE,
-        judged: ("whole", |_, _| true),
-        more: f64::INFINITY,
-    },
 ];
 
 /// Not on the ball of examples/python.

@@ -3,8 +3,9 @@
 use super::lights::{Light, Lit};
 use super::volumes::Volume;
 use crate::camera::{Camera, Projection};
+use crate::light::HEIGHTS;
 use crate::object::Object;
-use crate::scene::Ball;
+use crate::scene::{Ball, Light as RenderLight};
 use covbeam_geometry::MAX_COORDINATE;
 use covbeam_geometry::shape::unite;
 use glam::{DVec3, Vec3};
@@ -40,7 +41,7 @@ pub(super) fn lit(
 ) -> Lit {
     let world = usize::try_from(world).ok();
     let boxes = volumes.iter().enumerate().map(|(index, volume)| match Some(index) == world {
-        true => world_box(lights, volume.extinction(), bounds, camera),
+        true => raised(volume, world_box(lights, volume.extinction(), bounds, camera)),
         false => filled(shapes, index).unwrap_or_else(|| volume.bounds()),
     });
     let unite = |(a, b): (DVec3, DVec3), (c, d): (DVec3, DVec3)| (a.min(c), b.max(d));
@@ -50,9 +51,29 @@ pub(super) fn lit(
     Lit { media: ball(media), scene: ball(all) }
 }
 
+/// Places between which all is that a scene has: corners of its geometry, near lights, and where eye rays start.
+pub(super) fn corners(bounds: Option<Bounds>, lights: &[RenderLight], camera: &Camera) -> Vec<Vec3> {
+    let lights = lights.iter().filter(|light| !light.is_far()).map(RenderLight::position);
+    let mut places: Vec<Vec3> = lights.chain(camera.corners()).chain([camera.position]).collect();
+    if let Some((min, max)) = bounds {
+        let corner = |number: usize| {
+            let of = |axis: usize| if number >> axis & 1 == 0 { min[axis] } else { max[axis] };
+            DVec3::new(of(0), of(1), of(2)).as_vec3()
+        };
+        places.extend((0..8).map(corner));
+    }
+    places
+}
+
 fn ball((min, max): (DVec3, DVec3)) -> Ball {
     let ball = Ball::around(min.as_vec3(), max.as_vec3());
     Ball { radius: ball.radius.max(1.0 / MAX_COORDINATE), ..ball }
+}
+
+/// A box of fog, and what of it thins above.
+fn raised(volume: &Volume, (min, max): Bounds) -> Bounds {
+    let up = f64::from(HEIGHTS) * volume.fields.scale_height * DVec3::from(volume.fields.up);
+    (min.min(min + up), max.max(max + up))
 }
 
 /// Where the world's fog matters: what camera, lights and geometry fill.

@@ -108,6 +108,7 @@ impl Description<'_> {
         let bounds = extent::bounds(surfaces.as_ref().and_then(Surfaces::bounds), &objects);
         let lit = extent::lit(&self.volumes, self.world_volume, &self.lights, (bounds, &objects), &camera);
         let (mut lights, visible) = lights::lights(&self.lights, &media, &lit, host)?;
+        media.check_height(extent::corners(bounds, &lights, &camera))?;
         let shown = Shown::new(&lights, |number| visible[number]);
         lights.extend(GlowingFog::all(&media.all).map(SceneLight::Glow));
         let placed = surfaces.map(|surfaces| Placed::of(surfaces, materials, placed_objects, media.fogs));

@@ -1,12 +1,13 @@
 //! Media, and where they are.
 
 use super::fields::{BRIGHTEST, Fields};
+use crate::medium::density::densest;
 use crate::medium::fogs::{AddedFogs, FogSum, FogVolume};
 use crate::medium::glow::Glow;
 use crate::medium::volume::{MAX_DENSITY, MAX_VOXELS, Volume as Voxels};
 use crate::scene::{MediumDensity, MediumId, SceneMedium};
 use crate::work::failure::{Result, invalid};
-use covbeam::{GridLayout, Medium, PhaseFunction, PhaseKind};
+use covbeam::{ExponentialDensity, GridLayout, Medium, PhaseFunction, PhaseKind};
 use covbeam_geometry::MAX_COORDINATE;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
@@ -38,6 +39,12 @@ pub struct VolumeFields {
     pub glow_cells: [u32; 3],
     /// 0 = isotropic, 1 = Henyey-Greenstein, 2 = Rayleigh.
     pub phase: u32,
+    /// Height in which the density of the world's volume falls to 1/e \[m\]; 0: it does not, and the next two are not read.
+    pub scale_height: f64,
+    /// Where it is 1 \[m\].
+    pub origin: [f64; 3],
+    /// Where it falls to, unit.
+    pub up: [f64; 3],
 }
 
 /// The same with its arrays.
@@ -83,11 +90,33 @@ impl Volume<'_> {
             ..Medium::default()
         };
         let density = match self.densities {
+            None if self.thins() => MediumDensity::Exponential(self.exponential(&fields)?),
             None => MediumDensity::Uniform,
+            Some(_) if self.thins() => {
+                return Err(fields.wrong(
+                    "scale_height",
+                    self.fields.scale_height,
+                    "0 with voxels of a density",
+                ));
+            }
             Some(densities) => MediumDensity::Grid(self.voxels(&fields, densities)?),
         };
         let glow = self.glow.map(|glow| self.glow(&fields, glow)).transpose()?.flatten().map(Arc::new);
         Ok(SceneMedium { medium, density, glow })
+    }
+
+    /// Whether its density falls with height.
+    pub(super) fn thins(&self) -> bool {
+        self.fields.scale_height != 0.0
+    }
+
+    fn exponential(&self, fields: &Fields) -> Result<ExponentialDensity> {
+        let VolumeFields { origin, up, scale_height, .. } = self.fields;
+        Ok(ExponentialDensity {
+            origin: fields.point("origin", origin)?.as_vec3(),
+            up: fields.direction("up", up)?.as_vec3().normalize(),
+            scale_height: fields.length("scale_height", scale_height)?,
+        })
     }
 
     /// None: it is dark.
@@ -139,6 +168,15 @@ fn layout(fields: &Fields, name: &str, cells: [u32; 3], [min, max]: [[f64; 3]; 2
     Ok(GridLayout { min: low.as_vec3(), max: high.as_vec3(), cells })
 }
 
+/// Refuses fog that thins with height where it is not the world's.
+fn check_thinning(volumes: &[Volume], outside: Option<MediumId>) -> Result<()> {
+    let elsewhere =
+        |(index, volume): &(usize, &Volume)| volume.thins() && Some(*index as MediumId) != outside;
+    let Some((index, volume)) = volumes.iter().enumerate().find(elsewhere) else { return Ok(()) };
+    let given = volume.fields.scale_height;
+    Err(Fields::of("volumes", index).wrong("scale_height", given, "0 to all but the world's"))
+}
+
 /// The media of a scene.
 pub(super) struct Media {
     /// By volume.
@@ -172,6 +210,7 @@ impl Media {
             let wanted = "None: what the world's volume sends out has no end";
             return Err(Fields::of("volumes", index as usize).wrong("glow", "voxels", wanted));
         }
+        check_thinning(volumes, outside)?;
         let (mut places, mut bodies, mut sums) = (Vec::new(), Vec::new(), Vec::new());
         for (index, volume) in volumes.iter().enumerate() {
             let medium = index as MediumId;
@@ -216,10 +255,35 @@ impl Media {
         usize::try_from(volume).ok().and_then(|volume| *self.places.get(volume)?)
     }
 
-    /// Per channel, 1 where light from infinitely far away gets through what is outside of all objects, else 0.
+    /// Refuses a density that single precision cannot hold where the scene is.
+    pub(super) fn check_height(&self, points: impl IntoIterator<Item = Vec3>) -> Result<()> {
+        let Some(index) = self.outside else { return Ok(()) };
+        let SceneMedium { medium, density: MediumDensity::Exponential(density), .. } =
+            &self.all[index as usize]
+        else {
+            return Ok(());
+        };
+        let most = f64::from(MAX_DENSITY)
+            / f64::from((medium.scattering + medium.absorption).max_element()).max(1.0);
+        let Some((place, logarithm)) =
+            densest(density, points).filter(|(_, logarithm)| *logarithm > most.ln())
+        else {
+            return Ok(());
+        };
+        let wanted = format_args!(
+            "more, or lower origin: at {place} the density is e^{logarithm:.1}, and 1e9 at most"
+        );
+        Err(Fields::of("volumes", index as usize).wrong("scale_height", density.scale_height, wanted))
+    }
+
+    /// Per channel, 1 where light from infinitely far away gets through what is outside of all objects, else 0. Where that thins with height it gets
+    /// as far as it is followed.
     pub(super) fn far_light(&self) -> Vec3 {
         let Some(outside) = self.outside else { return Vec3::ONE };
-        let SceneMedium { medium, .. } = &self.all[outside as usize];
+        let SceneMedium { medium, density, .. } = &self.all[outside as usize];
+        if matches!(density, MediumDensity::Exponential(_)) {
+            return Vec3::ONE;
+        }
         let extinction = medium.scattering + medium.absorption;
         Vec3::from(extinction.to_array().map(|extinction| if extinction == 0.0 { 1.0 } else { 0.0 }))
     }

@@ -16,7 +16,7 @@ const AIMED: f32 = 0.75;
 const LARGER: f32 = 1.1;
 
 /// Scale heights of a medium that thins with height, above which it is left out: 3e-4 of its depth.
-const HEIGHTS: f32 = 8.0;
+pub(crate) const HEIGHTS: f32 = 8.0;
 
 /// Light starts this share of the scene's diagonal ahead of it, so as not to start on its sides.
 const AHEAD: f32 = 1e-3;

@@ -20,6 +20,7 @@ mod stretch;
 mod sun;
 
 pub use aim::Ball;
+pub(crate) use aim::HEIGHTS;
 pub use area::Area;
 pub use directions::cosine_direction;
 pub use glow::GlowingFog;

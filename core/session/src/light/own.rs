@@ -12,7 +12,9 @@ const EXPECTED_POINTS: usize = 4;
 impl OwnLight {
     /// As [`super::Light::emit_at`].
     pub(super) fn emit_at(&self, place: [f32; 2], sampler: &mut PathSampler) -> EmittedPhoton {
-        let photon = self.host.emit(self.number, place, sampler.uniform_pair());
+        // Of a point nobody draws one: those that paths draw next are the better ones.
+        let xi = if self.described.has_size() { sampler.uniform_pair() } else { [0.5; 2] };
+        let photon = self.host.emit(self.number, place, xi);
         EmittedPhoton {
             bandwidth: [photon.radius, photon.angular_variance],
             ..EmittedPhoton::new(photon.origin, photon.direction, photon.power, photon.normal)

@@ -3,6 +3,7 @@
 mod builds;
 mod curvature;
 mod edges;
+mod fogs;
 mod goals;
 mod hosts;
 mod instances;

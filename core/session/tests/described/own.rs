@@ -105,7 +105,7 @@ const BOUND: MaterialFields = MaterialFields { transparent: [1.0; 3], ..BLACK };
 const PASSES: u32 = 8;
 
 /// Of each quarter of the picture: mean over the passes, and its variance. Their light paths are independent of each other.
-fn quarters(scene: &Arc<Scene>) -> [[f64; 2]; 4] {
+pub(crate) fn quarters(scene: &Arc<Scene>) -> [[f64; 2]; 4] {
     let session = session(scene, options(1000));
     let sums = |picture: &Picture| {
         let mut sums = [0.0; 4];
@@ -137,7 +137,7 @@ fn described() -> [[f64; 2]; 4] {
 
 /// Panics unless the pictures are the same but for noise, of which there is little.
 #[track_caller]
-fn assert_alike(name: &str, own: &Arc<Scene>, described: [[f64; 2]; 4]) {
+pub(crate) fn assert_alike(name: &str, own: &Arc<Scene>, described: [[f64; 2]; 4]) {
     for ([a, va], [b, vb]) in quarters(own).into_iter().zip(described) {
         let error = (va + vb).sqrt();
         println!("{name}: {a} for {b} ± {error}");

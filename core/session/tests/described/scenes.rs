@@ -52,6 +52,9 @@ pub(crate) const FOG: VolumeFields = VolumeFields {
     cells: [0; 3],
     glow_cells: [0; 3],
     phase: 0,
+    scale_height: 0.0,
+    origin: [0.0; 3],
+    up: [0.0; 3],
 };
 
 /// A point.

@@ -8,6 +8,7 @@ use super::shape::read_corners;
 use crate::scene_file::fields::{Field, SceneError, Table};
 use crate::scene_file::files::SceneFiles;
 use covbeam_session::camera::Camera;
+use covbeam_session::medium::density::{densest, densest_corner};
 use covbeam_session::medium::volume::{MAX_DENSITY, Volume};
 use covbeam_session::scene::{Light, MediumDensity, MediumId, Object, SceneMedium};
 
@@ -116,17 +117,16 @@ pub(crate) fn check_exponential(
     else {
         return Ok(());
     };
-    let height =
-        |point: Vec3| (point.as_dvec3() - exponential.origin.as_dvec3()).dot(exponential.up.as_dvec3());
-    let below = |(min, max)| Vec3::select(exponential.up.cmpgt(Vec3::ZERO), min, max);
+    let below = |corners| densest_corner(exponential, corners);
     let boxes = match grid {
         Some(corners) => vec![corners],
         None => objects.iter().map(|object| object.shape.bounds()).collect(),
     };
     let points =
         lights.iter().map(Light::position).chain(boxes.into_iter().map(below)).chain(camera.corners());
-    let lowest = points.fold(camera.position, |a, b| if height(b) < height(a) { b } else { a });
-    let logarithm = -height(lowest) / f64::from(exponential.scale_height);
+    let Some((lowest, logarithm)) = densest(exponential, points.chain([camera.position])) else {
+        return Ok(());
+    };
     let limit = f64::from(MAX_DENSITY) / largest_extinction(medium).max(1.0);
     if logarithm > limit.ln() {
         let table = &root.tables("medium")?[id as usize];

@@ -59,6 +59,9 @@ class Volume(ctypes.Structure):
         ("density", ctypes.c_void_p),
         ("glow", ctypes.c_void_p),
         ("parts", ctypes.c_void_p),
+        ("scale_height", ctypes.c_double),
+        ("origin", ctypes.c_double * 3),
+        ("up", ctypes.c_double * 3),
     ]
 
 

@@ -84,6 +84,7 @@ class Volume:
     - phase: 0 isotropic, 1 Henyey-Greenstein with the mean cosine `asymmetry`, 2 Rayleigh.
     - density, glow: None, or Voxels: relative densities, and emission coefficients [W/(m^3 sr)].
     - parts: of a sum: the indices of the volumes that overlap where it counts.
+    - scale_height: of the world's: height in which its density falls to 1/e [m], along `up` from `origin`, where it is 1; 0: it does not.
     """
 
     scattering: np.ndarray
@@ -95,6 +96,9 @@ class Volume:
     density: Voxels | None = None
     glow: Voxels | None = None
     parts: tuple = ()
+    scale_height: float = 0.0
+    origin: np.ndarray = field(default_factory=_zero)
+    up: np.ndarray = field(default_factory=_zero)
 
 
 @dataclass(eq=False)

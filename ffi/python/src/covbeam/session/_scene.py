@@ -149,7 +149,7 @@ def _numbers(name, thing, fields):
 
 
 def _volume(name, volume, kept):
-    given = _vectors(name, volume, ("scattering", "absorption", "min", "max")) | _numbers(name, volume, ("asymmetry",))
+    given = _vectors(name, volume, ("scattering", "absorption", "min", "max", "origin", "up")) | _numbers(name, volume, ("asymmetry", "scale_height"))
     given["phase"] = whole(f"{name}.phase", _of(volume, "phase", 0))
     for field, shape in (("density", (None, None, None)), ("glow", (None, None, None, 3))):
         voxels = _of(volume, field, None)
