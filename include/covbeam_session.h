@@ -298,7 +298,7 @@ typedef struct covbeam_scene covbeam_scene;
 
 /**
  * A render of a scene, pass by pass, on native threads of its own. One call renders at a time; meanwhile other threads may ask for
- * covbeam_session_get_info, and for all else they are told COVBEAM_BUSY.
+ * covbeam_session_get_info and for layers of a picture that has been made, and for all else they are told COVBEAM_BUSY.
  */
 typedef struct covbeam_session covbeam_session;
 
@@ -1153,7 +1153,8 @@ typedef void (*covbeam_host_eye)(void *user,
                                  struct covbeam_host_eye_ray *rays);
 
 /**
- * A host's geometry, and functions for what its description says is its own. It must outlive the scenes and sessions that are made of it.
+ * A host's geometry, and functions for what its description says is its own. It must outlive the scenes and sessions that are made of it: what was
+ * stopped may ask it for a moment longer, until its session is freed.
  */
 typedef struct covbeam_host {
     /**
@@ -1479,7 +1480,7 @@ covbeam_status covbeam_scene_new_of_host(const struct covbeam_host *host,
  * Makes a session of a scene, or of the same one at several instants while a shutter is open. Numbers that nobody has given are chosen, which
  * takes up to a second or two.
  *
- * @param count number of scenes: a power of two. Of n of them each is in two of 2 n passes; what moves is blurred.
+ * @param count number of scenes: a power of two, up to 1024. Of n of them each is in two of 2 n passes; what moves is blurred.
  * @param scenes, scene_stride handles; they may be freed afterwards. The stride of one scene may be 0.
  * @param settings how to render.
  * @param poll, user asked at least every 50 ms, in this thread, whether to go on; NULL: it always goes on.
@@ -1496,7 +1497,7 @@ covbeam_status covbeam_session_new(size_t count,
                                    struct covbeam_session **out);
 
 /**
- * Frees a session.
+ * Frees a session. If its scene is a host's, none of the host's functions is called any more when this returns (unless one of them calls it).
  *
  * @param session NULL is fine.
  */

@@ -3,9 +3,10 @@
 use super::identity::Contents;
 use super::{polled, refused};
 use crate::handle::{Opaque, free, handle_to, run_on, shared};
+use crate::heap::reserved;
 use crate::memory::{Inputs, Slot, array, inputs, outputs, read_options};
 use crate::session::fields::covbeam_surface_hit;
-use crate::status::{covbeam_poll, covbeam_status, run};
+use crate::status::{Failure, covbeam_poll, covbeam_status, run};
 use ::covbeam_session::describe::MeshArrays;
 use ::covbeam_session::describe::cast::{HitRecord, cast};
 use ::covbeam_session::describe::geometry::Geometry;
@@ -118,6 +119,8 @@ pub unsafe extern "C" fn covbeam_geometry_add_mesh(
     let add = |kept: &mut Kept| {
         // SAFETY: by the caller's promise.
         let given = unsafe { read_options(mesh, size_of::<covbeam_mesh>(), "mesh") }?;
+        // Before anything is added.
+        let dropped = if dropped.is_null() { None } else { Some(Slot::new(dropped, "dropped")?) };
         let covbeam_mesh { material_count, position_count, triangle_count, .. } = given;
         // SAFETY: by the caller's promise.
         let arrays = unsafe {
@@ -136,8 +139,8 @@ pub unsafe extern "C" fn covbeam_geometry_add_mesh(
         kept.contents.array(arrays.triangles);
         kept.contents.array(arrays.materials);
         kept.contents.array(arrays.normals.unwrap_or_default());
-        if !dropped.is_null() {
-            Slot::new(dropped, "dropped")?.set(left_out);
+        if let Some(dropped) = dropped {
+            dropped.set(left_out);
         }
         Ok(())
     };
@@ -236,11 +239,14 @@ pub unsafe extern "C" fn covbeam_geometry_cast(
         inputs!(count, origins: [f32; 3], origin_stride);
         inputs!(count, directions: [f32; 3], direction_stride);
         outputs!(count, hits, hit_stride);
-        let all = |vectors: &Inputs<[f32; 3]>| -> Vec<[f32; 3]> {
-            (0..count).map(|index| vectors.get(index).value).collect()
+        let all = |vectors: &Inputs<[f32; 3]>| -> Result<Vec<[f32; 3]>, Failure> {
+            let mut all = reserved(count)?;
+            all.extend((0..count).map(|index| vectors.get(index).value));
+            Ok(all)
         };
-        let mut found = vec![HitRecord::MISS; count];
-        cast(&built, &all(&origins), &all(&directions), &mut found).map_err(refused)?;
+        let (origins, directions, mut found) = (all(&origins)?, all(&directions)?, reserved(count)?);
+        found.resize(count, HitRecord::MISS);
+        cast(&built, &origins, &directions, &mut found).map_err(refused)?;
         found.iter().enumerate().for_each(|(index, hit)| hits.set(index, (*hit).into()));
         Ok(())
     })

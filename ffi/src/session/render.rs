@@ -13,7 +13,7 @@ use core::ffi::c_void;
 use std::time::Duration;
 
 /// A render of a scene, pass by pass, on native threads of its own. One call renders at a time; meanwhile other threads may ask for
-/// covbeam_session_get_info, and for all else they are told COVBEAM_BUSY.
+/// covbeam_session_get_info and for layers of a picture that has been made, and for all else they are told COVBEAM_BUSY.
 pub struct covbeam_session(());
 
 impl Opaque for covbeam_session {
@@ -47,6 +47,9 @@ pub enum covbeam_end {
     /// An error was asked for, and no light reaches the picture.
     COVBEAM_END_DARK = 2,
 }
+
+/// Instants of a scene.
+const MOST_INSTANTS: usize = 1024;
 
 /// Where a session stands.
 #[repr(C)]
@@ -86,7 +89,7 @@ pub struct covbeam_session_info {
 /// Makes a session of a scene, or of the same one at several instants while a shutter is open. Numbers that nobody has given are chosen, which
 /// takes up to a second or two.
 ///
-/// @param count number of scenes: a power of two. Of n of them each is in two of 2 n passes; what moves is blurred.
+/// @param count number of scenes: a power of two, up to 1024. Of n of them each is in two of 2 n passes; what moves is blurred.
 /// @param scenes, scene_stride handles; they may be freed afterwards. The stride of one scene may be 0.
 /// @param settings how to render.
 /// @param poll, user asked at least every 50 ms, in this thread, whether to go on; NULL: it always goes on.
@@ -106,6 +109,11 @@ pub unsafe extern "C" fn covbeam_session_new(
     run(|| {
         let out = Slot::new(out, "out")?;
         inputs!(count, scenes, scene_stride);
+        // One that is repeated may be any number of them.
+        if count > MOST_INSTANTS {
+            let message = format_args!("count: {count} scenes; give up to {MOST_INSTANTS}");
+            return Err(fail(COVBEAM_INVALID_ARRAY, message));
+        }
         let (mut instants, mut contents) = (Vec::new(), super::identity::Contents::default());
         for index in 0..count {
             // SAFETY: by the caller's promise.
@@ -124,7 +132,7 @@ pub unsafe extern "C" fn covbeam_session_new(
     })
 }
 
-/// Frees a session.
+/// Frees a session. If its scene is a host's, none of the host's functions is called any more when this returns (unless one of them calls it).
 ///
 /// @param session NULL is fine.
 #[unsafe(no_mangle)]

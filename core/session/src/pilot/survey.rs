@@ -85,7 +85,9 @@ impl Survey {
             .places
             .iter()
             .filter(|place| place.is_inside)
-            .map(|place| (place.position, place.position))
+            // Beyond the box' ends are places that it cannot hold.
+            .map(|place| place.position.clamp(layout.min, layout.max))
+            .map(|position| (position, position))
             .reduce(unite);
         let (min, max) = lit.map_or(seen, |lit| half_a_voxel_more(lit, &layout));
         let camera = &scene.camera;

@@ -2,6 +2,7 @@
 
 mod info;
 mod options;
+mod served;
 mod state;
 mod sums;
 mod tasks;
@@ -19,6 +20,7 @@ use crate::settings::{Layers, Settings};
 use crate::work::failure::{Failure, Result};
 use crate::work::job::Job;
 use crate::work::{self, GoOn};
+use served::Served;
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex};
 use tasks::{Done, Order, Shared, Task, locked};
@@ -31,6 +33,8 @@ pub struct Session {
     current: Mutex<Option<Arc<Job<Done>>>>,
     size: [u32; 2],
     settings: Settings,
+    /// Dropped after `orders`, without which the thread ends.
+    _served: Served,
 }
 
 impl Session {
@@ -50,8 +54,10 @@ impl Session {
         let shared = Arc::<Shared>::default();
         let scenes = instants.iter().map(|scene| scene.as_ref().clone()).collect();
         let seen = Arc::clone(&shared);
-        pool.spawn(move || serve(scenes, &options, &received, &seen));
-        let session = Self { orders, shared, current: Mutex::default(), size, settings };
+        let is_hosted =
+            instants.iter().any(|scene| scene.placed.as_ref().is_some_and(|placed| placed.host().is_some()));
+        let served = Served::start(pool, is_hosted, move || serve(scenes, &options, &received, &seen));
+        let session = Self { orders, shared, current: Mutex::default(), size, settings, _served: served };
         session.done(Task::Prepare, go_on)?;
         Ok(session)
     }

@@ -225,7 +225,8 @@ pub type covbeam_host_eye = Option<
     ),
 >;
 
-/// A host's geometry, and functions for what its description says is its own. It must outlive the scenes and sessions that are made of it.
+/// A host's geometry, and functions for what its description says is its own. It must outlive the scenes and sessions that are made of it: what was
+/// stopped may ask it for a moment longer, until its session is freed.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct covbeam_host {

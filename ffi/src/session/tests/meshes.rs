@@ -65,6 +65,10 @@ fn meshes_that_are_wrong_are_refused_with_what_is_wrong_and_where() {
         );
     }
     refused(add(&|given| given.struct_size = 4), COVBEAM_INVALID_VALUE, &["mesh", "struct_size is 4"]);
+    // SAFETY: what is misaligned is not written to.
+    let status =
+        unsafe { covbeam_geometry_add_mesh(geometry, &given, null_mut::<usize>().wrapping_byte_add(1)) };
+    refused(status, misaligned, &["dropped"]);
     // None of them has become a mesh.
     refused(place(geometry, 0, IDENTITY), COVBEAM_INVALID_VALUE, &["instances[0].mesh: 0", "there are 0"]);
     // SAFETY: a live handle.

@@ -106,6 +106,8 @@ fn settings_and_instants_that_are_wrong_are_refused() {
     // SAFETY: live handles and locals; NULL is refused.
     unsafe {
         let one = &scene.cast_const();
+        let status = covbeam_session_new(1 << 40, one, 0, &SETTINGS, None, null_mut(), &mut session);
+        refused(status, COVBEAM_INVALID_ARRAY, &["count: 1099511627776", "1024"]);
         let status = covbeam_session_new(1, one, 0, null(), None, null_mut(), &mut session);
         refused(status, COVBEAM_NULL_POINTER, &["settings: NULL"]);
         let status = covbeam_session_new(1, null(), 0, &SETTINGS, None, null_mut(), &mut session);
