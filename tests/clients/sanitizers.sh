@@ -3,7 +3,7 @@
 #   tests/clients/sanitizers.sh PREFIX            20,000 random sequences of calls
 #   tests/clients/sanitizers.sh PREFIX --full     1,000,000 of them
 # The library itself is built with AddressSanitizer and ThreadSanitizer, by the stable compiler; Rust's standard library comes
-# without, and is seen by valgrind. Needs clang with its sanitizers, and valgrind. What is missing is a failure.
+# without, and is seen by valgrind. (Sessions are seen by sanitizers alone: valgrind runs one thread at a time.) Needs clang with its sanitizers, and valgrind. What is missing is a failure.
 set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"
 root="$here/../.."
@@ -12,7 +12,9 @@ target="$(realpath -m "${CARGO_TARGET_DIR:-$root/target}")/sanitizers"
 released="$(cd "$1" && pwd)/lib/libcovbeam.a"
 # Random sequences of a process; and states of objects on which everything is spoiled under valgrind, which is 50 times as slow.
 sequences=10000 states=1
-[ "${2:-}" != --full ] || { sequences=500000 states=6; }
+# The same of sessions; and passes of hosts that lie.
+sessions=40 passes=72
+[ "${2:-}" != --full ] || { sequences=500000 states=6 sessions=4000 passes=9000; }
 
 build="$(mktemp -d)"
 trap 'rm -rf "$build"' EXIT
@@ -21,14 +23,16 @@ runtimes="$(rustc --print sysroot)/lib/rustlib/$host/lib"
 warnings=(-std=c99 -gdwarf-4 -O1 -fno-omit-frame-pointer -Wall -Wextra -Wpedantic -Werror -I"$root/include")
 libraries=(-lpthread -ldl -lm)
 hostile=("$here"/hostile.c "$here"/hostile/*.c)
+hostile_session=("$here"/hostile_session.c "$here"/hostile_session/*.c "$here/hosted.c" "$here/hostile/types.c")
 
-# library NAME FLAGS...: the static library, built with these flags of rustc, as $target/NAME/$host/release/libcovbeam.a
+# library NAME FEATURES FLAGS...: the static library, built with these flags of rustc, as $target/NAME/$host/release/libcovbeam.a
 library() {
-    local name="$1"
-    shift
+    local name="$1" features="$2"
+    shift 2
     # Sanitizers are unstable flags of a stable compiler; the standard library is that of the toolchain.
     # Optimised less than a release: these builds are made to be checked, not to be fast.
-    (cd "$root" && RUSTC_BOOTSTRAP=1 RUSTFLAGS="$*" CARGO_PROFILE_RELEASE_LTO=off CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16 cargo build --quiet --locked --release --package covbeam-ffi --no-default-features \
+    (cd "$root" && RUSTC_BOOTSTRAP=1 RUSTFLAGS="$*" CARGO_PROFILE_RELEASE_LTO=off CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16 \
+        cargo build --quiet --locked --release --package covbeam-ffi --no-default-features --features "$features" \
         --target "$host" --target-dir "$target/$name")
 }
 archive() { echo "$target/$1/$host/release/libcovbeam.a"; }
@@ -44,15 +48,19 @@ refused() {
     fi
 }
 
-CARGO_PROFILE_RELEASE_OPT_LEVEL=0 library not-optimised
-library address -Zsanitizer=address -Coverflow-checks=on -Cdebug-assertions=on
-library thread -Zsanitizer=thread -Cunsafe-allow-abi-mismatch=sanitizer
+CARGO_PROFILE_RELEASE_OPT_LEVEL=0 library not-optimised ""
+# With sessions, which are ten times as much code: no more is optimised than pays in their checks.
+export CARGO_PROFILE_RELEASE_OPT_LEVEL=1
+library address session -Zsanitizer=address -Coverflow-checks=on -Cdebug-assertions=on
+library thread session -Zsanitizer=thread -Cunsafe-allow-abi-mismatch=sanitizer
+unset CARGO_PROFILE_RELEASE_OPT_LEVEL
 
 echo "-- every function of the headers is called"
 clang "${warnings[@]}" -O2 "${hostile[@]}" "$released" "${libraries[@]}" -o "$build/hostile"
-"$build/hostile" --list | sort > "$build/called"
+clang "${warnings[@]}" -O2 "${hostile_session[@]}" "$released" "${libraries[@]}" -o "$build/hostile-session"
+{ "$build/hostile" --list; "$build/hostile-session" --list; } | sort > "$build/called"
 # Declarations begin a line; comments do not.
-cat "$root"/include/covbeam.h "$root"/include/covbeam_extra.h | grep -E '^[a-z]' | grep -vE '^(typedef|static inline)' | grep -oE 'covbeam_[a-z0-9_]+\(' | tr -d '(' | sort > "$build/declared"
+cat "$root"/include/covbeam{,_extra,_session}.h | grep -E '^[a-z]' | grep -vE '^(typedef|static inline)' | grep -oE 'covbeam_[a-z0-9_]+\(' | tr -d '(' | sort > "$build/declared"
 diff "$build/declared" "$build/called"
 wc -l < "$build/called"
 
@@ -60,6 +68,9 @@ echo "-- the kth request for memory is refused, for every k"
 wrapped=(-Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=posix_memalign,--wrap=free)
 clang "${warnings[@]}" -O2 -DSCARCE "${hostile[@]}" "$here/scarce.c" "$released" "${libraries[@]}" "${wrapped[@]}" -o "$build/scarce"
 "$build/scarce" 2000 5
+clang "${warnings[@]}" -O2 "$here/scarce_session.c" "$here/hosted.c" "$here/scarce.c" "$released" "${libraries[@]}" "${wrapped[@]}" \
+    -o "$build/scarce-session"
+"$build/scarce-session"
 
 echo "-- AddressSanitizer, UndefinedBehaviorSanitizer, LeakSanitizer, overflow checks: two processes, $sequences sequences each"
 clang "${warnings[@]}" -fsanitize=address,undefined -fno-sanitize-recover=all "${hostile[@]}" "$(archive address)" \
@@ -72,9 +83,23 @@ first=$!
 "$build/hostile-address" "$sequences" 2 > "$build/second" 2>&1 || { tail -60 "$build/second"; exit 1; }
 wait "$first" || { tail -60 "$build/first"; exit 1; }
 cat "$build/first" "$build/second"
-clang "${warnings[@]}" -fsanitize=address,undefined -fno-sanitize-recover=all "$here/reentry.c" "$(archive address)" "${libraries[@]}" \
-    -o "$build/reentry"
+address=(clang "${warnings[@]}" -fsanitize=address,undefined -fno-sanitize-recover=all)
+"${address[@]}" "$here/reentry.c" "$(archive address)" "${libraries[@]}" -o "$build/reentry"
 "$build/reentry"
+echo "no findings in $((SECONDS - started)) s"
+
+echo "-- the same of sessions: $sessions sequences, calls inside of calls, and a host that lies"
+started=$SECONDS
+"${address[@]}" "${hostile_session[@]}" "$(archive address)" "${libraries[@]}" -o "$build/hostile-session-address"
+for program in reentry_session liar; do
+    "${address[@]}" "$here/$program.c" "$here/hosted.c" "$(archive address)" "${libraries[@]}" -o "$build/$program"
+done
+"$build/liar" "$passes" 1 > "$build/first" 2>&1 &
+first=$!
+"$build/hostile-session-address" "$sessions" 1 > "$build/second" 2>&1 || { tail -60 "$build/second"; exit 1; }
+"$build/reentry_session"
+wait "$first" || { tail -60 "$build/first"; exit 1; }
+cat "$build/first" "$build/second"
 echo "no findings in $((SECONDS - started)) s"
 
 echo "-- valgrind memcheck, two processes: the library as it is released, and one that is not optimised"
@@ -93,12 +118,31 @@ cat "$build/first" "$build/second"
 echo "no findings in $((SECONDS - started)) s"
 
 echo "-- ThreadSanitizer"
-# The compiler's runtime is newer than clang's and has all that its code calls.
-clang "${warnings[@]}" -fsanitize=thread -c "$here/threads.c" -o "$build/threads.o"
-clang -g "$build/threads.o" "$(archive thread)" -Wl,--whole-archive "$runtimes/librustc-stable_rt.tsan.a" -Wl,--no-whole-archive \
-    -Wl,--export-dynamic "${libraries[@]}" -lrt -lresolv -o "$build/threads-thread"
+# Of the standard library, which comes without: the mangled name of a function, by the end of it.
+mangled() { nm "$(archive thread)" 2> /dev/null | grep -oE "_RNv[A-Za-z0-9_]*$1\$" | sort -u; }
+locks=(LOCK="$(mangled mutex5futexNtB2_5Mutex14lock_contended)" WAIT="$(mangled condvar5futexNtB2_7Condvar4wait)"
+    WAIT_LONG="$(mangled condvar5futexNtB2_7Condvar12wait_timeout)" ONCE="$(mangled once5futexNtB5_4Once4call)")
+clang "${warnings[@]}" "${locks[@]/#/-D}" -c "$here/unseen.c" -o "$build/unseen.o"
+# threaded PROGRAM SOURCES...: the compiler's runtime is newer than clang's and has all that its code calls.
+threaded() {
+    local program="$1" source objects=()
+    shift
+    for source in "$@"; do
+        clang "${warnings[@]}" -fsanitize=thread -c "$here/$source.c" -o "$build/$source.o"
+        objects+=("$build/$source.o")
+    done
+    clang -g "${objects[@]}" "$build/unseen.o" "$(archive thread)" "${locks[@]/#*=/-Wl,--wrap=}" -Wl,--wrap=__tsan_atomic64_fetch_sub \
+        -Wl,--whole-archive "$runtimes/librustc-stable_rt.tsan.a" -Wl,--no-whole-archive -Wl,--export-dynamic "${libraries[@]}" -lrt -lresolv \
+        -o "$build/$program"
+}
+threaded threads-thread threads
+threaded sessions-thread threads_session hosted
+threaded reentry-thread reentry_session hosted
 refused "two threads that change one light field" "data race" "$build/threads-thread" race
 for _ in 1 2 3; do "$build/threads-thread"; "$build/threads-thread" busy; done
+refused "a function of a host's that two threads call" "data race" "$build/sessions-thread" race
+for _ in 1 2 3; do "$build/sessions-thread"; done
+"$build/reentry-thread"
 
 echo "-- helgrind, which sees the standard library too"
 clang "${warnings[@]}" "$here/threads.c" "$released" "${libraries[@]}" -o "$build/threads"
