@@ -1051,7 +1051,7 @@ typedef struct covbeam_host_photon {
     float direction[3];
     /**
      * Flux of the lamp if all of its light left like this photon [W]: emission over the probability density of the place's photon. Its mean over
-     * the unit square is the lamp's flux. 0: none.
+     * the unit square is the lamp's flux; no more than 1e4 times what is described as that is taken. 0: none.
      */
     float power[3];
     /**

@@ -186,15 +186,8 @@ static void shine(const covbeam_host_draw *draw, covbeam_host_photon *photon) {
     for (int i = 0; i < 3; i++) photon->power[i] = (float)(4 * pi * lamp_intensity);
 }
 
-/* No lamp is said to be more than a few hundred times as bright as it is described: paths are split into parts of about equal power. */
-static const float most_power = 1e4f;
-
 static void emit(void *user, size_t many, const covbeam_host_draw *draws, covbeam_host_photon *photons) {
     ANSWER(EMIT, photons, shine(&draws[i], &photons[i]))
-    for (size_t i = 0; i < 3 * many; i++) {
-        float *power = &photons[i / 3].power[i % 3];
-        if (isfinite(*power) && *power > most_power) *power = most_power;
-    }
 }
 
 static void arrive(const covbeam_host_question *question, covbeam_host_arrival *arrival) {

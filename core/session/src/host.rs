@@ -107,7 +107,7 @@ pub struct HostPhoton {
     /// Unit direction.
     pub direction: Vec3,
     /// Flux of the light if all of its light left like this photon: emission over probability density \[W\]. Its mean over the unit square is the
-    /// light's flux.
+    /// light's flux, and no more than 10⁴ times what is described as that is taken.
     pub power: Vec3,
     /// Normal of the emitting surface; zero of a light without one.
     pub normal: Vec3,

@@ -53,13 +53,13 @@ impl Host {
         let is_sound = hit.distance > 0.0
             && f64::from(hit.distance) < reach
             && hit.distance.is_finite()
-            && hit.position.is_finite()
+            && is_place(hit.position)
             && is_unit(hit.geometric_normal)
             && is_unit(hit.normal)
             && hit.normal.dot(hit.geometric_normal) >= 0.0
             && numbers.iter().all(|number| number.is_finite())
             && hit.offset >= 0.0
-            && hit.offset.is_finite()
+            && hit.offset <= MAX_COORDINATE
             && (hit.object as usize) < self.objects
             && (hit.material as usize) < self.materials;
         let least = f32::EPSILON * origin.abs().max_element() as f32;

@@ -6,6 +6,9 @@ use crate::random::{PathSampler, spread};
 use covbeam::{EVEN_LAMP, LightField};
 use glam::Vec3;
 
+/// Most power of a photon, if all light left like this, over the flux that is described.
+const MOST_POWER: f32 = 1e4;
+
 /// Points of a light that tell what to expect of it.
 const EXPECTED_POINTS: usize = 4;
 
@@ -15,9 +18,16 @@ impl OwnLight {
         // Of a point nobody draws one: those that paths draw next are the better ones.
         let xi = if self.described.has_size() { sampler.uniform_pair() } else { [0.5; 2] };
         let photon = self.host.emit(self.number, place, xi);
+        // A path with more is followed in parts, each part in parts, and a pass would not end.
+        let most = MOST_POWER * self.described.flux().max_element();
         EmittedPhoton {
             bandwidth: [photon.radius, photon.angular_variance],
-            ..EmittedPhoton::new(photon.origin, photon.direction, photon.power, photon.normal)
+            ..EmittedPhoton::new(
+                photon.origin,
+                photon.direction,
+                photon.power.min(Vec3::splat(most)),
+                photon.normal,
+            )
         }
     }
 

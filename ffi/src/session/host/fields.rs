@@ -107,7 +107,7 @@ pub struct covbeam_host_photon {
     /// Unit.
     pub direction: [f32; 3],
     /// Flux of the lamp if all of its light left like this photon [W]: emission over the probability density of the place's photon. Its mean over
-    /// the unit square is the lamp's flux. 0: none.
+    /// the unit square is the lamp's flux; no more than 1e4 times what is described as that is taken. 0: none.
     pub power: [f32; 3],
     /// Normal of the surface that it leaves; 0 of a lamp without one.
     pub normal: [f32; 3],
