@@ -1,4 +1,4 @@
-//! Light in media whose density varies: beams against quadrature, beams against light tracing, energy.
+//! Light in media whose density varies, or is the same everywhere: beams against quadrature, beams against light tracing, energy.
 
 use covbeam_render::scene_file;
 use covbeam_session::film::Film;
@@ -34,6 +34,7 @@ fn write_volume(path: &Path, values: &[f32]) {
 /// What fills the room.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Air {
+    Even,
     Exponential,
     Voxels,
 }
@@ -43,17 +44,18 @@ fn scene(air: Air, medium: &str, size: u32) -> Scene {
     let dir = tempfile::tempdir().expect("a temporary directory");
     write_volume(&dir.path().join("air.vol"), &voxels());
     let density = match air {
+        Air::Even => String::new(),
         Air::Exponential => {
             format!(
-                "{{ exponential = {{ origin = [0, 0, 0], up = [0, 1, 0], scale_height = {SCALE_HEIGHT} }} }}"
+                "density = {{ exponential = {{ origin = [0, 0, 0], up = [0, 1, 0], scale_height = {SCALE_HEIGHT} }} }}"
             )
         }
-        Air::Voxels => "{ volume = { file = \"air.vol\" } }".to_owned(),
+        Air::Voxels => "density = { volume = { file = \"air.vol\" } }".to_owned(),
     };
     let text = format!(
         "outside_medium = \"air\"\n\
          [camera]\nposition = [0.0, 0.5, -5.5]\nlook_at = [0.0, 0.7, 0.0]\nvertical_fov = 40.0\nwidth = {size}\nheight = {size}\n\
-         [[medium]]\nname = \"air\"\n{medium}\ndensity = {density}\n\
+         [[medium]]\nname = \"air\"\n{medium}\n{density}\n\
          [[object]]\nshape = \"sphere\"\ncenter = [0.2, 0.3, 0.1]\nradius = 0.7\nmaterial = \"black\"\n\
          [[object]]\nshape = \"box\"\nmin = [-4.0, -1.5, -6.0]\nmax = [4.0, 4.5, 4.0]\nmaterial = \"black\"\n\
          [[light]]\n{LIGHT}\n\
@@ -83,6 +85,7 @@ fn world(air: Air) -> World {
         emission: Emission::Spot { axis, inner: 14f64.to_radians(), outer: 26f64.to_radians() },
     };
     let density = match air {
+        Air::Even => Density::Exponential { scale_height: 1e12 },
         Air::Exponential => Density::Exponential { scale_height: SCALE_HEIGHT },
         Air::Voxels => Density::Voxels {
             min: Vec3::from(BOX[0]).as_dvec3(),
@@ -139,29 +142,32 @@ fn pictures(
     (first..first + runs).map(run).collect()
 }
 
-/// What the quadrature says of a picture of 24 by 24 pixels, with four by four rays a pixel.
-fn quadrature(world: &World, scene: &Scene) -> Vec<DVec3> {
+/// What the quadrature says of a picture of 24 by 24 pixels, with so many by so many rays a pixel.
+fn quadrature(world: &World, scene: &Scene, across: u32) -> Vec<DVec3> {
     let camera = &scene.camera;
     let ray = |pixel: u32, i: u32| {
-        let x = (pixel % camera.width) as f32 + ((i % 4) as f32 + 0.5) / 4.0;
-        let y = (pixel / camera.width) as f32 + ((i / 4) as f32 + 0.5) / 4.0;
+        let at = |pixel: u32, i: u32| pixel as f32 + (i as f32 + 0.5) / across as f32;
+        let (x, y) = (at(pixel % camera.width, i % across), at(pixel / camera.width, i / across));
         world.radiance(camera.position.as_dvec3(), camera.direction(x, y).as_dvec3().normalize(), 60)
     };
+    let rays = across * across;
     (0..camera.width * camera.height)
-        .map(|pixel| (0..16).map(|i| ray(pixel, i)).sum::<DVec3>() / 16.0)
+        .map(|pixel| (0..rays).map(|i| ray(pixel, i)).sum::<DVec3>() / f64::from(rays))
         .collect()
 }
 
 #[test]
 fn single_scattering_is_that_of_the_quadrature() {
-    for air in [Air::Exponential, Air::Voxels] {
+    for air in [Air::Even, Air::Exponential, Air::Voxels] {
         let scene = scene(air, THIN, 24);
-        let truth = quadrature(&world(air), &scene);
+        let truth = quadrature(&world(air), &scene, 4);
         // A thirtieth more of everything would be seen.
         let mut denser = world(air);
         denser.scattering *= 1.03;
         denser.absorption *= 1.03;
-        let more = mean(&quadrature(&denser, &scene), REGIONS[0]) / mean(&truth, REGIONS[0]);
+        let [some, more] =
+            [&world(air), &denser].map(|world| mean(&quadrature(world, &scene, 1), REGIONS[0]));
+        let more = more / some;
         assert!(more.x > 1.01, "{more}");
         for method in [Method::Plain, Method::Thesis] {
             let pictures = pictures(&scene, method, (3_000, 32), 1, 8);
@@ -172,8 +178,13 @@ fn single_scattering_is_that_of_the_quadrature() {
                     let sample = Sample::of(&pictures.iter().map(ratio).collect::<Vec<_>>());
                     let name = format!("{air:?}, {method:?}, {}, channel {channel}", region.0);
                     println!("{name}: {:.5} ± {:.5}", sample.mean, sample.error);
-                    assert!(sample.error < 0.002, "{name}: too noisy to tell: {sample:?}");
-                    assert!((sample.mean - 1.0).abs() < 0.005, "{name}: {sample:?}");
+                    // The ball's shadow is noisier, and rough voxels are.
+                    let [noise, bias] = match air {
+                        Air::Even if region != REGIONS[2] => [0.001, 0.003],
+                        _ => [0.002, 0.005],
+                    };
+                    assert!(sample.error < noise, "{name}: too noisy to tell: {sample:?}");
+                    assert!((sample.mean - 1.0).abs() < bias, "{name}: {sample:?}");
                 }
             }
         }
@@ -189,8 +200,7 @@ fn beams_and_light_tracing_agree_on_all_orders_of_scattering() {
         // Negative control: a sixth more scattering is told apart; the quadrature above sees far less.
         let brighter = THICK.replace("[0.15, 0.2, 0.1]", "[0.175, 0.233, 0.117]");
         assert_ne!(brighter, THICK);
-        // Of many runs: one in a hundred has a path that passes the camera closely.
-        let control = pictures(&scene(air, &brighter, 24), Method::LightTrace, (100_000, 1), 200, 32);
+        let control = pictures(&scene(air, &brighter, 24), Method::Thesis, (2_000, 10), 200, 10);
         for (method, first) in [(Method::Plain, 300), (Method::Thesis, 400)] {
             let beams = pictures(&room, method, (2_000, 10), first, 10);
             for region in REGIONS {
@@ -207,11 +217,11 @@ fn beams_and_light_tracing_agree_on_all_orders_of_scattering() {
                     b.error / b.mean,
                     welch(a, b),
                     c.mean / b.mean,
-                    welch(a, c)
+                    welch(c, b)
                 );
                 assert!(welch(a, b) > level, "{a:?} and {b:?} differ: p = {}", welch(a, b));
                 if region == REGIONS[0] {
-                    assert!(welch(a, c) < level, "{a:?} and {c:?} are not told apart: p = {}", welch(a, c));
+                    assert!(welch(c, b) < level, "{c:?} and {b:?} are not told apart: p = {}", welch(c, b));
                 }
             }
         }
