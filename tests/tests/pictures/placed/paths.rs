@@ -17,7 +17,7 @@ use covbeam_session::surface::SurfaceMap;
 use glam::Vec3;
 
 /// Pieces of the eye path along a direction, and what it sees on surfaces.
-fn seen(scene: &Scene, direction: Vec3, asked: [bool; 2], seed: u32) -> (Vec<EyeSegment>, ByKind) {
+pub(super) fn seen(scene: &Scene, direction: Vec3, asked: [bool; 2], seed: u32) -> (Vec<EyeSegment>, ByKind) {
     let (fogs, surfaces) = (media::all(scene), SurfaceMap::empty());
     let starts = EyeStarts::new(scene);
     let middle = starts.middle(0, 0);
@@ -163,7 +163,7 @@ fn bounds_of_fog_have_no_edges_and_hide_none() {
 }
 
 /// What some paths leave; every balance closes.
-fn traced(scene: &Scene, paths: u32, record: Record) -> PhotonRecord {
+pub(super) fn traced(scene: &Scene, paths: u32, record: Record) -> PhotonRecord {
     let (tracer, what) = (PhotonTracer::new(scene, 0, Emission::LowDiscrepancy), record);
     let mut record = PhotonRecord::default();
     (0..paths).for_each(|index| tracer.trace(0, index, paths, what, &mut record));
@@ -176,7 +176,7 @@ fn traced(scene: &Scene, paths: u32, record: Record) -> PhotonRecord {
     record
 }
 
-const HAZE: &str = "outside_medium = \"fog\"\n";
+pub(super) const HAZE: &str = "outside_medium = \"fog\"\n";
 
 /// Walls and fog that absorb nothing, around things that do not either: what paths have is lost to chance alone.
 #[test]

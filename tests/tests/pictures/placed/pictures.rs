@@ -12,20 +12,21 @@ use covbeam_session::scene::{Lobes, Material, MediumDensity, Scene, Sees};
 use covbeam_session::settings::{Method, Settings};
 use covbeam_tests::statistics::Sample;
 use glam::Vec3;
+use std::ops::Range;
 
 /// Mean radiance of the picture's passes for some seeds; straight light by shadow rays, other light by guided paths.
-fn guided(scene: &Scene, seeds: u32, passes: u32) -> Sample {
-    means(scene, seeds, passes, |seed| {
+fn guided(scene: &Scene, seeds: Range<u32>, passes: u32) -> Vec<f64> {
+    means(seeds, passes, |seed| {
         Renderer::new(scene, Settings { planned: false, ..Settings::of_scene(Method::Covbeam, scene, seed) })
     })
 }
 
 /// The same by connections of paths with the camera, which have no kernels, no shadow rays along eye rays and no guidance.
-fn traced(scene: &Scene, photons: u32, seeds: u32) -> Sample {
-    means(scene, seeds, 1, |seed| Renderer::new(scene, Settings::of(Method::LightTrace, photons, 100 + seed)))
+fn traced(scene: &Scene, photons: u32, seeds: u32) -> Vec<f64> {
+    means(100..100 + seeds, 1, |seed| Renderer::new(scene, Settings::of(Method::LightTrace, photons, seed)))
 }
 
-fn means<'a>(_: &'a Scene, seeds: u32, passes: u32, make: impl Fn(u32) -> Renderer<'a>) -> Sample {
+fn means<'a>(seeds: Range<u32>, passes: u32, make: impl Fn(u32) -> Renderer<'a>) -> Vec<f64> {
     let mean = |seed| {
         let mut renderer = make(seed);
         let mut of_pass = |pass| {
@@ -35,15 +36,29 @@ fn means<'a>(_: &'a Scene, seeds: u32, passes: u32, make: impl Fn(u32) -> Render
         };
         (1..=passes).map(&mut of_pass).sum::<f64>() / f64::from(passes)
     };
-    Sample::of(&(0..seeds).map(mean).collect::<Vec<_>>())
+    seeds.map(mean).collect()
 }
 
-/// - `bias`: what may be wrong; `noise`: four standard errors of the difference may be this at most, all relative.
-fn agree(name: &str, found: Sample, expected: Sample, bias: f64, most: f64) {
-    let change = found.mean / expected.mean - 1.0;
-    let noise = 4.0 * found.error.hypot(expected.error) / expected.mean;
-    println!("{name}: {:+.4} ± {noise:.4}", change);
-    assert!(expected.mean > 0.0 && noise < most, "{name}: noise of {noise} hides all");
+/// - `bias`: what may be wrong; `most`: four standard errors of the difference may be this at most, all relative.
+fn agree(name: &str, found: &[f64], expected: &[f64], bias: f64, most: f64) {
+    let [of, against] = [found, expected].map(Sample::of);
+    judge(name, of.mean / against.mean - 1.0, of.error.hypot(against.error) / against.mean, bias, most);
+}
+
+/// The same of scenes in which paths of the same numbers do the same: only what differs of them, seed by seed, is noise.
+fn agree_path_by_path(name: &str, found: &[f64], expected: &[f64], bias: f64, most: f64) {
+    assert_eq!(found.len(), expected.len());
+    let mean = Sample::of(expected).mean;
+    let changes: Vec<f64> = found.iter().zip(expected).map(|(a, b)| (a - b) / mean).collect();
+    let Sample { mean: change, error, .. } = Sample::of(&changes);
+    judge(name, change, error, bias, most);
+}
+
+fn judge(name: &str, change: f64, error: f64, bias: f64, most: f64) {
+    let noise = 4.0 * error;
+    println!("{name}: {change:+.4} ± {noise:.4}");
+    // NaN, where nothing is seen, is too much.
+    assert!(noise < most, "{name}: noise of {noise} hides all");
     assert!(change.abs() < bias + noise, "{name}: {change}, noise {noise}");
 }
 
@@ -64,23 +79,22 @@ fn fogs(boxes: &[(Vec3, Vec3)], media: &str) -> Scene {
 
 const WHOLE: (Vec3, Vec3) = (Vec3::NEG_ONE, Vec3::ONE);
 
-fn parts() -> Vec<(&'static str, Vec<(Vec3, Vec3)>)> {
+/// Halves that touch are those of the cloud below.
+fn parts() -> [(&'static str, Vec<(Vec3, Vec3)>); 3] {
     let v = Vec3::new;
-    vec![
-        ("touching", vec![(WHOLE.0, v(0.0, 1.0, 1.0)), (v(0.0, -1.0, -1.0), WHOLE.1)]),
+    [
         ("overlapping", vec![(WHOLE.0, v(0.4, 1.0, 1.0)), (v(-0.3, -1.0, -1.0), WHOLE.1)]),
-        ("nested", vec![WHOLE, (Vec3::splat(-0.5), Vec3::splat(0.5))]),
         ("nested on the same floor", vec![WHOLE, (v(-0.5, -1.0, -0.5), Vec3::splat(0.5))]),
         ("twice", vec![WHOLE, WHOLE]),
     ]
 }
 
 #[test]
-fn two_halves_or_a_part_within_or_overlaps_are_one_piece_of_fog() {
-    let expected = guided(&fogs(&[WHOLE], &fog()), 8, 2);
+fn a_part_within_or_overlaps_are_one_piece_of_fog() {
+    let expected = guided(&fogs(&[WHOLE], &fog()), 0..8, 2);
     for (name, boxes) in parts() {
         // Kernels end at bounds, which costs some of them their shape.
-        agree(name, guided(&fogs(&boxes, &fog()), 8, 2), expected, 0.01, 0.05);
+        agree(name, &guided(&fogs(&boxes, &fog()), 0..8, 2), &expected, 0.01, 0.05);
     }
 }
 
@@ -90,7 +104,7 @@ fn fog_in_a_placed_cube_is_that_in_a_box() {
     let object = "[[object]]\nshape = \"box\"\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\nmaterial = { dielectric = { index = 1 } }\n\
         inside = \"fog\"\n";
     let expected = scene(&text(&[&fog(), object].concat()), &[], Vec::new());
-    agree("box", guided(&fogs(&[WHOLE], &fog()), 8, 3), guided(&expected, 8, 3), 0.005, 0.05);
+    agree("box", &guided(&fogs(&[WHOLE], &fog()), 0..8, 3), &guided(&expected, 0..8, 3), 0.005, 0.05);
 }
 
 /// Of straight light, which has next to no noise.
@@ -102,13 +116,13 @@ fn fog_within_the_same_fog_changes_nothing_wherever_lamp_and_camera_are() {
     let picture = |parts: &[Part], volumes| {
         let mut scene = scene(&world, parts, volumes);
         scene.settings.bounces = Some(0);
-        guided(&scene, 4, 3)
+        guided(&scene, 0..4, 3)
     };
     let expected = picture(&[], Vec::new());
     for half in [Vec3::ONE, Vec3::splat(2.0), Vec3::new(2.0, 4.0, 6.0)] {
         let (min, max) = (-half, half);
         let found = picture(&[bound(cube(min, max), 0)], vec![volume(0, min, max)]);
-        agree(&format!("{half}"), found, expected, 0.002, 0.05);
+        agree_path_by_path(&format!("{half}"), &found, &expected, 0.002, 0.005);
     }
 }
 
@@ -136,27 +150,8 @@ fn light_goes_on_from_one_half_of_a_cloud_into_the_other() {
         scene
     };
     let halves = [(WHOLE.0, Vec3::new(0.0, 1.0, 1.0)), (Vec3::new(0.0, -1.0, -1.0), WHOLE.1)];
-    agree("cloud", guided(&cloud(&halves), 8, 2), guided(&cloud(&[WHOLE]), 8, 2), 0.015, 0.1);
-}
-
-/// A pane without thickness has no inside: taken for solid it would cost half of the light.
-#[test]
-fn a_pane_without_thickness_leaves_the_fog_behind_it_lit() {
-    let lamp = lamp([0.3, 0.4, 2.5], 10.0);
-    let text =
-        ["outside_medium = \"fog\"\n", &camera([0.0, 0.0, -4.0], [0.0; 3], 40.0, 16), &lamp, &fog()].concat();
-    let expected = guided(&scene(&text, &[], Vec::new()), 8, 3);
-    let air = Material::of_lobes(Lobes {
-        glass_reflection: Vec3::ONE,
-        glass_transmission: Vec3::ONE,
-        ..lobes(1.0001)
-    });
-    let pane = sheet(Vec3::new(-9.0, -9.0, 0.5), Vec3::X * 18.0, Vec3::Y * 18.0);
-    for mesh in [pane.clone(), inverted(pane)] {
-        let scene = scene(&text, &[Part { is_closed: false, ..part(mesh, air) }], Vec::new());
-        // Straight light has come through glass then, and its beams have kernels.
-        agree("pane", guided(&scene, 8, 4), expected, 0.03, 0.2);
-    }
+    let [found, expected] = [&halves[..], &[WHOLE]].map(|boxes| guided(&cloud(boxes), 0..8, 2));
+    agree_path_by_path("cloud", &found, &expected, 0.015, 0.1);
 }
 
 #[test]
@@ -165,10 +160,10 @@ fn fog_whose_bound_is_seen_edge_on_is_there() {
         let text =
             [&camera([0.0, y, -4.0], [0.0, y, 0.0], 40.0, 16), &lamp([1.3, 1.1, 0.9], 10.0), &fog()[..]]
                 .concat();
-        guided(&scene(&text, &[bound(block(1.0, Vec3::ZERO), 0)], vec![volume(0, WHOLE.0, WHOLE.1)]), 8, 3)
+        guided(&scene(&text, &[bound(block(1.0, Vec3::ZERO), 0)], vec![volume(0, WHOLE.0, WHOLE.1)]), 0..8, 3)
     };
     // The camera lies in the plane of the upper face, and two thousandths above it.
-    agree("edge on", view(1.0), view(1.002), 0.01, 0.1);
+    agree_path_by_path("edge on", &view(1.0), &view(1.002), 0.01, 0.02);
 }
 
 /// Fog on a floor gets the light that the floor sends back. The same paths but for a millimetre.
@@ -184,10 +179,10 @@ fn fog_that_stands_on_a_floor_keeps_the_light_that_the_floor_sends_back() {
         let parts = [bound(cube(min, Vec3::ONE), 0), part(plane.clone(), floor)];
         let mut scene = scene(&text, &parts, vec![volume(0, min, Vec3::ONE)]);
         scene.sees = Sees::FogAlone;
-        guided(&scene, 20, 3)
+        guided(&scene, 0..6, 3)
     });
     // What the floor sends back is some 5 %.
-    agree("floor", found[0], found[1], 0.005, 0.04);
+    agree_path_by_path("floor", &found[0], &found[1], 0.005, 0.02);
 }
 
 /// Fog alone, bounded, on a floor that is not seen, around a glass ball and metal that are: paths of any number of bounces and of few.
@@ -209,10 +204,10 @@ fn pictures_of_fog_alone_are_those_of_connected_paths() {
     let volumes = vec![volume(0, Vec3::new(-1.2, -1.0, -1.2), Vec3::splat(1.2))];
     let mut scene = scene(&text, &parts, volumes);
     scene.sees = Sees::FogAlone;
-    for bounces in [None, Some(0), Some(1), Some(2)] {
+    for bounces in [None, Some(0), Some(2)] {
         scene.settings.bounces = bounces;
         // The light that the metal mirrors is not in the connected paths': two thousandths or so.
-        agree(&format!("{bounces:?}"), guided(&scene, 8, 2), traced(&scene, 10_000, 8), 0.01, 0.06);
+        agree(&format!("{bounces:?}"), &guided(&scene, 0..8, 2), &traced(&scene, 10_000, 8), 0.01, 0.06);
     }
 }
 
@@ -241,7 +236,7 @@ fn odd_bounds_make_finite_pictures() {
     let flat = cube(Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, 1.0, 0.0));
     for mesh in [plane.clone(), inverted(plane), flat, inverted(block(1.0, Vec3::ZERO))] {
         let scene = scene(&text(&fog()), &[bound(mesh, 0)], vec![volume(0, WHOLE.0, WHOLE.1)]);
-        let found = guided(&scene, 2, 1);
-        assert!(found.mean.is_finite() && found.mean >= 0.0, "{found:?}");
+        let found = guided(&scene, 0..2, 1);
+        assert!(found.iter().all(|mean| mean.is_finite() && *mean >= 0.0), "{found:?}");
     }
 }
