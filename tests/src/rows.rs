@@ -12,11 +12,16 @@ const PATHS: u32 = 20_000;
 
 /// The mean of each row of four pictures, each over its `passes`: first passes, each of a seed of its own.
 pub fn runs(scene: &Scene, method: Method, passes: u32) -> Vec<Vec<Vec3>> {
+    runs_of(scene, method, passes, PATHS)
+}
+
+/// The same, of so many light paths a pass.
+pub fn runs_of(scene: &Scene, method: Method, passes: u32, paths: u32) -> Vec<Vec<Vec3>> {
     (0..4)
         .map(|run| {
             let mut film = Film::of_scene(scene);
             for seed in 0..passes {
-                let mut renderer = Renderer::new(scene, Settings::of(method, PATHS, passes * run + seed));
+                let mut renderer = Renderer::new(scene, Settings::of(method, paths, passes * run + seed));
                 let (image, _) = renderer.pass(1, &|| false).expect("not cancelled");
                 film.add(&image).expect("finite");
             }

@@ -4,8 +4,8 @@
 use covbeam::{PhaseKind, Vec3};
 use covbeam_render::scene_file;
 use covbeam_session::scene::{Light, Material, MediumDensity, Scene, Shape};
-use covbeam_tests::fleet::agreement::{Passes, RUNS, examine, level};
-use covbeam_tests::fleet::blocks::means;
+use covbeam_tests::fleet::agreement::{Agreement, Passes, examine, level};
+use covbeam_tests::fleet::blocks::{compare, means};
 use covbeam_tests::fleet::member;
 use covbeam_tests::fleet::rings::{ratios, rings};
 use covbeam_tests::fleet::runs::{Estimator, mean, pictures};
@@ -26,29 +26,23 @@ const PASSES: Passes = Passes { default: 4, reference: 8, light: 2 };
 #[test]
 fn no_block_of_a_small_fleet_differs_from_plain_beams_or_light_tracing() {
     let folder = tempfile::tempdir().unwrap();
-    let mut scenes = vec![("spot".to_owned(), spot(48))];
+    let found = examine(&spot(48), PASSES).expect("finite");
+    assert_a_halo_would_be_seen(&found);
+    let mut suspects: Vec<_> =
+        found.suspects.into_iter().map(|suspect| ("spot".to_owned(), suspect)).collect();
     for number in 1..=6 {
-        let member = member(1, number, 48, folder.path()).unwrap();
-        scenes.push((format!("scene {number} of seed 1"), member.scene));
+        let scene = member(1, number, 48, folder.path()).unwrap().scene;
+        let found = examine(&scene, PASSES).expect("finite").suspects;
+        suspects.extend(found.into_iter().map(|suspect| (format!("scene {number} of seed 1"), suspect)));
     }
-    let suspects: Vec<_> = scenes
-        .iter()
-        .flat_map(|(name, scene)| {
-            let found = examine(scene, PASSES).expect("finite");
-            found.suspects.into_iter().map(|suspect| (name.clone(), suspect))
-        })
-        .collect();
     let level = level(suspects.len());
     let failing: Vec<_> = suspects.iter().filter(|(_, suspect)| suspect.fails(level)).collect();
     assert!(failing.is_empty(), "{} failing blocks: {failing:#?}", failing.len());
 }
 
-/// The test above must see a halo: the same light, spread over the picture as a filter that reaches across the cone spreads it.
-#[test]
-fn a_planted_halo_is_seen() {
-    let scene = spot(48);
-    let reference = pictures(&scene, Estimator::Reference, 1..1 + RUNS, PASSES.reference).expect("finite");
-    let mut halo = pictures(&scene, Estimator::Reference, 101..101 + RUNS, PASSES.reference).expect("finite");
+/// In the spot's pictures: the same light, spread over the picture as a filter that reaches across the cone spreads it.
+fn assert_a_halo_would_be_seen(of: &Agreement) {
+    let mut halo = of.tested.clone();
     for picture in &mut halo {
         // A fifth of each pixel goes evenly to the pixels up to ten to the left and right of it.
         let width = picture.width as usize;
@@ -63,7 +57,7 @@ fn a_planted_halo_is_seen() {
             row.iter_mut().zip(spread).for_each(|(value, spread)| *value = 0.8 * *value + 0.2 * spread);
         }
     }
-    let found = covbeam_tests::fleet::blocks::compare(&halo, &reference, &rings(&mean(&reference)));
+    let found = compare(&halo, &of.reference, &rings(&mean(&of.reference)));
     // The level of a hundred suspects.
     let seen = found.iter().filter(|verdict| verdict.p < level(100)).count();
     println!("{seen} of {} blocks", found.len());
@@ -79,6 +73,7 @@ fn the_spot_has_no_halo() {
     // A halo is within 15 pixels of a picture twice as wide; the darkest ring, the last, would take minutes to know to a per cent.
     for (ring, ratio) in found.into_iter().take(5).enumerate() {
         let ratio = ratio.expect("light in each ring");
+        println!("ring {ring}: {:.4} ± {:.4}", ratio.value, ratio.error);
         assert!(ratio.error < 0.01, "ring {ring}: too noisy to tell, {ratio:?}");
         // Filters may bias by 1 %; the noise of two standard errors on top.
         assert!((ratio.value - 1.0).abs() < 0.03, "ring {ring}: {ratio:?}, all {found:?}");

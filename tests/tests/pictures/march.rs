@@ -53,7 +53,7 @@ fn check_by(passes: u32, name: &str, light: &str) {
     let march = sums(&scene, Method::March, 500, passes);
     let ratio = march.mean / beams.mean;
     let error = march.error.hypot(beams.error) / beams.mean;
-    println!("{name}: {ratio:.4} ± {error:.4}");
+    println!("{name}: {ratio:.4} ± {:.4} of ± {:.4}", march.error / beams.mean, beams.error / beams.mean);
     assert!(error < 0.03, "{name}: too noisy to tell, {error}");
     // Kernels are 1.5 % of the picture wide: of light that is as 1/r they move so much over the border at most.
     assert!((ratio - 1.0).abs() < 0.015 + 4.0 * error, "{name}: {ratio} ± {error}");
@@ -107,19 +107,18 @@ fn blender_s_lamps_have_the_light_of_plain_beams() {
     }
 }
 
-/// From a narrow beam to a Lambert surface. Spreads are half-angles.
+/// From a narrow beam to a Lambert surface. Spreads are half-angles; of three features each two come together in all ways.
 #[test]
 fn areas_of_all_spreads_have_the_light_of_plain_beams() {
-    for round in [false, true] {
-        for spread in [0.5, 10.0, 29.0, 90.0] {
-            for edge_v in ["[0, 0, 0.3]", "[0, 0.05, 0.1]"] {
-                let light = format!(
-                    "kind = \"area\"\ncenter = [-0.8, 0.05, 0]\nedge_u = [0, 0.3, 0]\nedge_v = {edge_v}\nradiance = 1\n\
-                     round = {round}\nspread = {spread}"
-                );
-                let passes = if spread < 10.0 { 48 } else { 16 };
-                check_by(passes, &format!("{spread}°, {edge_v}, {round}"), &light);
-            }
+    for (number, spread) in (0..).zip([0.5, 10.0, 29.0, 90.0]) {
+        for round in [false, true] {
+            let edge_v = if round == (number % 2 == 0) { "[0, 0, 0.3]" } else { "[0, 0.05, 0.1]" };
+            let light = format!(
+                "kind = \"area\"\ncenter = [-0.8, 0.05, 0]\nedge_u = [0, 0.3, 0]\nedge_v = {edge_v}\nradiance = 1\n\
+                 round = {round}\nspread = {spread}"
+            );
+            let passes = if spread < 10.0 { 48 } else { 16 };
+            check_by(passes, &format!("{spread}°, {edge_v}, {round}"), &light);
         }
     }
 }

@@ -64,7 +64,7 @@ fn snapped_scenes_are_as_bright_as_brute_force_has_them() {
     let folder = tempfile::tempdir().expect("a temporary directory");
     // One of a thousand such tests fails by chance.
     let level = sidak(0.001, 4 * NUMBERS.len());
-    let (mut asked, mut told) = (0, 0);
+    let (mut asked, mut tried, mut told) = (0, 0, 0);
     for number in NUMBERS {
         let of = snapped(1, number, WIDTH, folder.path()).expect("a scene");
         let Some(brute_force) = &of.brute_force else {
@@ -73,10 +73,13 @@ fn snapped_scenes_are_as_bright_as_brute_force_has_them() {
         asked += 1;
         let expected = quarters(&(0..RUNS).map(|seed| brute_force.picture(seed, PATHS)).collect::<Vec<_>>());
         assert_eq!(differing(&of, expected, &of.scene, level), 0, "scene {number}");
-        // And it must see fog that scatters twice as much.
-        let mut thick = of.scene.clone();
-        thick.media.iter_mut().for_each(|medium| medium.medium.scattering *= 2.0);
-        told += usize::from(differing(&of, expected, &thick, level) > 0);
+        // And it must see fog that scatters twice as much: in half of the scenes, whatever it would see in the others then.
+        if 2 * told < NUMBERS.len() {
+            let mut thick = of.scene.clone();
+            thick.media.iter_mut().for_each(|medium| medium.medium.scattering *= 2.0);
+            told += usize::from(differing(&of, expected, &thick, level) > 0);
+            tried += 1;
+        }
     }
-    assert!(asked >= 4 && 2 * told >= asked, "{told} of {asked} are told from thicker fog");
+    assert!(asked >= 4 && 2 * told >= asked, "{told} of {tried} are told from thicker fog, of {asked}");
 }
