@@ -5,7 +5,7 @@ use base64::Engine;
 use covbeam_render::files::output::{RenderInfo, read_picture, write_exr};
 use covbeam_render::scene_file;
 use covbeam_render::study::compare::compare;
-use covbeam_render::study::report::{Options, Reference, Subject};
+use covbeam_render::study::report::{METHODS, Options, Reference, Subject, Watch, csv, measure};
 use covbeam_session::film::{Film, Picture};
 use covbeam_session::pass::Renderer;
 use covbeam_session::settings::{Method, Settings};
@@ -324,23 +324,17 @@ fn the_table_holds_the_errors_of_the_very_passes() {
 fn errors_do_not_depend_on_the_number_of_threads() {
     let folder = folder();
     write(folder.path().join("ball.exr"), &noise(1));
-    let table = |threads: &str| {
-        let arguments = [
-            "ball.toml",
-            "--quick",
-            "--references",
-            ".",
-            "--budget",
-            "0.2",
-            "--threads",
-            threads,
-            "--out",
-            threads,
-        ];
-        said(folder.path(), &arguments, 0);
-        rows(&fs::read_to_string(folder.path().join(threads).join("results.csv")).unwrap())
+    // Without the costs of features, which take longer than all else.
+    let table = |threads: usize| {
+        let (subject, reference) = prepared(folder.path());
+        let options =
+            Options { methods: METHODS.iter().collect(), seeds: 2, budget: 0.1, ..options(folder.path()) };
+        let (scene, watch) = (subject.scene.clone(), Watch::new(1.0, &|| false, &|_, _| ()));
+        let (subjects, command) = (vec![(subject, Some(reference))], "test".to_owned());
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        rows(&csv(&pool.install(|| measure(subjects, &scene, &options, command, &watch)).unwrap()))
     };
-    let (one, two) = (table("1"), table("2"));
+    let [one, two] = [1, 2].map(table);
     let mut shared = 0;
     for a in &one {
         let same =
