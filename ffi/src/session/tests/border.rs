@@ -20,8 +20,15 @@ use std::time::Instant;
 /// Rows of the ball's triangles.
 const ROWS: u32 = 96;
 
-/// A ball around the origin, its triangles and their normals at the corners.
-fn ball() -> (Vec<[f32; 3]>, Vec<[i32; 3]>, Vec<[[f32; 3]; 3]>) {
+struct Ball {
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[i32; 3]>,
+    /// At the corners.
+    normals: Vec<[[f32; 3]; 3]>,
+}
+
+/// A ball of radius 1 around the origin.
+fn ball() -> Ball {
     let point = |row: u32, column: u32| {
         let (theta, phi) = (
             std::f64::consts::PI * f64::from(row) / f64::from(ROWS),
@@ -40,7 +47,7 @@ fn ball() -> (Vec<[f32; 3]>, Vec<[i32; 3]>, Vec<[[f32; 3]; 3]>) {
     }
     let normals = triangles.iter().map(|corners: &[i32; 3]| corners.map(|corner| positions[corner as usize]));
     let normals = normals.collect();
-    (positions, triangles, normals)
+    Ball { positions, triangles, normals }
 }
 
 unsafe extern "C" fn cast(
@@ -106,7 +113,7 @@ fn session(scene: *mut covbeam_scene) -> *mut covbeam_session {
 #[test]
 #[ignore = "a measurement, to be run alone and in release"]
 fn cost_of_the_border() {
-    let (positions, triangles, normals) = ball();
+    let Ball { positions, triangles, normals } = ball();
     let geometry = geometry();
     assert_eq!(add(geometry, &positions, &triangles, &[1], Some(&normals)), COVBEAM_OK, "{}", message());
     assert_eq!(place(geometry, 0, IDENTITY), COVBEAM_OK);
