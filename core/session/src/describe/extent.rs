@@ -5,7 +5,7 @@ use super::volumes::Volume;
 use crate::camera::{Camera, Projection};
 use crate::light::HEIGHTS;
 use crate::object::Object;
-use crate::scene::{Ball, Light as RenderLight};
+use crate::scene::Ball;
 use covbeam_geometry::MAX_COORDINATE;
 use covbeam_geometry::shape::unite;
 use glam::{DVec3, Vec3};
@@ -49,20 +49,6 @@ pub(super) fn lit(
     let media = boxes.reduce(unite).unwrap_or((place - 1.0, place + 1.0));
     let all = bounds.map_or(media, |bounds| unite(media, bounds));
     Lit { media: ball(media), scene: ball(all) }
-}
-
-/// Places between which all is that a scene has: corners of its geometry, near lights, and where eye rays start.
-pub(super) fn corners(bounds: Option<Bounds>, lights: &[RenderLight], camera: &Camera) -> Vec<Vec3> {
-    let lights = lights.iter().filter(|light| !light.is_far()).map(RenderLight::position);
-    let mut places: Vec<Vec3> = lights.chain(camera.corners()).chain([camera.position]).collect();
-    if let Some((min, max)) = bounds {
-        let corner = |number: usize| {
-            let of = |axis: usize| if number >> axis & 1 == 0 { min[axis] } else { max[axis] };
-            DVec3::new(of(0), of(1), of(2)).as_vec3()
-        };
-        places.extend((0..8).map(corner));
-    }
-    places
 }
 
 fn ball((min, max): (DVec3, DVec3)) -> Ball {

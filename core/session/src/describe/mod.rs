@@ -86,14 +86,10 @@ impl Description<'_> {
 
     fn scene_on(&self, surfaces: Option<Surfaces>) -> Result<Scene> {
         let camera = self.camera.camera()?;
-        if camera.is_own && !matches!(surfaces, Some(Surfaces::Host(_))) {
+        let host = surfaces.as_ref().and_then(Surfaces::host);
+        if camera.is_own && host.is_none() {
             return Err(invalid!("camera.is_own: true; give false where no host keeps the geometry"));
         }
-        let host = match &surfaces {
-            Some(Surfaces::Host(host)) => Some(host.clone()),
-            _ => None,
-        };
-        let host = host.as_ref();
         let made = |(index, fields): (usize, &MaterialFields)| fields.material(index, host.is_some());
         let materials = self.materials.iter().enumerate().map(made);
         let materials = materials.collect::<Result<Vec<_>>>()?;
@@ -108,7 +104,7 @@ impl Description<'_> {
         let bounds = extent::bounds(surfaces.as_ref().and_then(Surfaces::bounds), &objects);
         let lit = extent::lit(&self.volumes, self.world_volume, &self.lights, (bounds, &objects), &camera);
         let (mut lights, visible) = lights::lights(&self.lights, &media, &lit, host)?;
-        media.check_height(extent::corners(bounds, &lights, &camera))?;
+        media.check_height(bounds, &lights, &camera)?;
         let shown = Shown::new(&lights, |number| visible[number]);
         lights.extend(GlowingFog::all(&media.all).map(SceneLight::Glow));
         let placed = surfaces.map(|surfaces| Placed::of(surfaces, materials, placed_objects, media.fogs));

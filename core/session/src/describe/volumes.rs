@@ -1,11 +1,12 @@
 //! Media, and where they are.
 
 use super::fields::{BRIGHTEST, Fields};
-use crate::medium::density::densest;
+use crate::camera::Camera;
+use crate::medium::density::{densest_corner, too_dense};
 use crate::medium::fogs::{AddedFogs, FogSum, FogVolume};
 use crate::medium::glow::Glow;
 use crate::medium::volume::{MAX_DENSITY, MAX_VOXELS, Volume as Voxels};
-use crate::scene::{MediumDensity, MediumId, SceneMedium};
+use crate::scene::{Light as RenderLight, MediumDensity, MediumId, SceneMedium};
 use crate::work::failure::{Result, invalid};
 use covbeam::{ExponentialDensity, GridLayout, Medium, PhaseFunction, PhaseKind};
 use covbeam_geometry::MAX_COORDINATE;
@@ -256,20 +257,22 @@ impl Media {
     }
 
     /// Refuses a density that single precision cannot hold where the scene is.
-    pub(super) fn check_height(&self, points: impl IntoIterator<Item = Vec3>) -> Result<()> {
+    pub(super) fn check_height(
+        &self,
+        bounds: Option<(DVec3, DVec3)>,
+        lights: &[RenderLight],
+        camera: &Camera,
+    ) -> Result<()> {
         let Some(index) = self.outside else { return Ok(()) };
         let SceneMedium { medium, density: MediumDensity::Exponential(density), .. } =
             &self.all[index as usize]
         else {
             return Ok(());
         };
-        let most = f64::from(MAX_DENSITY)
-            / f64::from((medium.scattering + medium.absorption).max_element()).max(1.0);
-        let Some((place, logarithm)) =
-            densest(density, points).filter(|(_, logarithm)| *logarithm > most.ln())
-        else {
-            return Ok(());
-        };
+        let near = lights.iter().filter(|light| !light.is_far()).map(RenderLight::position);
+        let below = bounds.map(|(min, max)| densest_corner(density, (min.as_vec3(), max.as_vec3())));
+        let points = near.chain(below).chain(camera.corners()).chain([camera.position]);
+        let Some((place, logarithm)) = too_dense(medium, density, points) else { return Ok(()) };
         let wanted = format_args!(
             "more, or lower origin: at {place} the density is e^{logarithm:.1}, and 1e9 at most"
         );

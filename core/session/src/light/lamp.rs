@@ -2,19 +2,16 @@
 
 use super::directions::{across, cap_direction, cone_direction, even_direction};
 use super::pattern::Pattern;
-use super::rays::{EmittedPhoton, LEAST_EXPECTED};
+use super::rays::{EmittedPhoton, LEAST_EXPECTED, expected};
 use super::seen::sphere;
 use super::spot::Cone;
 use super::stretch::in_cone;
-use crate::random::{PathSampler, spread};
+use crate::random::PathSampler;
 use covbeam::{EVEN_LAMP, LightField};
 use glam::{DVec3, Vec3};
 use std::f32::consts::{FRAC_1_SQRT_2, PI};
 use std::f64::consts::TAU;
 use std::sync::Arc;
-
-/// Points of a lamp that tell what to expect of it.
-const EXPECTED_POINTS: usize = 4;
 
 /// A lamp. In each direction it shines as a disk across it, evenly: it sends the same radiance I/(πR²) along all lines of a direction that
 /// meet the ball around its middle. Lamps differ in where along such a line, at b from the middle, the light begins:
@@ -262,13 +259,11 @@ impl Lamp {
         if exact || (self.cone.is_none() && self.pattern.is_none()) {
             return self.flux_density(point, [0.0; 2]);
         }
-        let points = if self.radius == 0.0 { 1 } else { EXPECTED_POINTS };
-        let found =
-            (0..points).map(|index| self.flux_density(point, spread([0.5; 2], index)).0).sum::<Vec3>();
+        let found = expected(self.has_size(), |xi| self.flux_density(point, xi).0);
         let all = self.pattern.as_ref().map_or(Vec3::ONE, |pattern| pattern.total() / (4.0 * PI));
         let even =
             self.intensity * all / point.distance_squared(self.position).max(self.radius * self.radius);
-        (found / points as f32 + LEAST_EXPECTED * even, self.position)
+        (found + LEAST_EXPECTED * even, self.position)
     }
 
     /// As [`super::Light::lit_stretch`].

@@ -1,16 +1,13 @@
 //! Lights of a host: it says what they send, and a described light that stands for them where that is enough.
 
 use super::kinds::OwnLight;
-use super::rays::{EmittedPhoton, LEAST_EXPECTED};
-use crate::random::{PathSampler, spread};
+use super::rays::{EmittedPhoton, LEAST_EXPECTED, expected};
+use crate::random::PathSampler;
 use covbeam::{EVEN_LAMP, LightField};
 use glam::Vec3;
 
 /// Most power of a photon, if all light left like this, over the flux that is described.
 const MOST_POWER: f32 = 1e4;
-
-/// Points of a light that tell what to expect of it.
-const EXPECTED_POINTS: usize = 4;
 
 impl OwnLight {
     /// As [`super::Light::emit_at`].
@@ -49,9 +46,7 @@ impl OwnLight {
     /// As [`super::Light::expected`]: the mean of some points, and a little of what is described.
     pub(super) fn expected(&self, point: Vec3) -> (Vec3, Vec3) {
         let (described, from) = self.described.expected(point);
-        let points = if self.described.has_size() { EXPECTED_POINTS } else { 1 };
-        let found =
-            (0..points).map(|index| self.flux_density(point, spread([0.5; 2], index)).0).sum::<Vec3>();
-        (found / points as f32 + LEAST_EXPECTED * described, from)
+        let found = expected(self.described.has_size(), |xi| self.flux_density(point, xi).0);
+        (found + LEAST_EXPECTED * described, from)
     }
 }

@@ -1,5 +1,6 @@
 //! Rays of lights: photons that leave them, and rays that meet them.
 
+use crate::random::spread;
 use glam::Vec3;
 use smallvec::SmallVec;
 use std::f32::consts::PI;
@@ -27,6 +28,17 @@ pub struct EmittedPhoton {
     pub until: f32,
     /// Of lights of a host: how large it looks from along its way, and its angular variance.
     pub(super) bandwidth: [f32; 2],
+}
+
+/// Points of a light that tell what to expect of it.
+const EXPECTED_POINTS: usize = 4;
+
+/// The mean of what a light of a size or none sends to a place.
+///
+/// - `sends`: from the point of it that two numbers choose.
+pub(super) fn expected(has_size: bool, sends: impl Fn([f32; 2]) -> Vec3) -> Vec3 {
+    let points = if has_size { EXPECTED_POINTS } else { 1 };
+    (0..points).map(|index| sends(spread([0.5; 2], index))).sum::<Vec3>() / points as f32
 }
 
 impl EmittedPhoton {

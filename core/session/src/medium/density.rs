@@ -1,7 +1,7 @@
 //! Where there is how much of a medium.
 
-use crate::medium::volume::Volume;
-use covbeam::ExponentialDensity;
+use crate::medium::volume::{MAX_DENSITY, Volume};
+use covbeam::{ExponentialDensity, Medium};
 use glam::Vec3;
 
 /// How the relative density of a medium varies.
@@ -15,11 +15,23 @@ pub enum MediumDensity {
     Grid(Volume),
 }
 
-/// Where of some points an exponential density is largest, and its logarithm there: below its origin it grows without end. None: no point.
-pub fn densest(density: &ExponentialDensity, points: impl IntoIterator<Item = Vec3>) -> Option<(Vec3, f64)> {
+/// Largest extinction of the channels, where the density is 1.
+pub fn largest_extinction(medium: &Medium) -> f64 {
+    (medium.scattering.as_dvec3() + medium.absorption.as_dvec3()).max_element()
+}
+
+/// Of some points the one where a medium that thins with height is densest, and the logarithm of its density there, if that or its product with the
+/// extinction is more than [`MAX_DENSITY`]: below its origin a density grows without end.
+pub fn too_dense(
+    medium: &Medium,
+    density: &ExponentialDensity,
+    points: impl Iterator<Item = Vec3>,
+) -> Option<(Vec3, f64)> {
     let height = |point: &Vec3| (point.as_dvec3() - density.origin.as_dvec3()).dot(density.up.as_dvec3());
-    let lowest = points.into_iter().min_by(|a, b| height(a).total_cmp(&height(b)))?;
-    Some((lowest, -height(&lowest) / f64::from(density.scale_height)))
+    let lowest = points.min_by(|a, b| height(a).total_cmp(&height(b)))?;
+    let logarithm = -height(&lowest) / f64::from(density.scale_height);
+    let most = f64::from(MAX_DENSITY) / largest_extinction(medium).max(1.0);
+    (logarithm > most.ln()).then_some((lowest, logarithm))
 }
 
 /// The corner of a box where an exponential density is largest.

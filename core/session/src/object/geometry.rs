@@ -41,6 +41,14 @@ impl Surfaces {
         }
     }
 
+    /// Whose they are; None: they were built here.
+    pub(crate) fn host(&self) -> Option<&Host> {
+        match self {
+            Self::Built(_) => None,
+            Self::Host(host) => Some(host),
+        }
+    }
+
     /// The nearest hit with distance in (0, `reach`); `direction` is unit.
     #[inline]
     pub(crate) fn nearest(

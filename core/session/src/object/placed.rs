@@ -255,10 +255,7 @@ impl Placed {
 
     /// Whose geometry it is; None: it was built here.
     pub(crate) fn host(&self) -> Option<&Host> {
-        match &self.surfaces {
-            Surfaces::Built(_) => None,
-            Surfaces::Host(host) => Some(host),
-        }
+        self.surfaces.host()
     }
 }
 

@@ -8,7 +8,7 @@ use super::shape::read_corners;
 use crate::scene_file::fields::{Field, SceneError, Table};
 use crate::scene_file::files::SceneFiles;
 use covbeam_session::camera::Camera;
-use covbeam_session::medium::density::{densest, densest_corner};
+use covbeam_session::medium::density::{densest_corner, largest_extinction, too_dense};
 use covbeam_session::medium::volume::{MAX_DENSITY, Volume};
 use covbeam_session::scene::{Light, MediumDensity, MediumId, Object, SceneMedium};
 
@@ -96,11 +96,6 @@ fn read_density(
     }
 }
 
-/// Of the three channels, at density 1.
-fn largest_extinction(medium: &Medium) -> f64 {
-    (medium.scattering.as_dvec3() + medium.absorption.as_dvec3()).max_element()
-}
-
 /// An exponential density grows below its origin without end: it must be moderate where the scene is, which is the
 /// grid's box (without one, the objects), the camera and the lights.
 pub(crate) fn check_exponential(
@@ -124,11 +119,7 @@ pub(crate) fn check_exponential(
     };
     let points =
         lights.iter().map(Light::position).chain(boxes.into_iter().map(below)).chain(camera.corners());
-    let Some((lowest, logarithm)) = densest(exponential, points.chain([camera.position])) else {
-        return Ok(());
-    };
-    let limit = f64::from(MAX_DENSITY) / largest_extinction(medium).max(1.0);
-    if logarithm > limit.ln() {
+    if let Some((lowest, logarithm)) = too_dense(medium, exponential, points.chain([camera.position])) {
         let table = &root.tables("medium")?[id as usize];
         return Err(table.required("density")?.refuse(format!(
             "a density, and a density x (scattering + absorption), of at most 1e9 in the grid, at the camera and \
