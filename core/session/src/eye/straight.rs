@@ -220,10 +220,6 @@ impl Straight<'_> {
         let height = (to_lamp - foot * ray.direction).length().hypot(softening).max(least);
         let angle = |distance: f32| ((distance - foot) / height).atan();
         let [start, end] = [from, to].map(angle);
-        // NaN where a host's surface is farther away than single precision can square.
-        if !(start <= end) {
-            return None;
-        }
         let reach = self.near.map_or(0.0, |near| near.reach(lamp));
         let half = (reach * reach - height * height).max(0.0).sqrt();
         let gap = [foot - half, foot + half].map(|distance| angle(distance).clamp(start, end));

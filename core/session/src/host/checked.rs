@@ -11,6 +11,9 @@ use std::sync::Arc;
 /// How far the squared length of a unit vector may be from 1.
 const UNIT: f32 = 1e-3;
 
+/// No two places are farther apart: single precision holds the squares.
+const FARTHEST: f32 = 4.0 * MAX_COORDINATE;
+
 /// A host, and the numbers that its hits may bear. Sound, whatever it says.
 #[derive(Clone, Debug)]
 pub struct Host {
@@ -52,7 +55,7 @@ impl Host {
             [curvature.along, curvature.across, curvature.twist, curvature.tangent.length_squared()];
         let is_sound = hit.distance > 0.0
             && f64::from(hit.distance) < reach
-            && hit.distance.is_finite()
+            && hit.distance <= FARTHEST
             && is_place(hit.position)
             && is_unit(hit.geometric_normal)
             && is_unit(hit.normal)

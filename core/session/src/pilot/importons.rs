@@ -12,7 +12,6 @@ use crate::scene::optics::{Boundary, Interior, facing_normal, reflect};
 use crate::scene::{Material, Scene};
 use crate::surface::encounter::{Encounter, Lobe};
 use covbeam::{GridLayout, ImportanceGrid, Knot, Medium};
-use covbeam_geometry::MAX_COORDINATE;
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -119,10 +118,8 @@ impl Found {
                 let before = sum;
                 sum += weight;
                 if sum >= LEFT_OUT * total && before <= (1.0 - LEFT_OUT) * total {
-                    // A host may say anything of where its surfaces are.
-                    let place = position[axis].clamp(-MAX_COORDINATE, MAX_COORDINATE);
-                    min[axis] = min[axis].min(place);
-                    max[axis] = max[axis].max(place);
+                    min[axis] = min[axis].min(position[axis]);
+                    max[axis] = max[axis].max(position[axis]);
                 }
             }
         }

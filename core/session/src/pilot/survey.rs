@@ -85,9 +85,7 @@ impl Survey {
             .places
             .iter()
             .filter(|place| place.is_inside)
-            // Beyond the box' ends are places that it cannot hold.
-            .map(|place| place.position.clamp(layout.min, layout.max))
-            .map(|position| (position, position))
+            .map(|place| (place.position, place.position))
             .reduce(unite);
         let (min, max) = lit.map_or(seen, |lit| half_a_voxel_more(lit, &layout));
         let camera = &scene.camera;
