@@ -52,9 +52,9 @@ render_seeds own glass-ball --own
 render_seeds shaft shaft
 render_seeds rose-window rose-window --own
 compare embree "$root/examples/scenes/glass-ball.toml" 4 0 "$work"/glass-ball-*.pfm
-compare embree-own "$root/examples/scenes/glass-ball.toml" 4 0 "$work"/own-*.pfm
+compare embree "$root/examples/scenes/glass-ball.toml" 4 0 "$work"/own-*.pfm
 compare embree "$root/tests/scenes/embree-shaft.toml" 4 0 "$work"/shaft-*.pfm
-compare embree-own "$root/tests/scenes/embree-rose-window.toml" 4 0 "$work"/rose-window-*.pfm
+compare embree "$root/tests/scenes/embree-rose-window.toml" 4 0 "$work"/rose-window-*.pfm
 # Two pictures of other scenes are told apart.
 if compare embree "$root/tests/scenes/embree-shaft.toml" 4 0 "$work"/glass-ball-*.pfm > "$work/log" 2>&1; then fail "another scene is not told apart"; fi
 

@@ -65,7 +65,7 @@ struct Host {
     more: f64,
 }
 
-const HOSTS: [Host; 5] = [
+const HOSTS: [Host; 4] = [
     // examples/c. The ball has a radius of 44. The lamp stands at the upper left, so the caustic runs to the lower right.
     Host {
         name: "glass-ball",
@@ -128,8 +128,6 @@ const HOSTS: [Host; 5] = [
     },
     // examples/embree: of a few pictures, whose errors scatter.
     Host { name: "embree", kernels: None, regions: &EMBREE, judged: ("whole", |_, _| true), more: 1.4 },
-    // The same with materials, a lamp and a camera of its own, which the method knows by estimates: the same means, at more noise.
-    Host { name: "embree-own", kernels: None, regions: &EMBREE, judged: ("whole", |_, _| true), more: 2.0 },
 ];
 
 /// Not on the ball of examples/python.

@@ -112,18 +112,26 @@ impl Transport<'_> {
         Ways::One
     }
 
-    fn meet_lobes(
+    fn meet_lobes<'h>(
         &self,
         photon: &mut Photon,
-        hit: &Hit,
+        hit: &'h Hit,
         lobes: &Lobes,
         sampler: &mut PathSampler,
         record: Record,
         out: &mut PhotonRecord,
-    ) -> Ways<'static> {
+    ) -> Ways<'h> {
         let is_lit = photon.is_lit(hit.distance);
         let xi = sampler.uniform_pair();
         let met = Encounter::new(self.scene, hit, photon.direction, &photon.interior, lobes, xi);
+        // Where it goes is guided then.
+        if let Some(albedo) = met.lambert() {
+            return if is_lit {
+                self.meet_diffuse(photon, hit, albedo, record, out)
+            } else {
+                lose(photon, out)
+            };
+        }
         if is_lit && met.is_diffuse() {
             photon.arrive(self.scene, hit, met.normal, record, out);
         }

@@ -118,6 +118,14 @@ impl<'a> Encounter<'a> {
         self.own.is_some_and(|own| !lobe.is_diffuse() && own.is_rough(lobe))
     }
 
+    /// The albedo of a surface that only reflects, diffusely, as a host says; what is described like that is none of lobes.
+    pub(crate) fn lambert(&self) -> Option<Vec3> {
+        let others = [Lobe::Translucent].iter().chain(&Lobe::SHARP);
+        let is_alone = self.own.is_some()
+            && others.map(|&lobe| self.factors[lobe as usize]).all(|other| other == Vec3::ZERO);
+        is_alone.then_some(self.factors[Lobe::Diffuse as usize])
+    }
+
     /// Whether any light leaves it diffusely.
     pub(crate) fn is_diffuse(&self) -> bool {
         match self.own {
