@@ -8,6 +8,7 @@
 //! Here stands what every function needs, and what several rooms have in common; the functions stand in rooms named as
 //! core's.
 #![deny(missing_docs)]
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 mod arrays;
 mod beam;

@@ -1,7 +1,6 @@
 //! Three small pictures, by the hash of their bits: what nobody meant to change shows here.
 //!
-//! The bits depend on no processor and no number of threads. They depend on the C library, whose angles and
-//! exponentials the renderer uses (core does not): another version may round some of them otherwise.
+//! The bits depend on no processor, no system and no number of threads: angles and exponentials are libm's.
 
 use crate::header::repository;
 use crate::vectors::fnv;

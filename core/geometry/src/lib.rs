@@ -6,6 +6,7 @@
 //! - [`shape`]: spheres, rectangles, boxes and meshes, met by lines in double precision.
 //! - [`mesh`]: a mesh placed in a scene, from the triangles of an [`obj`] file.
 //! - [`instances`]: many [`model`]s, each placed by any number of [`instance`]s, under one hierarchy of [`wide`] nodes.
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod hit;
 pub mod instance;

@@ -152,7 +152,7 @@ impl Mesh {
             triangles: Triangles::new(frame, &corners, &corner_normals),
             min: min.as_vec3(),
             max: max.as_vec3(),
-            volume: volume * frame.scale().powi(3),
+            volume: volume * frame.scale() * frame.scale() * frame.scale(),
             open_edges: edges,
             degenerate,
         })

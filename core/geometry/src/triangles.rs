@@ -28,7 +28,7 @@ pub struct Frame {
 impl Frame {
     /// Around a box that is not a point.
     pub fn around(min: DVec3, max: DVec3) -> Self {
-        let scale = (0.5 * (max - min).max_element()).log2().ceil().exp2();
+        let scale = libm::exp2(libm::log2(0.5 * (max - min).max_element()).ceil());
         Self { center: (0.5 * (min + max)).as_vec3().as_dvec3(), scale }
     }
 

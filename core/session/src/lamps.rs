@@ -234,7 +234,7 @@ impl Node {
 
     /// Along the axis, what a flat lamp without a cone sends that has the same flux, about.
     fn lobe(&self) -> f32 {
-        let cosine = self.angle.cos();
+        let cosine = libm::cosf(self.angle);
         self.strength * if self.is_flat { 1.0 - cosine * cosine } else { 2.0 * (1.0 - cosine) }
     }
 

@@ -3,6 +3,7 @@
 //! Hosts describe a scene ([`describe`]) and let a [`session`] render it. Below that, a [`scene::Scene`], [`settings::Settings`] and a
 //! [`pass::Renderer`] make passes, which a [`film::Film`] adds up; [`render::render`] does that until a goal is reached.
 #![doc = include_str!("../README.md")]
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod camera;
 pub mod color;

@@ -72,7 +72,8 @@ impl Progress {
     /// Passes after which the error is expected to be small enough: it falls as the square root of their number.
     fn passes_for(&self, goal: &Goal) -> Option<u32> {
         let (error, passes) = self.error?;
-        Some((f64::from(passes) * (error / goal.error?).powi(2)).ceil().min(f64::from(u32::MAX)) as u32)
+        let times = error / goal.error?;
+        Some((f64::from(passes) * times * times).ceil().min(f64::from(u32::MAX)) as u32)
     }
 
     /// Whether the error is looked at now: at the first chance, and then not more often than at every tenth pass.

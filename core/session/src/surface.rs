@@ -116,7 +116,7 @@ pub(crate) fn flat_within(curvature: &Curvature) -> f32 {
 /// The larger of the two principal curvatures, in size.
 fn strongest(curvature: &Curvature) -> f32 {
     let Curvature { along, across, twist, .. } = *curvature;
-    (0.5 * (along + across)).abs() + (0.5 * (along - across)).hypot(twist)
+    (0.5 * (along + across)).abs() + libm::hypotf(0.5 * (along - across), twist)
 }
 
 #[cfg(test)]

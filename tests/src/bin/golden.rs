@@ -11,10 +11,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     if std::env::args().nth(1).as_deref() == Some("--write") {
         std::fs::write(&path, &text)?;
     } else if std::fs::read_to_string(&path)? != text {
-        return Err(
-            "other bits than in tests/golden.txt: --write, if that was meant or the C library is another"
-                .into(),
-        );
+        return Err("other bits than in tests/golden.txt, which are the same on all machines: --write, if that was meant".into());
     }
     Ok(())
 }

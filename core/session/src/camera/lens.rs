@@ -21,15 +21,15 @@ impl Lens {
     /// A place in the opening: to the right and up from its middle [scene unit]. Even numbers in [0, 1) give even places; (0, 0) is the middle.
     pub fn place(&self, [u, v]: [f32; 2]) -> [f32; 2] {
         let [across, up] = if self.blades < 3 {
-            let (sine, cosine) = (TAU * v).sin_cos();
+            let (sine, cosine) = libm::sincosf(TAU * v);
             [u.sqrt() * cosine, u.sqrt() * sine]
         } else {
             // A triangle of the middle and an edge, and a place in it: far from the middle, and aside along the edge.
             let edges = u * self.blades as f32;
             let far = edges.fract().sqrt();
             let half = PI / self.blades as f32;
-            let [middle, aside] = [far * half.cos(), far * (2.0 * v - 1.0) * half.sin()];
-            let (sine, cosine) = (self.rotation + 2.0 * half * edges.floor()).sin_cos();
+            let [middle, aside] = [far * libm::cosf(half), far * (2.0 * v - 1.0) * libm::sinf(half)];
+            let (sine, cosine) = libm::sincosf(self.rotation + 2.0 * half * edges.floor());
             [middle * cosine - aside * sine, middle * sine + aside * cosine]
         };
         [self.radius * across / self.ratio, self.radius * up]

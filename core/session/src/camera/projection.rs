@@ -39,7 +39,7 @@ impl Projection {
     /// Whether there is a ray at a place.
     pub(super) fn sees(&self, [h, v]: [f32; 2]) -> bool {
         match *self {
-            Self::Fisheye { widest } => h.hypot(v) <= widest,
+            Self::Fisheye { widest } => libm::hypotf(h, v) <= widest,
             _ => true,
         }
     }
@@ -56,13 +56,13 @@ impl Projection {
     pub(super) fn around(&self, view: &View, [h, v]: [f32; 2]) -> [Vec3; 3] {
         let View { forward, right, up } = *view;
         if *self == Self::Equirectangular {
-            let ((sine_h, cosine_h), (sine_v, cosine_v)) = (h.sin_cos(), v.sin_cos());
+            let ((sine_h, cosine_h), (sine_v, cosine_v)) = (libm::sincosf(h), libm::sincosf(v));
             let level = cosine_h * forward + sine_h * right;
             let east = cosine_h * right - sine_h * forward;
             return [cosine_v * level + sine_v * up, cosine_v * east, cosine_v * up - sine_v * level];
         }
-        let angle = h.hypot(v);
-        let (sine, cosine) = angle.sin_cos();
+        let angle = libm::hypotf(h, v);
+        let (sine, cosine) = libm::sincosf(angle);
         // sin(r)/r, and the direction in the picture from its middle; there any one will do.
         let (sinc, [x, y]) =
             if angle > 0.0 { (sine / angle, [h / angle, v / angle]) } else { (1.0, [1.0, 0.0]) };

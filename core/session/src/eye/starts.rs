@@ -84,7 +84,7 @@ impl<'a> EyeStarts<'a> {
         let turn = mix((u64::from(seed) << 32 | u64::from(pixel)) ^ u64::from(LENS_SEQUENCE));
         let turns = [(turn >> 32) as u32, turn as u32];
         [0, 1].map(|axis| {
-            let turn = f64::from(turns[axis]) / 2.0_f64.powi(32);
+            let turn = f64::from(turns[axis]) / 4_294_967_296.0;
             let point = f64::from(path_number(seed, LENS_SEQUENCE, look, axis as u32)) + turn;
             (point.fract() as f32).min(1.0 - f32::EPSILON)
         })

@@ -117,7 +117,7 @@ impl Angles {
     /// Distance of an angle that is counted from the start, the gap left out, and the angle's tangent.
     fn place(&self, angle: f32) -> (f32, f32) {
         let angle = self.start + angle;
-        let tangent = if angle < self.gap[0] { angle } else { angle + self.skipped() }.tan();
+        let tangent = libm::tanf(if angle < self.gap[0] { angle } else { angle + self.skipped() });
         (self.foot + self.height * tangent, tangent)
     }
 }
@@ -217,8 +217,8 @@ impl Straight<'_> {
         let foot = to_lamp.dot(ray.direction);
         // A ray that runs into the lamp sees it from next to it.
         let least = (1e-6 * to_lamp.length()).max(f32::MIN_POSITIVE);
-        let height = (to_lamp - foot * ray.direction).length().hypot(softening).max(least);
-        let angle = |distance: f32| ((distance - foot) / height).atan();
+        let height = libm::hypotf((to_lamp - foot * ray.direction).length(), softening).max(least);
+        let angle = |distance: f32| libm::atanf((distance - foot) / height);
         let [start, end] = [from, to].map(angle);
         let reach = self.near.map_or(0.0, |near| near.reach(lamp));
         let half = (reach * reach - height * height).max(0.0).sqrt();

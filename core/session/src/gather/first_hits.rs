@@ -62,7 +62,7 @@ impl FirstHits {
                 Light::Disk { center, radius, .. } => {
                     // Evenly over the disk, turned by the golden angle from one to the next.
                     let rho = radius * ((point as f32 + 0.5) / points as f32).sqrt();
-                    let (sine, cosine) = (2.399_963_2 * point as f32).sin_cos();
+                    let (sine, cosine) = libm::sincosf(2.399_963_2 * point as f32);
                     center + rho * (cosine * across + sine * aside) + 1e-4 * radius * axis
                 }
                 Light::Rectangle { edge_u, edge_v, .. } => {

@@ -90,7 +90,10 @@ impl Four {
             around: numbers(&|node| node.around, 0.0),
             strength: numbers(&|node| node.strength, 0.0),
             axis: vectors(&|node| node.axis),
-            edge: [numbers(&|node| node.angle.cos(), 1.0), numbers(&|node| node.angle.sin(), 0.0)],
+            edge: [
+                numbers(&|node| libm::cosf(node.angle), 1.0),
+                numbers(&|node| libm::sinf(node.angle), 0.0),
+            ],
             flat: numbers(&|node| flag(node.is_flat), 0.0),
             wider: numbers(&|node| if node.is_mean { MEAN } else { 1.0 }, 1.0),
             softening2: numbers(&|node| node.softening2 + node.gap2, 1.0),

@@ -32,7 +32,7 @@ impl Near {
             let Some(half_angle) = light.half_angle_of_point() else { return 0.0 };
             let side = camera.side_at(light.position().distance(camera.position)) / pixels;
             sides.push(side);
-            REACH * side / half_angle.min(FRAC_PI_4).tan()
+            REACH * side / libm::tanf(half_angle.min(FRAC_PI_4))
         });
         let reaches = reaches.collect();
         sides.sort_by(f32::total_cmp);

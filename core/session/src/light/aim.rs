@@ -147,7 +147,7 @@ impl Aim {
             ((inner * inner + ring * share).sqrt(), (1.0 - aimed) / (PI * ring))
         };
         let (e, f) = direction.any_orthonormal_pair();
-        let (sin_phi, cos_phi) = (f64::from(TAU) * f64::from(b)).sin_cos();
+        let (sin_phi, cos_phi) = libm::sincos(f64::from(TAU) * f64::from(b));
         let across = center.as_dvec3() + f64::from(radius) * (cos_phi * e + sin_phi * f);
         // Where it enters the scene's box; on the disk around all where it misses the box.
         let box_hit = intersect_box(min.as_dvec3(), max.as_dvec3(), across, direction);

@@ -61,7 +61,7 @@ impl Area {
         if !self.has_honeycomb() {
             return 1.0;
         }
-        let widest = f64::from(self.spread).tan();
+        let widest = libm::tan(f64::from(self.spread));
         ((widest - f64::from(tangent)).max(0.0) / (widest - f64::from(self.spread))) as f32
     }
 
@@ -103,7 +103,7 @@ impl Area {
     /// A place of the light by uniform numbers, evenly, moved off surfaces that it may lie on.
     pub(crate) fn start(&self, [c, d]: [f32; 2]) -> Vec3 {
         let place = if self.round {
-            let (sin_psi, cos_psi) = (TAU * d).sin_cos();
+            let (sin_psi, cos_psi) = libm::sincosf(TAU * d);
             [cos_psi, sin_psi].map(|side| c.sqrt() * side)
         } else {
             [c, d].map(|number| 2.0 * number - 1.0)
@@ -117,7 +117,8 @@ impl Area {
 
     /// As [`super::Light::emit_at`]: in proportion to the cosine, as far out as the light reaches.
     pub(super) fn emit_at(&self, [a, b]: [f32; 2], sampler: &mut PathSampler) -> EmittedPhoton {
-        let limit = if self.has_honeycomb() { self.spread.sin().powi(2) } else { 1.0 };
+        let widest = if self.has_honeycomb() { libm::sinf(self.spread) } else { 1.0 };
+        let limit = widest * widest;
         let sine2 = (a * limit).min(1.0 - f32::EPSILON);
         let normal = self.normal();
         let direction = super::cosine_direction(normal, [sine2, b]);
@@ -130,7 +131,8 @@ impl Area {
         let normal = self.normal();
         let mut field = diffuse_field(direction, normal, self.equal_radius());
         if self.has_honeycomb() {
-            field.narrow(normal, CURVATURE / self.spread.tan().powi(2));
+            let tangent = libm::tanf(self.spread);
+            field.narrow(normal, CURVATURE / (tangent * tangent));
         }
         field
     }
@@ -200,7 +202,7 @@ impl Area {
         let normal = u.cross(v);
         let area = normal.length();
         let height = (point.as_dvec3() - self.center.as_dvec3()).dot(normal) / area;
-        let radius = height * f64::from(self.spread).tan();
+        let radius = height * libm::tan(f64::from(self.spread));
         // The disk around the point's foot that it gets light from, along each edge across the other one.
         let foot = self.halves(point.as_dvec3());
         let reach = [2.0 * radius * v.length() / area, 2.0 * radius * u.length() / area];
@@ -220,7 +222,7 @@ impl Area {
         // A cone with all that a disk around the light shines on.
         let (u, v) = (self.edge_u.as_dvec3(), self.edge_v.as_dvec3());
         let around = 0.5 * (u + v).length().max((u - v).length());
-        let (sine, cosine) = f64::from(self.spread).sin_cos();
+        let (sine, cosine) = libm::sincos(f64::from(self.spread));
         let tip = m + around * cosine / sine * normal;
         let (mut from, mut to) = in_cone(tip, direction, normal, cosine, [from, to])?;
         // And where `lit_part` is something: before four planes through the edges, tilted outwards by the spread.

@@ -56,7 +56,7 @@ impl Cells {
             return None;
         }
         let angle = |share: f64| reach * share / rows as f64;
-        let cosines: Vec<f64> = (0..=rows).map(|row| angle(row as f64).cos()).collect();
+        let cosines: Vec<f64> = (0..=rows).map(|row| libm::cos(angle(row as f64))).collect();
         let (mut of_rows, mut across) = (Vec::with_capacity(rows), Vec::with_capacity(values.len()));
         let mut total = 0.0;
         for (row, values) in values.chunks(columns).enumerate() {
@@ -67,7 +67,7 @@ impl Cells {
             }));
             let start = across.len() - columns;
             across[start..].iter_mut().for_each(|end| *end /= sum.max(f64::MIN_POSITIVE));
-            total += sum * (cosines[row] - cosines[row + 1]) * wanted(angle(row as f64 + 0.5).cos());
+            total += sum * (cosines[row] - cosines[row + 1]) * wanted(libm::cos(angle(row as f64 + 0.5)));
             of_rows.push(total);
         }
         of_rows.iter_mut().for_each(|end| *end /= total);
@@ -86,7 +86,7 @@ impl Cells {
     /// Integral of the picture over its directions, times a factor on each row by the cosine of its middle \[sr x the picture's unit\].
     pub(super) fn integral(&self, factor: impl Fn(f64) -> f64) -> Vec3 {
         let of_row = |(row, values): (usize, &[Vec3])| {
-            let middle = (self.reach * (row as f64 + 0.5) / self.rows.len() as f64).cos();
+            let middle = libm::cos(self.reach * (row as f64 + 0.5) / self.rows.len() as f64);
             let sum: DVec3 = values.iter().map(|value| value.as_dvec3()).sum();
             sum * (self.solid_angle(row) * factor(middle))
         };
@@ -100,7 +100,7 @@ impl Cells {
         let (column, along, share) = pick(&self.across[cells.clone()], &self.across_starts[cells.clone()], b);
         let cosine = self.cosines[row] + down * (self.cosines[row + 1] - self.cosines[row]);
         let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-        let (sin_phi, cos_phi) = (TAU * (column as f64 + along) / self.columns as f64).sin_cos();
+        let (sin_phi, cos_phi) = libm::sincos(TAU * (column as f64 + along) / self.columns as f64);
         let direction = (self.axes * DVec3::new(sine * cos_phi, sine * sin_phi, cosine)).normalize();
         let over_density = (self.solid_angle(row) / (row_share * share)) as f32;
         Drawn { direction, weight: self.values[cells.start + column] * over_density }
@@ -109,10 +109,10 @@ impl Cells {
     /// The cell of a unit direction; None beyond the picture.
     pub(super) fn find(&self, direction: Vec3) -> Option<usize> {
         let local = self.axes.transpose() * direction.as_dvec3();
-        let angle = local.z.clamp(-1.0, 1.0).acos();
+        let angle = libm::acos(local.z.clamp(-1.0, 1.0));
         let rows = self.rows.len();
         let row = (angle / self.reach * rows as f64) as usize;
-        let turn = (local.y.atan2(local.x) / TAU).rem_euclid(1.0);
+        let turn = (libm::atan2(local.y, local.x) / TAU).rem_euclid(1.0);
         let column = ((turn * self.columns as f64) as usize).min(self.columns - 1);
         // Opposite to the axis there is no beyond.
         let row = if self.reach >= PI { row.min(rows - 1) } else { row };

@@ -189,9 +189,9 @@ impl Lamp {
             None => LightField::disk(direction, direction, self.radius, patterned.max(EVEN_LAMP)),
             Some(cone) => {
                 let (axis, variances) = cone.angular_variance(direction);
-                let spatial = 1.0 / (PI * self.radius).powi(2);
+                let width = PI * self.radius;
                 let angular = variances.map(|variance| variance.max(patterned));
-                LightField::gaussian(direction, axis, [spatial; 2], angular)
+                LightField::gaussian(direction, axis, [1.0 / (width * width); 2], angular)
             }
         }
     }
@@ -234,7 +234,7 @@ impl Lamp {
         // The cone in which it shines on the point, and of what is inside of a ball all around or half of that.
         let height = match (self.soft, self.cone) {
             (true, _) => {
-                let far = distance.hypot(size);
+                let far = libm::hypot(distance, size);
                 size / far * (size / (far + distance))
             }
             (false, None) => 2.0,

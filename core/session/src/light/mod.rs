@@ -160,7 +160,7 @@ impl Light {
             Light::Disk { center, normal, radius, .. } => {
                 let [c, d] = sampler.uniform_pair();
                 let (e, f) = normal.any_orthonormal_pair();
-                let (sin_psi, cos_psi) = (TAU * d).sin_cos();
+                let (sin_psi, cos_psi) = libm::sincosf(TAU * d);
                 let rho = radius * c.sqrt();
                 let origin = center + rho * (cos_psi * e + sin_psi * f) + 1e-5 * radius * normal;
                 let direction = cosine_direction(normal, [a, b]);
@@ -278,7 +278,7 @@ impl Light {
             Light::Point { .. } => (from < to).then_some((from, to)),
             Light::Spot { position, direction: axis, outer_angle, .. } => {
                 let (m, axis) = (o - position.as_dvec3(), axis.as_dvec3());
-                in_cone(m, d, axis, f64::from(outer_angle).cos(), [from, to])
+                in_cone(m, d, axis, libm::cos(f64::from(outer_angle)), [from, to])
             }
             Light::Disk { center, normal, .. } => {
                 before(o - center.as_dvec3(), d, normal.as_dvec3(), [from, to])
@@ -414,7 +414,7 @@ impl Light {
     pub(crate) fn half_angle_of_point(&self) -> Option<f32> {
         let angle = match *self {
             Light::Spot { outer_angle, .. } => outer_angle,
-            Light::Lamp(Lamp { cone: Some(cone), .. }) => cone.cosine.clamp(-1.0, 1.0).acos(),
+            Light::Lamp(Lamp { cone: Some(cone), .. }) => libm::acosf(cone.cosine.clamp(-1.0, 1.0)),
             Light::Own(ref own) => return own.described.half_angle_of_point(),
             _ => PI,
         };

@@ -89,7 +89,7 @@ fn variances(mut cells: Vec<f64>, rows: usize, columns: usize, reach: f64) -> Ve
             [(column + columns - step) % columns, (column + step) % columns]
         };
         for row in 0..rows {
-            let sine = ((row as f64 + 0.5) * height).sin().max(0.5 * height);
+            let sine = libm::sin((row as f64 + 0.5) * height).max(0.5 * height);
             let width = sine * (std::f64::consts::TAU / columns as f64);
             let [above, below] = [row.saturating_sub(step), (row + step).min(rows - 1)];
             for column in 0..columns {
@@ -100,7 +100,7 @@ fn variances(mut cells: Vec<f64>, rows: usize, columns: usize, reach: f64) -> Ve
                 let along = steepest(up, down) / (step as f64 * height);
                 let around = steepest(left, right) / (step as f64 * width);
                 let mean = ((up + down + left + right + here) / 5.0).max(1e-300);
-                let squared = (along / mean).powi(2) + (around / mean).powi(2);
+                let squared = (along * along + around * around) / (mean * mean);
                 let cell = row * columns + column;
                 found[cell] = found[cell].max(squared);
                 blurred[cell] = 0.25 * (up + down) + 0.5 * here;

@@ -52,7 +52,7 @@ impl Light {
                 strength: mean(lamp.mean_intensity()),
                 ..lamp.cone.map_or(even(lamp.radius), |cone| Shine {
                     axis: cone.axis,
-                    angle: cone.cosine.clamp(-1.0, 1.0).acos(),
+                    angle: libm::acosf(cone.cosine.clamp(-1.0, 1.0)),
                     ..even(lamp.radius)
                 })
             },

@@ -146,7 +146,7 @@ fn variances(sky: &[f64], rows: usize, columns: usize, cells: &Cells) -> Vec<f32
         let (row, column) = (cell / columns, cell % columns);
         let here = sky[cell];
         let radius2 = (power / here.max(1e-300) / PI).min(TAU);
-        let sine = ((row as f64 + 0.5) * (PI / rows as f64)).sin().max(0.5 / rows as f64);
+        let sine = libm::sin((row as f64 + 0.5) * (PI / rows as f64)).max(0.5 / rows as f64);
         let beside = [at(row, (column + columns - 1) % columns), here, at(row, (column + 1) % columns)];
         let around = steepest(beside) / (sine * (TAU / columns as f64));
         let above = [at(row.saturating_sub(1), column), here, at((row + 1).min(rows - 1), column)];

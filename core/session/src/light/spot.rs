@@ -67,13 +67,13 @@ impl Cone {
 
 /// 1 - cosine of an angle, to single precision however small it is.
 pub(crate) fn cap_height(angle: f32) -> f32 {
-    let sine = (0.5 * angle).sin();
+    let sine = libm::sinf(0.5 * angle);
     2.0 * sine * sine
 }
 
 /// Angle between a direction of any length and the axis, to a few 1e-7: as an arc cosine it would be to 3e-4 in narrow cones.
 pub(super) fn angle_from(axis: Vec3, direction: Vec3) -> f32 {
-    axis.cross(direction).length().atan2(axis.dot(direction))
+    libm::atan2f(axis.cross(direction).length(), axis.dot(direction))
 }
 
 /// Smooth fall-off of a spot between its two cones, in a direction of any length.
@@ -97,6 +97,6 @@ pub(super) fn spot_angular_variance(theta: f32, inner: f32, outer: f32) -> [f32;
     let slope = -6.0 * q * (1.0 - q) / (width * falloff);
     let curvature = (6.0 - 12.0 * q) / (width * width * falloff);
     let towards = (curvature - 2.0).abs().max(slope * slope);
-    let around = 2.0 - slope / theta.tan();
+    let around = 2.0 - slope / libm::tanf(theta);
     [towards, around].map(|relative| relative / (4.0 * PI * PI))
 }

@@ -70,13 +70,14 @@ impl Sun {
     /// A direction of the light, evenly over the disk that the sun is; (0, 0): of its middle.
     fn direction(&self, [u, v]: [f32; 2]) -> DVec3 {
         // The height of the cap is 2 sin²(angle/2), of which 1 - cos would leave little.
-        let height = 2.0 * (0.5 * f64::from(self.angle)).sin().powi(2);
+        let sine = libm::sin(0.5 * f64::from(self.angle));
+        let height = 2.0 * sine * sine;
         cap_direction(self.direction.as_dvec3().normalize(), height, [u, v])
     }
 
     /// Light that crosses a small ball over the ball's cross section: directions lie aslant to the axis, by (1 + cos)/2 on average.
     fn flux_across(&self) -> Vec3 {
-        self.irradiance * (2.0 / (1.0 + self.angle.cos()))
+        self.irradiance * (2.0 / (1.0 + libm::cosf(self.angle)))
     }
 
     /// The photon of a place in the unit square, which says where on the disks across the light; its direction is drawn by `sampler`.
@@ -97,7 +98,7 @@ impl Sun {
     pub(super) fn lit_stretch(&self, origin: DVec3, direction: DVec3, ends: [f32; 2]) -> Option<(f32, f32)> {
         let axis = self.direction.as_dvec3().normalize();
         let (center, outer) = (self.aim.middle().0.as_dvec3(), f64::from(self.aim.outer()));
-        let (sine, cosine) = f64::from(self.angle).sin_cos();
+        let (sine, cosine) = libm::sincos(f64::from(self.angle));
         if sine == 0.0 {
             return in_cylinder(origin - center, direction, axis, outer, ends);
         }
@@ -113,22 +114,23 @@ impl Sun {
     /// As [`super::Light::light_field`]: uniform in space; its directions fill a disk.
     pub(super) fn light_field(&self, direction: Vec3) -> LightField {
         // Below a microradian it is parallel for any scene.
-        let variance = 1.0 / (PI * self.angle.max(1e-6)).powi(2);
-        LightField::gaussian(direction, Vec3::ZERO, [0.0; 2], [variance; 2])
+        let width = PI * self.angle.max(1e-6);
+        LightField::gaussian(direction, Vec3::ZERO, [0.0; 2], [1.0 / (width * width); 2])
     }
 
     /// Its radiance in a direction of view; 0 beside it, and of a sun without an angle.
     pub(super) fn seen_along(&self, direction: Vec3) -> Vec3 {
-        let sine2 = self.angle.sin().powi(2);
+        let sine = libm::sinf(self.angle);
         // In the cross product small angles have digits that the cosine loses.
-        let is_seen =
-            direction.dot(self.direction) < 0.0 && direction.cross(self.direction).length_squared() < sine2;
+        let is_seen = direction.dot(self.direction) < 0.0
+            && direction.cross(self.direction).length_squared() < sine * sine;
         if is_seen { self.radiance() } else { Vec3::ZERO }
     }
 
     /// Of a sun with an angle [W/(m² sr)].
     pub(super) fn radiance(&self) -> Vec3 {
-        self.irradiance / (PI * self.angle.sin().powi(2))
+        let sine = libm::sinf(self.angle);
+        self.irradiance / (PI * sine * sine)
     }
 
     /// Whether a photon without a history may have left it in this direction.

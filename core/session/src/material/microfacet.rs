@@ -18,7 +18,7 @@ pub(crate) fn visible_facet(view: Vec3, normal: Vec3, alpha: f32, [u, v]: [f32; 
     // The surface stretched until its facets are a hemisphere.
     let seen = Vec3::new(alpha * view.dot(e), alpha * view.dot(f), view.dot(normal)).normalize();
     let z = (1.0 - v) * (1.0 + seen.z) - seen.z;
-    let (sine, cosine) = (TAU * u).sin_cos();
+    let (sine, cosine) = libm::sincosf(TAU * u);
     let r = (1.0 - z * z).max(0.0).sqrt();
     let half = Vec3::new(r * cosine, r * sine, z) + seen;
     (alpha * half.x * e + alpha * half.y * f + half.z.max(1e-6) * normal).normalize()

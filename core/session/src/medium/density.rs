@@ -31,7 +31,7 @@ pub fn too_dense(
     let lowest = points.min_by(|a, b| height(a).total_cmp(&height(b)))?;
     let logarithm = -height(&lowest) / f64::from(density.scale_height);
     let most = f64::from(MAX_DENSITY) / largest_extinction(medium).max(1.0);
-    (logarithm > most.ln()).then_some((lowest, logarithm))
+    (logarithm > libm::log(most)).then_some((lowest, logarithm))
 }
 
 /// The corner of a box where an exponential density is largest.

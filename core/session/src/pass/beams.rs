@@ -238,5 +238,5 @@ fn first_part(beam: Beam, until: f32) -> Option<Beam> {
 /// Photons that a disk of a caustic holds in pass `index`: their number falls as index^(-1/3), since the squared bias of disks that hold k goes
 /// as k² and the variance of the mean over so many passes as 1/(k index).
 fn crowd(index: u32) -> usize {
-    ((CROWD as f32 / (index as f32).cbrt()).round() as usize).max(FEWEST)
+    ((CROWD as f32 / libm::cbrtf(index as f32)).round() as usize).max(FEWEST)
 }

@@ -46,8 +46,8 @@ impl Transport<'_> {
             return;
         }
         let dark = photon.dark.min(reach);
-        let (from, to) = (((dark - foot) / distance).atan(), ((reach - foot) / distance).atan());
-        let s = (foot + distance * (from + u * (to - from)).tan()).clamp(dark, reach);
+        let (from, to) = (libm::atanf((dark - foot) / distance), libm::atanf((reach - foot) / distance));
+        let s = (foot + distance * libm::tanf(from + u * (to - from))).clamp(dark, reach);
         let density = distance / ((to - from) * (distance * distance + (s - foot) * (s - foot)));
         if !(s.is_finite() && density > 0.0) {
             return;

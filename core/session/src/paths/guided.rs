@@ -98,7 +98,7 @@ impl Tree<'_, '_> {
     /// what is drawn next, so that the light is right in the mean.
     fn unit(&self, depth: u32) -> f32 {
         let segments = self.followed + self.waiting.len() as u32;
-        patience(depth) * ((segments / LARGE_TREE) as f32).exp2() * self.unit
+        patience(depth) * libm::exp2f((segments / LARGE_TREE) as f32) * self.unit
     }
 
     /// One over the most power that a path may have in each channel.

@@ -79,7 +79,7 @@ impl Limits {
 pub(super) fn patience(events: u32) -> f32 {
     let long = events.saturating_sub(LONG_PATH).min(1 << 10) as i32;
     let endless = (events as f32 / ENDLESS).max(1.0);
-    GOING_ON.powi(-long).min(LONG_WEIGHT) * endless * endless
+    libm::powf(GOING_ON, -long as f32).min(LONG_WEIGHT) * endless * endless
 }
 
 /// One over each channel; 0 where there is none.
@@ -121,7 +121,7 @@ pub(super) fn free_column(weights: Vec3, medium: &Medium, sampler: &mut PathSamp
         let (channel, u) = channel(weights, u);
         (extinction[channel], u)
     };
-    if extinction > 0.0 { -(-u).ln_1p() / extinction } else { f32::INFINITY }
+    if extinction > 0.0 { -libm::log1pf(-u) / extinction } else { f32::INFINITY }
 }
 
 /// σ_t T / pdf per channel after a column; the density at the collision stands in both.

@@ -85,7 +85,7 @@ fn for_size(scene: &Scene) -> f64 {
 
 /// Rounded to two digits: the last ones of the survey are not the same on every processor.
 fn two_digits(number: f64) -> u32 {
-    let step = 10f64.powf((number.log10() - 1.0).floor());
+    let step = libm::pow(10f64, (libm::log10(number) - 1.0).floor());
     ((number / step).round() * step).round() as u32
 }
 

@@ -235,7 +235,7 @@ impl Walker<'_> {
         let (collides, u) = (1.0 - left, walk.random.uniform());
         if collides > 0.0 && (importon.specular || u < collides) {
             let u = if importon.specular { u * collides } else { u };
-            let distance = column.distance_at(-(-u).ln_1p() / extinction);
+            let distance = column.distance_at(-libm::log1pf(-u) / extinction);
             let share = if importon.specular { collides } else { 1.0 };
             let xi = walk.pair();
             let weight = weight * share * fog.scattering[channel] / extinction;

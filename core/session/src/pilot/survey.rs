@@ -80,7 +80,7 @@ impl Survey {
         beams.add(&light_paths(scene).beams, &fogs);
         let light = seen_light(scene, &pieces, &fogs, &layout, &beams);
         let (space_min, space_max) = unite(seen, around);
-        let space = (space_max - space_min).as_dvec3().element_product().cbrt() as f32;
+        let space = libm::cbrt((space_max - space_min).as_dvec3().element_product()) as f32;
         let lit = light
             .places
             .iter()
@@ -104,12 +104,12 @@ fn opaque_column(fog: &Medium) -> f32 {
     // Between those of the thickest channel and of the thinnest.
     let mut near = OPAQUE / extinction.max_element();
     let mut far = OPAQUE / extinction.min_element();
-    if fog.mean_transmittance(far) > (-OPAQUE).exp() {
+    if fog.mean_transmittance(far) > libm::expf(-OPAQUE) {
         return far;
     }
     for _ in 0..16 {
         let middle = (near * far).sqrt();
-        *if fog.mean_transmittance(middle) > (-OPAQUE).exp() { &mut near } else { &mut far } = middle;
+        *if fog.mean_transmittance(middle) > libm::expf(-OPAQUE) { &mut near } else { &mut far } = middle;
     }
     far
 }

@@ -23,7 +23,7 @@ pub(super) fn bend([above, row, below]: [[f32; 3]; 3]) -> Bend {
     let xy = 0.25 * (below[2] - below[0] - above[2] + above[0]);
     // Eigenvalues mean ± size: the matrix or its opposite where they have the same sign, else what turns one of them round.
     let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-    let size = half.hypot(xy);
+    let size = libm::hypotf(half, xy);
     let (even, along) =
         if mean.abs() >= size { (mean.abs(), 1.0_f32.copysign(mean)) } else { (size, mean / size) };
     let scale = 1.0 / (4.0 * PI * PI * here);

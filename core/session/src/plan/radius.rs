@@ -52,7 +52,7 @@ const DIMMEST: f64 = 1e-30;
 /// Source: derived, see the module; the classical optimum of a density estimate (E. Parzen 1962) with a curvature of 4π²σ².
 pub fn least_error_radius(kernel: KernelShape, variance: f64, beams: f64) -> f64 {
     let bias = bias_factor(kernel);
-    (roughness(kernel) / (4.0 * bias * bias * variance * variance * beams)).powf(0.2)
+    libm::pow(roughness(kernel) / (4.0 * bias * bias * variance * variance * beams), 0.2)
 }
 
 /// Independent beams a metre, of light from everywhere, that a kernel sees along a stretch of an eye ray: (2/π) ν l.
@@ -223,8 +223,9 @@ fn power(spectrum: &FluenceSpectrum, exponent: f64, factor: f64) -> FluenceSpect
             continue;
         }
         let half_cotangent: f64 = (a[j][j] - a[i][i]) / (2.0 * a[i][j]);
-        let tangent = 1.0_f64.copysign(half_cotangent) / (half_cotangent.abs() + half_cotangent.hypot(1.0));
-        let cosine = 1.0 / tangent.hypot(1.0);
+        let tangent =
+            1.0_f64.copysign(half_cotangent) / (half_cotangent.abs() + libm::hypot(half_cotangent, 1.0));
+        let cosine = 1.0 / libm::hypot(tangent, 1.0);
         let turn = |[p, q]: [f64; 2]| [cosine * (p - tangent * q), cosine * (q + tangent * p)];
         for rows in [&mut a, &mut axes] {
             rows.iter_mut().for_each(|row| [row[i], row[j]] = turn([row[i], row[j]]));
@@ -233,7 +234,7 @@ fn power(spectrum: &FluenceSpectrum, exponent: f64, factor: f64) -> FluenceSpect
             [a[i][column], a[j][column]] = turn([p, q]);
         }
     }
-    let scaled = [0, 1, 2].map(|k: usize| factor * a[k][k].max(0.0).powf(exponent));
+    let scaled = [0, 1, 2].map(|k: usize| factor * libm::pow(a[k][k].max(0.0), exponent));
     let at = |i: usize, j: usize| (0..3).map(|k| axes[i][k] * axes[j][k] * scaled[k]).sum::<f64>() as f32;
     FluenceSpectrum::from_array([at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(0, 2), at(1, 2)])
 }

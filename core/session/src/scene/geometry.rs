@@ -169,7 +169,7 @@ pub(crate) fn divide(size: Vec3, budget: u32) -> [u32; 3] {
     for (place, &axis) in order.iter().enumerate() {
         // A side shorter than a cell has one, and leaves its share to the others.
         let volume: f64 = order[place..].iter().map(|&axis| size[axis]).product();
-        let side = (volume / left).powf(1.0 / (3 - place) as f64);
+        let side = libm::pow(volume / left, 1.0 / (3 - place) as f64);
         let count = (size[axis] / side).round().max(1.0);
         cells[axis] = count as u32;
         left /= count;

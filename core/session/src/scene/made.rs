@@ -22,7 +22,7 @@ pub(crate) fn camera(position: [f32; 3], look_at: [f32; 3], fov: f32, [width, he
         right: right.as_vec3().normalize(),
         up: right.cross(forward).as_vec3().normalize(),
         projection: Projection::Perspective,
-        frame: Frame::Middle { half_height: (0.5 * f64::from(fov)).to_radians().tan() as f32 },
+        frame: Frame::Middle { half_height: libm::tan((0.5 * f64::from(fov)).to_radians()) as f32 },
         width,
         height,
         near: 0.0,

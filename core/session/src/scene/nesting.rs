@@ -77,8 +77,9 @@ fn places_on(shape: &Shape) -> Vec<Vec3> {
             let place = |i: usize| {
                 let (ring, step) = (i / (2 * STEPS), i % (2 * STEPS));
                 let theta = std::f32::consts::PI * ring as f32 / STEPS as f32;
-                let phi = std::f32::consts::PI * step as f32 / STEPS as f32;
-                *center + *radius * Vec3::new(theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin())
+                let ((sine, cosine), phi) =
+                    (libm::sincosf(theta), std::f32::consts::PI * step as f32 / STEPS as f32);
+                *center + *radius * Vec3::new(sine * libm::cosf(phi), cosine, sine * libm::sinf(phi))
             };
             (0..2 * STEPS * (STEPS + 1)).map(place).collect()
         }

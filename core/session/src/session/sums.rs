@@ -1,10 +1,11 @@
 //! Sums of passes as bytes: exact, so that those of many machines add up to the same bits in any order.
 //!
-//! `covsums1`, the length of a header and its CRC-32, the header (identity, passes, layout of the film), and the film's records, each with its
-//! length and its CRC-32. All numbers are little-endian.
+//! `covsums1`, the length of a header and its CRC-32, the header (version and arithmetic, identity, passes, layout of the film), and the film's
+//! records, each with its length and its CRC-32. All numbers are little-endian.
 
 use crate::film::passes::{PassRange, Passes};
 use crate::film::{Film, FilmLayout, Unfit};
+use crate::work::arithmetic::arithmetic;
 use crate::work::failure::{Failure, Result};
 use std::convert::Infallible;
 
@@ -26,7 +27,9 @@ pub(super) type Origin = (Identity, u32, bool);
 
 /// The bytes of some passes.
 pub(super) fn save((identity, photons, plain): &Origin, passes: &Passes, film: &Film) -> Vec<u8> {
-    let mut header = identity.0.to_vec();
+    let mut header = Vec::new();
+    put(&mut header, build());
+    header.extend(identity.0);
     put(&mut header, *photons);
     put(&mut header, (*plain).into());
     put(&mut header, passes.ranges().len() as u32);
@@ -59,6 +62,11 @@ pub(super) fn open<'a>(bytes: &'a [u8], (identity, photons, plain): &Origin) -> 
     };
     let mut records = Reader { bytes: rest };
     let mut header = Reader { bytes: records.record()? };
+    if header.word()? != build() {
+        let message =
+            "sums: of another version of covbeam, or of a build with another libm; merge those of one build";
+        return Err(Failure::Data(message.into()));
+    }
     let same = header.take(identity.0.len())? == identity.0;
     if !(header.word()? == *photons && header.word()? == u32::from(*plain) && same) {
         let message = "sums: of another scene, or of other settings; merge those of the same picture";
@@ -96,6 +104,14 @@ impl From<Unfit> for Failure {
             Unfit::Bytes => damaged(),
         }
     }
+}
+
+/// Of what makes the bits of passes.
+fn build() -> u32 {
+    let mut crc = crc32fast::Hasher::new();
+    crc.update(env!("CARGO_PKG_VERSION").as_bytes());
+    crc.update(&arithmetic().to_le_bytes());
+    crc.finalize()
 }
 
 fn damaged() -> Failure {

@@ -75,7 +75,7 @@ impl Clearance {
         }
         let (across, aside) = normal.any_orthonormal_pair();
         let is_on = |distance: f32, turned: f32| {
-            let (sin, cos) = (TAU * turned).sin_cos();
+            let (sin, cos) = libm::sincosf(TAU * turned);
             goes_on(scene, start, normal, distance * (cos * across + sin * aside))
         };
         let turn = random.uniform();

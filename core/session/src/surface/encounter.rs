@@ -302,8 +302,8 @@ impl<'a> Encounter<'a> {
         };
         if self.is_rough() {
             // A facet turns by α/√2 along each axis.
-            let deviation = (turns * self.lobes.alpha * FRAC_1_SQRT_2).max(1e-3);
-            field.scatter(way.direction, (TAU * deviation).powi(-2));
+            let deviation = TAU * (turns * self.lobes.alpha * FRAC_1_SQRT_2).max(1e-3);
+            field.scatter(way.direction, 1.0 / (deviation * deviation));
         }
     }
 }

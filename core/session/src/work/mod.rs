@@ -1,5 +1,6 @@
 //! Work on native threads, which a caller waits for and may stop, and how it ends.
 
+pub mod arithmetic;
 pub mod failure;
 pub(crate) mod job;
 pub mod threads;

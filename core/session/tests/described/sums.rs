@@ -151,7 +151,13 @@ fn sums_of_another_picture_or_of_the_same_passes_are_refused() {
     let apart = of(&scene, Options { settings, ..unguided(2) });
     let settings = Settings { planned: false, ..unguided(0).settings };
     let unplanned = of(&scene, Options { settings, ..unguided(2) });
-    for (bytes, what) in [(&stranger, "another scene"), (&wide, "another kind"), (&apart, "another kind")] {
+    let build = of_another_build(of(&scene, unguided(2)));
+    for (bytes, what) in [
+        (&stranger, "another scene"),
+        (&wide, "another kind"),
+        (&apart, "another kind"),
+        (&build, "another libm"),
+    ] {
         let message = refused(&begun, bytes, &before);
         assert!(message.contains(what), "{message}");
         // A session without passes has no picture yet, but knows what it will be of.
@@ -162,6 +168,15 @@ fn sums_of_another_picture_or_of_the_same_passes_are_refused() {
     assert_same(&shown(&begun), &expected);
     merge(&begun, &save(&session_of(&scene, 2, 1)));
     assert_same(&shown(&begun), &picture(&session(&scene, unguided(0)), 3));
+}
+
+/// Sums whose header names another version or libm: after its length and CRC-32, the first word.
+fn of_another_build(mut sums: Vec<u8>) -> Vec<u8> {
+    let length = u32::from_le_bytes([sums[8], sums[9], sums[10], sums[11]]) as usize;
+    sums[16] ^= 1;
+    let crc = crc32fast::hash(&sums[16..16 + length]);
+    sums[12..16].copy_from_slice(&crc.to_le_bytes());
+    sums
 }
 
 #[test]
@@ -184,8 +199,8 @@ fn damaged_sums_are_refused_and_change_nothing() {
             if flip % 11 == 0 { 255 } else { 1 << (flip % 8) | 1 << (flip / 8 % 8) };
         bytes
     }));
-    // All of the header: magic, length, check, identity, passes and layout.
-    bad.extend((0..96).map(|place| {
+    // All of the header: magic, length, check, build, identity, passes and layout.
+    bad.extend((0..100).map(|place| {
         let mut bytes = sums.clone();
         bytes[place] ^= 1 << (place % 8);
         bytes

@@ -30,7 +30,9 @@ pub struct Bitmap {
 
 /// Eye rays a pixel and pass, of the layer that has most: white is one, black one in 256 or fewer, each step of grey the same ratio.
 pub fn density_map(picture: &Picture, maps: &Maps) -> Bitmap {
-    let grey = |density: &f32| [(255.0 * (1.0 - density.max(DARKEST).ln() / DARKEST.ln()) + 0.5) as u8; 3];
+    let grey = |density: &f32| {
+        [(255.0 * (1.0 - libm::logf(density.max(DARKEST)) / libm::logf(DARKEST)) + 0.5) as u8; 3]
+    };
     Bitmap {
         width: picture.width,
         height: picture.height,
@@ -68,7 +70,7 @@ impl Bitmap {
         let scale = SCALE as f32;
         let steps = (TAU * scale * (filter.xx + filter.yy).sqrt()).ceil().max(1.0) * 2.0;
         for step in 0..steps as u32 {
-            let (sin, cos) = (TAU * step as f32 / steps).sin_cos();
+            let (sin, cos) = libm::sincosf(TAU * step as f32 / steps);
             let x = (center[0] as f32 + 0.5 + a * cos) * scale;
             let y = (center[1] as f32 + 0.5 + b * cos + c * sin) * scale;
             if x >= 0.0 && y >= 0.0 && x < self.width as f32 && y < self.height as f32 {

@@ -33,7 +33,7 @@ pub fn preview_exposed_as(picture: &Picture, exposed: &Picture) -> Vec<u8> {
     let show = |value: f32| {
         let exposed = value / grey * MIDDLE_GREY;
         let shown =
-            if exposed <= KNEE { exposed } else { KNEE + ROOM * (1.0 - ((KNEE - exposed) / ROOM).exp()) };
+            if exposed <= KNEE { exposed } else { KNEE + ROOM * (1.0 - libm::expf((KNEE - exposed) / ROOM)) };
         (255.0 * srgb(shown) + 0.5) as u8
     };
     picture.radiance.iter().flat_map(|v| v.to_array().map(show)).collect()
@@ -41,7 +41,7 @@ pub fn preview_exposed_as(picture: &Picture, exposed: &Picture) -> Vec<u8> {
 
 /// The transfer function of IEC 61966-2-1: linear 0..=1 to encoded 0..=1.
 fn srgb(linear: f32) -> f32 {
-    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * libm::powf(linear, 1.0 / 2.4) - 0.055 }
 }
 
 #[cfg(test)]

@@ -16,6 +16,8 @@ const KIND: Kind =
 pub struct Origin {
     /// Version of the program.
     pub version: String,
+    /// What its functions of mathematics give: see [`covbeam_session::work::arithmetic::arithmetic`].
+    pub arithmetic: String,
     /// Name of the scene.
     pub scene: String,
     /// Of the scene file and of all files that it names: see [`covbeam_session::scene::scene_file::parse_with_fingerprint`].
@@ -52,6 +54,7 @@ impl Origin {
         let yes = |flag: bool| if flag { "yes" } else { "no" }.to_owned();
         let all = [
             ("version", self.version.clone(), other.version.clone()),
+            ("arithmetic (libm)", self.arithmetic.clone(), other.arithmetic.clone()),
             ("scene", self.scene.clone(), other.scene.clone()),
             ("picture", size(self), size(other)),
             ("method", self.method.clone(), other.method.clone()),

@@ -72,7 +72,7 @@ fn read_half_height(
             let field = table.required("vertical_fov")?;
             let expected = "an angle in 0.001..=179 degrees";
             let fov = field.number(expected, |fov| (0.001..=179.0).contains(&fov))?;
-            Ok((0.5 * f64::from(fov)).to_radians().tan() as f32)
+            Ok(libm::tan((0.5 * f64::from(fov)).to_radians()) as f32)
         }
         Projection::Orthographic => Ok(0.5 * table.required("vertical_size")?.size()?),
         Projection::Equirectangular => {
@@ -87,7 +87,7 @@ fn read_half_height(
             }
         }
         Projection::Fisheye { .. } => {
-            let most = 360.0 / 1.0_f64.hypot(aspect);
+            let most = 360.0 / libm::hypot(1.0_f64, aspect);
             let why = format!("an angle in 0.001..={most:.4} degrees: in the corners it is 360");
             Ok(angle(&table.required("vertical_fov")?, &why, most)? as f32)
         }

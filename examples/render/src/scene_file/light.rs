@@ -188,7 +188,8 @@ fn read_cone(table: &Table<'_>, position: Vec3) -> Result<Cone, SceneError> {
     let angle = table.required("angle")?.number(expected, |angle| angle > 0.0 && angle <= 90.0)?;
     let blend = table.required("blend")?.number("a number in 0..=1", |blend| (0.0..=1.0).contains(&blend))?;
     // 1 - cos, of which f32 has the digits.
-    let height = 2.0 * (0.5 * angle.to_radians()).sin().powi(2);
+    let sine = libm::sinf(0.5 * angle.to_radians());
+    let height = 2.0 * sine * sine;
     Ok(Cone { axis, cosine: 1.0 - height, blend: (blend * height).max(LEAST_BLEND) })
 }
 

@@ -239,11 +239,16 @@ fn what_cannot_be_merged_is_refused_by_name_and_nothing_is_written() {
     fs::write(folder.join("wide/ball.toml"), wide).unwrap();
     render(folder, &["wide/ball.toml", "--passes", "2..4", "--out", "wide.shard"], 0);
     let bytes = fs::read(folder.join("b.shard")).unwrap();
-    // In the header, which a sum guards: a version of the same length.
-    let at = bytes.windows(9).position(|window| window == b"\"version\"").unwrap();
-    let mut other = bytes.clone();
-    other[at + 11] = b'9';
-    fs::write(folder.join("version.shard"), with_header_crc(other)).unwrap();
+    // In the header, which a sum guards: another text of the same length.
+    let changed = |field: &str| {
+        let at = bytes.windows(field.len()).position(|window| window == field.as_bytes()).unwrap();
+        let mut other = bytes.clone();
+        let first = &mut other[at + field.len()];
+        *first = if *first == b'9' { b'8' } else { b'9' };
+        with_header_crc(other)
+    };
+    fs::write(folder.join("version.shard"), changed("\"version\":\"")).unwrap();
+    fs::write(folder.join("libm.shard"), changed("\"arithmetic\":\"")).unwrap();
     let before = names(folder);
 
     let refused = |shards: &[&str], parts: &[&str]| {
@@ -255,6 +260,7 @@ fn what_cannot_be_merged_is_refused_by_name_and_nothing_is_written() {
     refused(&["a.shard", "thin.shard"], &["'thin.shard'", "scene ball, not thin", "fingerprint"]);
     refused(&["a.shard", "wide.shard"], &["'wide.shard'", "24 x 20 pixels, not 25 x 20", "fingerprint"]);
     refused(&["a.shard", "version.shard"], &["'version.shard'", "version"]);
+    refused(&["a.shard", "libm.shard"], &["'libm.shard'", "arithmetic (libm)"]);
     refused(&["a.shard", "b.shard", "twice.shard"], &["3..4", "'b.shard'", "'twice.shard'"]);
     refused(&["a.shard", "a.shard"], &["0..2", "'a.shard'"]);
     refused(&["a.shard", "b.shard", "d.shard"], &["4..6", "--allow-gaps"]);

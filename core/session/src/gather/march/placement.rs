@@ -88,11 +88,11 @@ impl Places {
         let offset = stretch.light.position() - ray.origin;
         let foot = offset.dot(ray.direction);
         let height = (offset - foot * ray.direction).length().max(f32::MIN_POSITIVE);
-        let angle = |distance: f32| ((distance - foot) / height).atan();
+        let angle = |distance: f32| libm::atanf((distance - foot) / height);
         let start = angle(stretch.from);
         let step = (angle(stretch.to) - start) / count as f32;
         self.samples.extend((0..count).map(|index| {
-            let tangent = (start + (index as f32 + random.uniform()) * step).tan();
+            let tangent = libm::tanf(start + (index as f32 + random.uniform()) * step);
             let distance = (foot + height * tangent).clamp(stretch.from, stretch.to);
             let weight = step * height * (1.0 + tangent * tangent);
             MarchSample { distance, weight, ..MarchSample::default() }
@@ -108,7 +108,7 @@ impl Places {
             let Some(distance) = collision(stretch, greatest, random) else { continue };
             let place = ray.origin + distance * ray.direction;
             let extinction = fog.mean_extinction() * fog.density.at(place);
-            let left = (-fog.mean_extinction() * (column.at(distance) - column.at(stretch.from))).exp();
+            let left = libm::expf(-fog.mean_extinction() * (column.at(distance) - column.at(stretch.from)));
             let weight = 1.0 / (count as f32 * extinction * left);
             self.samples.push(MarchSample { distance, weight, ..MarchSample::default() });
         }
@@ -120,7 +120,7 @@ fn collision(stretch: &Stretch, greatest: f32, random: &mut Random) -> Option<f3
     let (fog, ray) = (stretch.fog, &stretch.segment.ray);
     let mut distance = stretch.from;
     loop {
-        distance -= (-random.uniform()).ln_1p() / (fog.mean_extinction() * greatest);
+        distance -= libm::log1pf(-random.uniform()) / (fog.mean_extinction() * greatest);
         if !(distance < stretch.to) {
             return None;
         }

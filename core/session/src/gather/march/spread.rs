@@ -38,7 +38,7 @@ impl Spread {
     /// The sum of (error / n)² / radiance² for a given sum of n is least with n in proportion to this.
     fn need(&self, error: f32, expected: f32) -> f32 {
         let relative = error / (expected * expected + self.floor * self.floor).sqrt().max(f32::MIN_POSITIVE);
-        let root = relative.cbrt();
+        let root = libm::cbrtf(relative);
         root * root
     }
 }

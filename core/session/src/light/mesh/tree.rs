@@ -26,7 +26,7 @@ impl Node {
         let far2 = (place - self.min).abs().max((self.max - place).abs()).length_squared();
         let near2 = place.distance_squared(place.clamp(self.min, self.max)).max(LEAST * far2);
         let rise = (far2 - near2) / near2;
-        let mean = if rise > 1e-9 { rise.ln_1p() / rise } else { 1.0 };
+        let mean = if rise > 1e-9 { libm::log1p(rise) / rise } else { 1.0 };
         self.area * mean / near2
     }
 }

@@ -33,7 +33,7 @@ impl Collisions<'_> {
     fn column(&self, index: u32, sampler: &mut PathSampler) -> f32 {
         let (channel, _) = channel(self.mixture, sampler.uniform());
         let u = ((index as f32 + self.shift) / self.count).min(1.0 - f32::EPSILON);
-        -(-u * self.gone[channel]).ln_1p() / self.inside.fog.extinction()[channel]
+        -libm::log1pf(-u * self.gone[channel]) / self.inside.fog.extinction()[channel]
     }
 
     /// Of the power at the start, what one after a column scatters.

@@ -94,7 +94,7 @@ fn fog_seen(looks: &Looks, x: u32, y: u32) -> f32 {
     let mut knots = Vec::new();
     let column = media::column(fog, ray.origin, ray.direction, ray.length, &mut knots);
     let column = column.at(ray.length);
-    let taken = |extinction: f32| if extinction > 0.0 { -(-extinction * column).exp_m1() } else { 0.0 };
+    let taken = |extinction: f32| if extinction > 0.0 { -libm::expm1f(-extinction * column) } else { 0.0 };
     fog.extinction().to_array().map(taken).iter().sum::<f32>() / 3.0
 }
 

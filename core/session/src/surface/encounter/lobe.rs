@@ -47,8 +47,9 @@ impl Lobe {
 /// Share that a metal reflects, by Schlick's curve.
 #[inline]
 pub(super) fn metal(lobes: &Lobes, direction: Vec3, facet: Vec3) -> Vec3 {
-    let cosine = (-direction.dot(facet)).clamp(0.0, 1.0);
-    lobes.metal + (lobes.edge - lobes.metal) * (1.0 - cosine).powi(5)
+    let rest = 1.0 - (-direction.dot(facet)).clamp(0.0, 1.0);
+    let squared = rest * rest;
+    lobes.metal + (lobes.edge - lobes.metal) * (rest * squared * squared)
 }
 
 /// Share that a coat reflects: it is thin, and met from outside on either side.

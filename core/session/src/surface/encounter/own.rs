@@ -74,7 +74,8 @@ impl OwnWays {
             field.reflect(facet, &curvature(facet));
         }
         if deviation > 0.0 {
-            field.scatter(direction, (TAU * deviation.max(1e-3)).powi(-2));
+            let angle = TAU * deviation.max(1e-3);
+            field.scatter(direction, 1.0 / (angle * angle));
         }
     }
 }

@@ -12,6 +12,7 @@ use covbeam_session::film::Film;
 use covbeam_session::gather::march::Marching;
 use covbeam_session::render::Goal;
 use covbeam_session::scene::Scene;
+use covbeam_session::work::arithmetic::arithmetic;
 use std::error::Error;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -216,6 +217,7 @@ pub(crate) fn subject(args: &PictureArgs) -> Result<(Scene, Origin), Box<dyn Err
     let guided = matches!(args.method, MethodName::Adaptive);
     let origin = Origin {
         version: env!("CARGO_PKG_VERSION").to_owned(),
+        arithmetic: format!("{:08x}", arithmetic()),
         scene: name,
         fingerprint,
         width: scene.camera.width,

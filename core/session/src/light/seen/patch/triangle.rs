@@ -43,7 +43,7 @@ impl SeenTriangle {
         } else {
             let [a, b, c] = corners.map(DVec3::normalize);
             // A. van Oosterom and J. Strackee 1983.
-            let solid = 2.0 * a.dot(b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a));
+            let solid = 2.0 * libm::atan2(a.dot(b.cross(c)).abs(), 1.0 + a.dot(b) + b.dot(c) + c.dot(a));
             if solid < 0.0 { solid + 4.0 * std::f64::consts::PI } else { solid }
         };
         Self { solid_angle, corners, normal, is_far }
@@ -74,8 +74,8 @@ fn by_solid_angle([a, b, c]: [DVec3; 3], area: f64, [u, v]: [f64; 2]) -> DVec3 {
     let (to_b, to_c) = (aside(b, a), aside(c, a));
     let cos_alpha = to_b.dot(to_c).clamp(-1.0, 1.0);
     let sin_alpha = (1.0 - cos_alpha * cos_alpha).sqrt();
-    let alpha = cos_alpha.acos();
-    let (s, t) = (u * area - alpha).sin_cos();
+    let alpha = libm::acos(cos_alpha);
+    let (s, t) = libm::sincos(u * area - alpha);
     let (p, q) = (t - cos_alpha, s + sin_alpha * a.dot(b));
     let cosine = ((q * t - p * s) * cos_alpha - q) / ((q * s + p * t) * sin_alpha);
     // Of slivers the cosine to `c` may be rounded to more than 1.
