@@ -34,6 +34,7 @@ CARGO="$work/cargo" RUSTC="$work/rustc" \
 CARGO_NET_OFFLINE=true cmake --build "$work/build"
 grep -q -- 'build .*--locked' "$work/by-cargo" || fail "CARGO, or Cargo.lock, was not used"
 grep -q -- '--crate-name' "$work/by-rustc" || fail "RUSTC was not used by cargo"
+archive="$(stat -c %s "${CARGO_TARGET_DIR:-$work/build/cargo}/release/libcovbeam.a")"
 cmake --install "$work/build" --prefix "$prefix" > "$work/log" || { cat "$work/log"; fail "cmake --install"; }
 
 version="$(sed -n 's/^version = "\(.*\)"/\1/p' "$root/Cargo.toml")"
@@ -72,6 +73,17 @@ printf '#include <covbeam_extra.h>\n#include <covbeam_session.h>\n' | cc -E -P -
     grep -oE '\bcovbeam_[a-z0-9_]+ *\(' | tr -d ' (' | LC_ALL=C sort -u > "$work/declared"
 same "the list of exported symbols" "$(cat "$work/exported")" "$(cat "$work/declared")"
 
+# The static library is one object with the same symbols. It has what panics are caught by, and asks for nothing of Rust's.
+one_object() {
+    same "the number of members of $1" "$(ar t "$1" | wc -l)" 1
+    nm --defined-only --extern-only "$1" | awk 'NF == 3 { print $NF }' | LC_ALL=C sort > "$work/symbols"
+    same "the list of symbols of $1" "$(cat "$work/symbols")" "$(cat "$2")"
+    readelf -SW "$1" | grep -oE ' \.(eh_frame|gcc_except_table|debug|llvmbc|group)' | LC_ALL=C sort -u | xargs > "$work/sections"
+    same "what there is of tables for panics, debug information, bitcode and groups in $1" "$(cat "$work/sections")" ".eh_frame .gcc_except_table"
+    if nm --undefined-only "$1" | grep -E ' (_R|_ZN|__rust|rust_)'; then fail "$1 lacks functions of Rust's (above)"; fi
+}
+one_object "$prefix/lib/libcovbeam.a" "$work/declared"
+
 # The kernels alone, as hosts build them that need no sessions.
 cmake -S "$root/ffi" -B "$work/kernels" -DCOVBEAM_SESSION=OFF > "$work/log" || { cat "$work/log"; fail "COVBEAM_SESSION=OFF"; }
 CARGO_NET_OFFLINE=true cmake --build "$work/kernels"
@@ -80,6 +92,7 @@ nm -D --defined-only "$kernels" | awk '{ print $NF }' | LC_ALL=C sort > "$work/e
 printf '#include <covbeam_extra.h>\n' | cc -E -P -I"$prefix/include" - | grep -vE '^(static inline| +return) ' | tr '\n' ' ' |
     grep -oE '\bcovbeam_[a-z0-9_]+ *\(' | tr -d ' (' | LC_ALL=C sort -u > "$work/declared-kernels"
 same "the list of exported symbols of the kernels alone" "$(cat "$work/exported-kernels")" "$(cat "$work/declared-kernels")"
+one_object "$work/kernels/libcovbeam.a" "$work/declared-kernels"
 
 # Writable memory of those that is not a thread's own. Rust's standard library has some, and the C runtime; covbeam has the hook of panics
 # that was there before it made its own quiet. What the processor can do is kept by those who asked it, always the same. Tables of constants that hold addresses are in .data.rel.ro, read-only once loaded.
@@ -111,7 +124,10 @@ check_pc() {
             *) fail "covbeam.pc: $folder is not in $1" ;;
         esac
     done
-    PKG_CONFIG_PATH="$pc" pkg-config --static --libs covbeam | grep -- '-lgcc_s' > /dev/null || fail "covbeam.pc: Libs.private"
+    # With what threads and mathematics need. The unwinder is the compiler's: -lgcc_s would forbid -static (cmake.sh links so).
+    flags="$(PKG_CONFIG_PATH="$pc" pkg-config --static --libs-only-l covbeam)"
+    same "the libraries of covbeam.pc when static" "$(tr ' ' '\n' <<< "$flags" | grep -xE -- '-l(covbeam|pthread|m|gcc_s)' | xargs)" \
+        "-lcovbeam -lpthread -lm"
 }
 moved="$(realpath "$work")/moved"
 check_pc "$(realpath "$prefix")"
@@ -144,7 +160,7 @@ for wanted in 0.0 0.1.99 0.2 1.0; do
     grep -q 'requested version' "$work/log" || { cat "$work/log"; fail "find_package(covbeam $wanted)"; }
 done
 
-echo "install: $full ($(stat -c %s "$shared") bytes), libcovbeam.a ($(stat -c %s "$prefix/lib/libcovbeam.a") bytes)," \
+echo "install: $full ($(stat -c %s "$shared") bytes), libcovbeam.a ($(stat -c %s "$prefix/lib/libcovbeam.a") bytes of the $archive that Rust makes)," \
     "$(wc -l < "$work/exported") symbols, all declared in covbeam.h, covbeam_extra.h and covbeam_session.h"
 echo "install: the kernels alone: $(strip -o "$work/stripped" "$kernels"; stat -c %s "$work/stripped") bytes of $(strip -o "$work/stripped" "$shared"; stat -c %s "$work/stripped"), both stripped; writable globals: 1 of covbeam (that panics are quiet), $(grep -cE "$processor" "$work/own") on what the processor can do," \
     "$(grep -cE "$standard" "$work/globals") of Rust's standard library and the C runtime; no thread can be started"
