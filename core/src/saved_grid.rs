@@ -68,9 +68,9 @@ impl GridLayout {
         if start != START {
             return Err(GridError::Format);
         }
-        let words = rest.as_chunks::<4>().0;
-        let corner = |at: usize| Vec3::from_array([0, 1, 2].map(|axis| f32::from_le_bytes(words[at + axis])));
-        let cells = [6, 7, 8].map(|at| u32::from_le_bytes(words[at]));
+        let corner =
+            |at: usize| Vec3::from_array([0, 1, 2].map(|axis| f32::from_le_bytes(number(rest, at + axis))));
+        let cells = [6, 7, 8].map(|at| u32::from_le_bytes(number(rest, at)));
         let layout = GridLayout { min: corner(0), max: corner(3), cells };
         layout.scale()?;
         if bytes.len() == layout.saved_size() { Ok(layout) } else { Err(GridError::Length) }
@@ -114,10 +114,10 @@ impl GridLayout {
         }
         let (header, body) = out.split_at_mut(HEADER);
         header[..CHECKED].copy_from_slice(&header_of(self));
-        for (bytes, cell) in body.as_chunks_mut::<VOXEL>().0.iter_mut().zip(cells) {
+        for (bytes, cell) in body.chunks_exact_mut(VOXEL).zip(cells) {
             let numbers = cell.sum.into_iter().chain([cell.weight]);
-            for (bytes, number) in bytes.as_chunks_mut::<8>().0.iter_mut().zip(numbers) {
-                *bytes = number.to_le_bytes();
+            for (bytes, number) in bytes.chunks_exact_mut(8).zip(numbers) {
+                bytes.copy_from_slice(&number.to_le_bytes());
             }
         }
         let sum = checksum(&header[..CHECKED], body);
@@ -149,12 +149,12 @@ impl CovarianceGrid<'_> {
         if header != header_of(&self.layout) {
             return Err(GridError::OtherLayout);
         }
-        let voxels = body.as_chunks::<VOXEL>().0;
-        if !voxels.iter().all(|voxel| is_possible(&cell_of(voxel))) {
+        let voxels = body.chunks_exact(VOXEL).map(cell_of);
+        if !voxels.clone().all(|cell| is_possible(&cell)) {
             return Err(GridError::Value);
         }
-        for (cell, voxel) in self.cells.iter_mut().zip(voxels) {
-            *cell = cell_of(voxel);
+        for (cell, saved) in self.cells.iter_mut().zip(voxels) {
+            *cell = saved;
         }
         Ok(())
     }
@@ -167,15 +167,19 @@ fn header_of(layout: &GridLayout) -> [u8; CHECKED] {
     start.copy_from_slice(&START);
     let corners = layout.min.to_array().into_iter().chain(layout.max.to_array());
     let words = corners.map(f32::to_bits).chain(layout.cells);
-    for (bytes, word) in rest.as_chunks_mut::<4>().0.iter_mut().zip(words) {
-        *bytes = word.to_le_bytes();
+    for (bytes, word) in rest.chunks_exact_mut(4).zip(words) {
+        bytes.copy_from_slice(&word.to_le_bytes());
     }
     header
 }
 
-fn cell_of(voxel: &[u8; VOXEL]) -> GridCell {
-    let numbers = voxel.as_chunks::<8>().0;
-    let at = |index: usize| f64::from_le_bytes(numbers[index]);
+/// The bytes of the number at `index` of those that stand one behind the other.
+fn number<const SIZE: usize>(bytes: &[u8], index: usize) -> [u8; SIZE] {
+    core::array::from_fn(|byte| bytes[index * SIZE + byte])
+}
+
+fn cell_of(voxel: &[u8]) -> GridCell {
+    let at = |index: usize| f64::from_le_bytes(number(voxel, index));
     GridCell { sum: [0, 1, 2, 3, 4, 5].map(at), weight: at(6) }
 }
 

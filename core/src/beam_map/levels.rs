@@ -55,8 +55,8 @@ fn beams(random: &mut Random) -> Vec<Beam> {
         let direction = random.vector(1.0).normalize();
         // Every third is cut by a surface; every seventh runs along an axis, every fifth nearly along rays.
         let direction = match i {
-            _ if i.is_multiple_of(7) => Vec3::AXES[i % 3],
-            _ if i.is_multiple_of(5) => (Vec3::Z + random.vector(0.02)).normalize(),
+            _ if i % 7 == 0 => Vec3::AXES[i % 3],
+            _ if i % 5 == 0 => (Vec3::Z + random.vector(0.02)).normalize(),
             _ => direction,
         };
         Beam {
@@ -64,7 +64,7 @@ fn beams(random: &mut Random) -> Vec<Beam> {
             direction,
             length: 4.0 * random.uniform(),
             power: random.vector(0.5) + 0.5,
-            start_normal: if i.is_multiple_of(3) { direction } else { Vec3::ZERO },
+            start_normal: if i % 3 == 0 { direction } else { Vec3::ZERO },
             end_normal: Vec3::ZERO,
         }
     };

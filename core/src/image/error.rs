@@ -26,7 +26,7 @@ pub fn standard_errors(
 ) -> Result<(), FilmSizeError> {
     let count = pixel_count(width, height)?;
     let columns = width as usize;
-    let whole = columns > 0 && rows.len().is_multiple_of(columns);
+    let whole = columns > 0 && rows.len() % columns == 0;
     if pixels.len() != count || !whole || first_row as usize * columns + rows.len() > count {
         return Err(FilmSizeError);
     }

@@ -204,9 +204,8 @@ impl Thinning {
             return;
         };
         let slope = |from: (f64, f64)| (column - from.1) / (distance - from.0);
-        if let Some(candidate) = self.candidate
-            && !(self.low..=self.high).contains(&slope(from))
-        {
+        let bends = !(self.low..=self.high).contains(&slope(from));
+        if let Some(candidate) = self.candidate.filter(|_| bends) {
             self.keep(candidate, knot);
             from = candidate;
         }

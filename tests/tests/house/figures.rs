@@ -119,7 +119,8 @@ fn the_readme_names_the_rust_that_cargo_asks_for() {
         let (_, rest) = text.split_once("rust-version = \"").unwrap();
         rest.split('"').next().unwrap().to_owned()
     };
-    let oldest = version("Cargo.toml");
+    let (oldest, of_core) = (version("Cargo.toml"), version("core/Cargo.toml"));
     assert!(read("README.md").contains(&format!("| Rust | {oldest} or newer")), "{oldest}");
-    assert_eq!(version("tests/bare-metal/Cargo.toml"), oldest);
+    assert!(read("README.md").contains(&format!("`core` without feature `bvh`: {of_core},")), "{of_core}");
+    assert_eq!(version("tests/bare-metal/Cargo.toml"), of_core);
 }
