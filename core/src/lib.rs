@@ -1,39 +1,10 @@
-//! Frequency-aware photon beams.
+//! Kernels for light in fog: spectra of light fields, their grid, and photon beams as wide as the light is smooth.
 //!
-//! Where light is smooth, kernels and filters may be wide; the covariance of the light's local spectrum says
-//! how wide.
-//!
-#![cfg_attr(feature = "bvh", doc = "```")]
-#![cfg_attr(not(feature = "bvh"), doc = "```ignore")]
-//! use covbeam::*;
-//!
-//! // A grid of fluence spectra over the scene; the memory is yours.
-//! let layout = GridLayout { min: Vec3::splat(-2.0), max: Vec3::splat(2.0), cells: [32, 32, 32] };
-//! let mut sums = vec![GridCell::default(); layout.cell_count()];
-//! let fog = Medium::homogeneous(0.2, 0.02);
-//!
-//! // For each photon segment that your tracer makes: its light field goes into the grid, its beam into a list.
-//! let (origin, direction, length, power) = (Vec3::new(0.0, 2.0, 0.0), Vec3::NEG_Y, 3.0, 1.0);
-//! let field = LightField::point(direction, EVEN_LAMP);
-//! let mut grid = CovarianceGrid::new(layout, &mut sums)?;
-//! let column = Column::Uniform; // of a homogeneous medium
-//! let segment = Segment { origin, length, power, unscattered: true, field, edges: &[], column };
-//! grid.deposit(&fog, &segment); // edges beside it: find_edges
-//! let field = segment.field_at(&fog, 1.2); // on to the next event: field.scatter(…), refract, reflect …
-//! let beams = vec![Beam { origin, direction, length, power: Vec3::splat(power), ..Beam::default() }];
-//!
-//! // After the photons of a pass: resolve the grid, build the map, gather a tile of eye rays.
-//! let mut means = vec![FluenceCell::default(); layout.cell_count()];
-//! grid.resolve(&mut means)?;
-//! let schedule = Schedule { shape: KernelShape::Epanechnikov, radius: 0.05, alpha: 0.8, max_radius: 0.2, error: 0.01 };
-//! let kernel = schedule.kernel(1, Some(FluenceGrid::new(layout, &means)?)); // first pass
-//! let map = BeamMap::build(beams, kernel.max_radius, &fog);
-//! let rays = [EyeRay { origin: Vec3::new(0.03, 0.5, -5.0), direction: Vec3::Z, length: 10.0 }];
-//! let mut gathered = [Gathered::default(); 1];
-//! map.gather(&fog, &rays, &kernel, &mut gathered, &mut GatherScratch::default())?;
-//! assert!(gathered[0].radiance.x > 0.0);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+#![cfg_attr(feature = "bvh", doc = include_str!("../README.md"))]
+#![cfg_attr(
+    not(feature = "bvh"),
+    doc = "README.md has an example, which is shown here with the feature `bvh`."
+)]
 //!
 //! # Conventions
 //!

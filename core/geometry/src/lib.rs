@@ -1,11 +1,11 @@
-//! What hosts share that find out by themselves where rays meet surfaces: the reference renderer and the extension for
-//! Blender.
+//! Triangle meshes, instances and exact shapes, met by rays.
 //!
 //! - [`hit`]: where a ray meets a surface.
 //! - [`triangles`]: triangles in a local frame, with their hierarchy.
 //! - [`shape`]: spheres, rectangles, boxes and meshes, met by lines in double precision.
 //! - [`mesh`]: a mesh placed in a scene, from the triangles of an [`obj`] file.
 //! - [`instances`]: many [`model`]s, each placed by any number of [`instance`]s, under one hierarchy of [`wide`] nodes.
+#![doc = include_str!("../README.md")]
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod hit;

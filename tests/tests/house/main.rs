@@ -6,6 +6,7 @@ mod figures;
 mod guards;
 mod header;
 mod imports;
+mod packages;
 mod processors;
 mod rooms;
 mod sizes;

@@ -18,7 +18,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// What is rendered when no scene is named.
-pub(crate) const DEFAULT_SCENE: &str = include_str!("../../../../scenes/glass-ball.toml");
+pub(crate) const DEFAULT_SCENE: &str = include_str!("default_scene.toml");
 pub(crate) const DEFAULT_NAME: &str = "glass-ball";
 
 pub(super) struct Job {

@@ -127,7 +127,7 @@ mod tests {
     use glam::Vec3;
 
     fn ball() -> Scene {
-        let text = include_str!("../../../../scenes/glass-ball.toml");
+        let text = include_str!("../../commands/render/default_scene.toml");
         let mut scene = scene_file::parse(text, "glass-ball.toml", ".".as_ref()).unwrap();
         scene.camera.set_width(48);
         scene.settings.photons = 500;
