@@ -7,11 +7,14 @@ import copy
 import ctypes
 import functools
 import gc
+import importlib.util
 import math
 import os
 import pickle
+import platform
 import re
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -1017,6 +1020,31 @@ class Objects(unittest.TestCase):
         beams.clear()
 
 
+def linux(machine):
+    """The start of a library for Linux."""
+    return b"\x7fELF\x02\x01".ljust(18, b"\0") + struct.pack("<H", machine)
+
+
+def windows(machine):
+    """The start of a library for Windows."""
+    return b"MZ".ljust(60, b"\0") + struct.pack("<I", 64) + b"PE\0\0" + struct.pack("<H", machine)
+
+
+def macos(machine=0x0100000C, minimum=(11, 0), command=0x32):
+    """The start of a library for macOS: its second load command has the oldest version."""
+    version = minimum[0] << 16 | minimum[1] << 8
+    words = (1, version) if command == 0x32 else (version, 0)
+    return b"\xcf\xfa\xed\xfe" + struct.pack("<7I", machine, 0, 6, 2, 40, 0, 0) + struct.pack("<8I", 0x1B, 16, 0, 0, command, 24, *words)
+
+
+def build_hook():
+    """The build hook of wheels, as a module."""
+    spec = importlib.util.spec_from_file_location("hatch_build", REPOSITORY / "ffi" / "python" / "hatch_build.py")
+    hook = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(hook)
+    return hook
+
+
 class Library(unittest.TestCase):
     def compiled(self, path, source, *options):
         path.with_suffix(".c").write_text(source)
@@ -1036,6 +1064,20 @@ class Library(unittest.TestCase):
             text.write_text("not a library")
             with self.assertRaisesRegex(ImportError, "text.so cannot be loaded on .*COVBEAM_LIBRARY"):
                 _library.load(text)
+            whole = Path(_library.lib._name).read_bytes()
+            # The library itself, for a SPARC; libraries of Windows and macOS, as far as their headers; less than a header.
+            for data in (whole[:18] + b"\x02\x00" + whole[20:], windows(0x8664), macos(), whole[:60]):
+                other = Path(folder, f"other{len(data)}.so")
+                other.write_bytes(data)
+                with self.assertRaisesRegex(ImportError, r"other\d+.so cannot be loaded on .*Install the covbeam wheel for this machine"):
+                    _library.load(other)
+            older = self.compiled(
+                Path(folder, "older.so"),
+                f'unsigned covbeam_abi_version(void) {{ return {cb.ABI_VERSION}; }} const char *covbeam_version(void) {{ return "0.0.1"; }}',
+                "-shared", "-fPIC",
+            )
+            with self.assertRaisesRegex(ImportError, r"older.so has no covbeam_\w+, though its ABI is .*Install the covbeam wheel"):
+                _library.load(older)
             another = self.compiled(Path(folder, "another.so"), "int f(void) { return 0; }", "-shared", "-fPIC")
             with self.assertRaisesRegex(ImportError, "is not libcovbeam"):
                 _library.load(another)
@@ -1048,6 +1090,40 @@ class Library(unittest.TestCase):
                 del os.environ["COVBEAM_LIBRARY"]
                 with self.assertRaisesRegex(ImportError, "no nowhere.so beside the module, and COVBEAM_LIBRARY is not set"):
                     _library.find()
+
+    def test_the_tag_of_a_wheel_is_what_the_library_says_of_itself(self):
+        hook = build_hook()
+        with tempfile.TemporaryDirectory() as folder:
+            library = Path(folder, "library")
+
+            def said(data):
+                library.write_bytes(data)
+                return hook.platform_of(library)
+
+            glibc = b"\0GLIBC_2.5\0GLIBC_2.28\0GLIBC_2.9\0"
+            self.assertEqual(said(linux(62) + glibc), ("manylinux_2_28_x86_64", "lib{}.so", "x86_64-unknown-linux-gnu"))
+            self.assertEqual(said(linux(183) + b"GLIBC_2.2"), ("manylinux_2_17_aarch64", "lib{}.so", "aarch64-unknown-linux-gnu"))
+            self.assertEqual(said(windows(0x8664)), ("win_amd64", "{}.dll", "x86_64-pc-windows-msvc"))
+            self.assertEqual(said(windows(0xAA64)), ("win_arm64", "{}.dll", "aarch64-pc-windows-msvc"))
+            self.assertEqual(said(macos()), ("macosx_11_0_arm64", "lib{}.dylib", "aarch64-apple-darwin"))
+            # From 11 on pip asks for whole versions: what needs 12.3 does not run on all of 12.
+            self.assertEqual(said(macos(minimum=(12, 3)))[0], "macosx_13_0_arm64")
+            self.assertEqual(said(macos(0x01000007, (10, 12), 0x24))[::2], ("macosx_10_12_x86_64", "x86_64-apple-darwin"))
+            refused = {
+                "asks for no glibc": linux(62),
+                "no tag is known": linux(2) + glibc,
+                "Windows on x86-64": windows(0x14C),
+                "several processors": b"\xca\xfe\xba\xbe" + bytes(60),
+                "which macOS": macos(0x01000012),
+                "MACOSX_DEPLOYMENT_TARGET": macos(command=0x19),
+                "cut off": macos()[:40],
+                "no shared library": b"text",
+            }
+            for words, data in refused.items():
+                with self.assertRaisesRegex(hook.Unfit, f"^{library}.*{words}.*\\.$"):
+                    said(data)
+        machine = {"x86_64": "x86_64", "aarch64": "aarch64", "arm64": "arm64", "AMD64": "amd64"}[platform.machine()]
+        self.assertTrue(hook.platform_of(Path(_library.lib._name))[0].endswith("_" + machine))
 
     def header(self):
         return re.sub(r"/\*.*?\*/", "", "".join(header.read_text() for header in Path(os.environ["COVBEAM_INCLUDE"]).glob("*.h")), flags=re.S)

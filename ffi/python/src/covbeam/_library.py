@@ -51,7 +51,12 @@ def load(path: Path) -> ctypes.CDLL:
             f"or set COVBEAM_LIBRARY to a library with ABI {ABI_VERSION}."
         )
     for name, parameters in PROTOTYPES.items():
-        function = getattr(library, name)
+        function = getattr(library, name, None)
+        if function is None:
+            raise ImportError(
+                f"covbeam: {path} has no {name}, though its ABI is {abi}: it is of another version, or not whole. "
+                "Install the covbeam wheel for this machine, or set COVBEAM_LIBRARY to a library of this module's version."
+            )
         function.argtypes = [TYPES[letter] for letter in parameters]
         function.restype = RESULTS.get(name, ctypes.c_int32)
     return library
