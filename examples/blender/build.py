@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Builds the extension for the machine that this runs on: covbeam-VERSION-PLATFORM.zip, to be dropped into Blender.
+"""Builds the extension: covbeam-VERSION-PLATFORM.zip, to be dropped into Blender.
 
-Needs Python 3.11 or newer with hatchling. Builds the library with cargo, unless COVBEAM_LIBRARY names a built one.
-The same input gives the same bytes.
+With wheels of covbeam's Python module, for any number of platforms, they go in. Without, one is built for the machine that this runs on, by
+cargo, unless COVBEAM_LIBRARY names a built library; that needs hatchling. Python 3.11 or newer. The same input gives the same bytes.
 """
 
 import argparse
@@ -56,13 +56,13 @@ def platform_of(wheel):
     sys.exit(f"build.py: Blender has no name for the platform of {wheel.name}.")
 
 
-def manifest(version, platform, wheel):
+def manifest(version, platforms, wheels):
     """The text of the manifest, with what is known only now."""
     text = (ADDON / "blender_manifest.toml").read_text(encoding="utf-8")
     if text.count(PLACE) != 1:
         sys.exit(f"build.py: blender_manifest.toml must have this line once: {PLACE}")
     # Strings of JSON are strings of TOML.
-    lines = {"version": version, "platforms": [platform], "wheels": [f"./wheels/{wheel.name}"]}
+    lines = {"version": version, "platforms": platforms, "wheels": [f"./wheels/{wheel.name}" for wheel in wheels]}
     return text.replace(PLACE, "".join(f"{key} = {json.dumps(value)}\n" for key, value in lines.items()))
 
 
@@ -77,32 +77,49 @@ def write_zip(path, contents):
             archive.writestr(entry, data)
 
 
-def build(output):
-    """Builds the zip into the folder `output`; returns its path."""
+def sorted_wheels(wheels):
+    """The version of all wheels, and them by platform: one a platform, or the artist would have either."""
+    for wheel in wheels:
+        if not wheel.is_file() or wheel.suffix != ".whl" or wheel.name.split("-")[0] != "covbeam" or wheel.name.count("-") < 4:
+            sys.exit(f"build.py: {wheel} is no wheel of covbeam's: build them with python -m build --wheel ffi/python.")
+    versions = sorted({wheel.name.split("-")[1] for wheel in wheels})
+    if len(versions) != 1:
+        sys.exit(f"build.py: the wheels are of versions {' and '.join(versions)}: give those of one.")
+    of_platform = {}
+    for wheel in wheels:
+        other = of_platform.setdefault(platform_of(wheel), wheel)
+        if other != wheel:
+            sys.exit(f"build.py: {other.name} and {wheel.name} are for the same platform: give one of them.")
+    return versions[0], dict(sorted(of_platform.items()))
+
+
+def build(output, wheels):
+    """Builds the zip into the folder `output`, with these wheels or one that is built now; returns its path."""
     with tempfile.TemporaryDirectory() as folder:
-        wheel = build_wheel(Path(folder))
-        version, platform = wheel.stem.split("-")[1], platform_of(wheel)
-        contents = {f"wheels/{wheel.name}": wheel.read_bytes()}
-        contents["blender_manifest.toml"] = manifest(version, platform, wheel).encode()
+        version, of_platform = sorted_wheels(wheels or [build_wheel(Path(folder))])
+        contents = {f"wheels/{wheel.name}": wheel.read_bytes() for wheel in of_platform.values()}
+        contents["blender_manifest.toml"] = manifest(version, list(of_platform), of_platform.values()).encode()
         contents["LICENSE"] = (ADDON / "LICENSE").read_bytes()
         for source in ADDON.rglob("*.py"):
             contents[source.relative_to(ADDON).as_posix()] = source.read_bytes()
         output.mkdir(parents=True, exist_ok=True)
-        path = output / f"covbeam-{version}-{platform}.zip"
-        print(f"packing {len(contents)} files: {wheel.name} and the extension", flush=True)
+        names = ["covbeam", version, *(of_platform if len(of_platform) == 1 else [])]
+        path = output / f"{'-'.join(names)}.zip"
+        print(f"packing {len(contents)} files: the extension and {', '.join(wheel.name for wheel in of_platform.values())}", flush=True)
         write_zip(path, contents)
     return path
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("wheels", nargs="*", type=Path, metavar="WHEEL", help="of covbeam, one a platform [default: built for this machine]")
     parser.add_argument(
         "--output", type=Path, default=Path.cwd(), metavar="DIR", help="where the zip goes [default: here]"
     )
     options = parser.parse_args()
-    if importlib.util.find_spec("hatchling") is None:
+    if not options.wheels and importlib.util.find_spec("hatchling") is None:
         sys.exit(f"build.py: this Python has no hatchling: {sys.executable} -m pip install hatchling")
-    path = build(options.output)
+    path = build(options.output, options.wheels)
     print(f"{path}: {path.stat().st_size / 1e6:.1f} MB; drop it into Blender's window")
 
 

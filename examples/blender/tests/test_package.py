@@ -5,7 +5,10 @@ COVBEAM_ZIP names the zip. Each test starts Blender (the bpy package of the Pyth
 profile of its own.
 """
 
+import contextlib
 import ctypes
+import io
+import json
 import os
 import shutil
 import subprocess
@@ -154,6 +157,74 @@ class Package(unittest.TestCase):
             build.write_zip(first, contents)
             build.write_zip(second, dict(reversed(contents.items())))
             self.assertEqual(first.read_bytes(), second.read_bytes())
+
+    def wheels(self, folder, *tags):
+        """The zip's wheel under the names of other platforms."""
+        with zipfile.ZipFile(ZIP) as archive:
+            (name,) = (name for name in archive.namelist() if name.startswith("wheels/"))
+            data = archive.read(name)
+        start = Path(name).name.rsplit("-", 1)[0]
+        paths = [Path(folder, f"{start}-{tag}.whl") for tag in tags]
+        for path in paths:
+            path.write_bytes(data)
+        return paths
+
+    def test_one_zip_is_for_all_platforms_that_wheels_are_for_and_updates_from_a_repository(self):
+        import tomllib
+
+        sys.path.insert(0, str(BUILD.parent))
+        import build
+
+        tags = ("manylinux_2_17_x86_64", "manylinux_2_28_aarch64", "macosx_11_0_arm64", "macosx_10_12_x86_64", "win_amd64", "win_arm64")
+        platforms = ["linux-arm64", "linux-x64", "macos-arm64", "macos-x64", "windows-arm64", "windows-x64"]
+        with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()):
+            made = build.build(Path(folder, "made"), self.wheels(folder, *tags))
+            self.assertRegex(made.name, r"^covbeam-[0-9.]+\.zip$")
+            self.assertNotIn("warning", self.blender_ext("validate", made).lower())
+            with zipfile.ZipFile(made) as archive:
+                archive.extractall(Path(folder, "source"))
+                manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())
+            self.assertEqual(manifest["platforms"], platforms)
+            self.assertEqual(len(manifest["wheels"]), len(tags))
+            # Blender's own tool finds one wheel for each.
+            repository = Path(folder, "repository")
+            repository.mkdir()
+            self.blender_ext("build", "--source-dir", Path(folder, "source"), "--output-dir", repository, "--split-platforms")
+            split = {path.stem.split("-", 2)[2].replace("_", "-"): path for path in repository.glob("*.zip")}
+            self.assertEqual(sorted(split), platforms)
+            for path in split.values():
+                with zipfile.ZipFile(path) as archive:
+                    self.assertEqual(len([name for name in archive.namelist() if name.endswith(".whl")]), 1)
+            # A folder of zips that Blender installs and updates from.
+            shutil.rmtree(repository)
+            repository.mkdir()
+            shutil.copy(made, repository)
+            self.blender_ext("server-generate", "--repo-dir", repository)
+            (listed,) = json.loads(Path(repository, "index.json").read_text())["data"]
+            self.assertEqual((listed["id"], listed["platforms"]), ("covbeam", platforms))
+            self.assertEqual((listed["archive_url"], listed["archive_size"]), (f"./{made.name}", made.stat().st_size))
+
+    def test_wheels_that_do_not_go_together_are_refused_with_one_sentence(self):
+        with tempfile.TemporaryDirectory() as folder:
+            one, other, newer = self.wheels(folder, "manylinux_2_17_x86_64", "manylinux_2_28_x86_64", "win_amd64")
+            newer = newer.rename(newer.with_name(f"covbeam-9.9.9-{newer.name.split('-', 2)[2]}"))
+            text = Path(folder, "covbeam.zip")
+            text.write_text("none")
+            unknown, both, missing = self.wheels(folder, "musllinux_1_2_x86_64", "macosx_11_0_universal2", "win_arm64")
+            missing.unlink()
+            for words, wheels in {
+                "are for the same platform": [one, other],
+                "are of versions": [one, newer],
+                "covbeam.zip is no wheel of covbeam's": [text],
+                "win_arm64.whl is no wheel of covbeam's": [missing],
+                "no name for the platform of covbeam-.*musllinux": [unknown],
+                "no name for the platform of covbeam-.*universal2": [both],
+            }.items():
+                ended = subprocess.run(
+                    [sys.executable, str(BUILD), "--output", folder, *map(str, wheels)], stderr=subprocess.PIPE, text=True
+                )
+                self.assertEqual(ended.returncode, 1)
+                self.assertRegex(ended.stderr, rf"\Abuild.py: .*{words}.*\.\n\Z")
 
     def test_the_manifest_names_what_the_zip_has_and_where_it_runs(self):
         import tomllib
