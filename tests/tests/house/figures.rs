@@ -95,6 +95,7 @@ fn what_documents_link_to_is_there_and_no_picture_is_left_over() {
         "examples/cpp/README.md",
         "examples/embree/README.md",
         "examples/python/README.md",
+        "examples/web/README.md",
     ];
     for document in documents {
         let folder = repository().join(document).parent().unwrap().to_owned();

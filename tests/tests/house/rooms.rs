@@ -11,6 +11,7 @@ pub(crate) const CRATES: &[(&str, &str)] = &[
     ("geometry", "core/geometry/src"),
     ("session", "core/session/src"),
     ("program", "examples/render/src"),
+    ("web", "examples/web/src"),
 ];
 
 /// Texts of a crate by path in its folder, `beam_map/eight.rs`.
