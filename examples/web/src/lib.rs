@@ -4,6 +4,8 @@
 //! them with a kernel radius that is the same everywhere, the other with radii from the covariance grid.
 //! Natively the same code gives the same bits (`tests/clients/web.sh`).
 
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
+
 mod ball;
 mod exports;
 mod eye;
