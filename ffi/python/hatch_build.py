@@ -46,18 +46,27 @@ def built_library(package: str, root: str) -> Path:
     raise RuntimeError("cargo built no shared library")
 
 
+def licences_of(crate: dict) -> list[Path]:
+    """The files of a crate that have its licence."""
+    return sorted(f for f in Path(crate["manifest_path"]).parent.iterdir() if LICENCE.match(f.name))
+
+
 def third_party(package: str, target: str, root: str) -> str:
     """The licences of all crates that are linked into a package's library for a target, and of Rust's own: each text once."""
     tree = ["tree", "--locked", "--package", package, "--target", target, "--edges", "normal,no-proc-macro", "--prefix", "none"]
     linked = set(said(root, "cargo", *tree, "--format", "{p}").splitlines())
     of_text = {}
-    for crate in json.loads(said(root, "cargo", "metadata", "--locked", "--format-version", "1"))["packages"]:
+    crates = json.loads(said(root, "cargo", "metadata", "--locked", "--format-version", "1"))["packages"]
+    for crate in crates:
         name = f"{crate['name']} v{crate['version']}"
         # Packages of the workspace have no source, and their path behind their name.
         if crate["source"] is None or name not in linked:
             continue
-        folder = Path(crate["manifest_path"]).parent
-        files = sorted(f for f in folder.iterdir() if LICENCE.match(f.name))
+        # Some parts of a repository leave the text to the others.
+        siblings = [other for other in crates if crate["repository"] and other["repository"] == crate["repository"]]
+        files = next((files for files in map(licences_of, [crate, *siblings]) if files), None)
+        if not files and "Apache-2.0" in re.split(" OR |/", crate["license"]):
+            files = [Path(__file__).parents[2] / "LICENSE-APACHE"]
         if not files:
             raise RuntimeError(f"{name} ({crate['license']}) has no file with its licence")
         for file in files:
