@@ -42,7 +42,7 @@ need cargo-zigbuild "pip install cargo-zigbuild"
 python3 -c 'import hatchling, ziglang' 2> "$work/log" || fail "python3 lacks something: pip install hatchling ziglang"
 [ -d "$(/usr/bin/rustc --print sysroot)/lib/rustlib/src/rust/library" ] || fail "Rust's sources are missing: Debian's package rust-web-src"
 export CARGO=/usr/bin/cargo RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1 CARGO_UNSTABLE_BUILD_STD=std,panic_unwind
-export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$root/target}/package" CARGO_PROFILE_RELEASE_DEBUG=none CARGO_PROFILE_RELEASE_STRIP=symbols
+export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$root/target}/package" CARGO_PROFILE_RELEASE_DEBUG=none
 
 # zig_cargo TARGET: a cargo that builds for an old glibc.
 zig_cargo() {
@@ -78,7 +78,7 @@ PYTHON
     # All of these are that one library.
     for name in m c pthread dl; do ln -sf libSystem.tbd "$library/lib$name.tbd"; done
     # clang knows the linker's options by its version.
-    printf '#!/bin/sh\nexec clang --target=%s-apple-macos%s -mlinker-version=711 --ld-path=%s -isysroot "%s" "$@"\n' \
+    printf '#!/bin/sh\nexec clang --target=%s-apple-macos%s -Wno-unused-command-line-argument -mlinker-version=711 -Wl,-x --ld-path=%s -isysroot "%s" "$@"\n' \
         "$1" "$macos" "$(command -v ld64.lld-19)" "$work/sdk" > "$work/cc-$1"
     chmod +x "$work/cc-$1"
     echo "$work/cc-$1"
@@ -87,6 +87,7 @@ PYTHON
 # describe PLATFORM: how it is built for: rust, its target; compiler; cargo; libraries, that Rust's standard library links there; system, CMake's name.
 describe() {
     cargo=/usr/bin/cargo
+    export CARGO_PROFILE_RELEASE_STRIP=symbols
     case "$1" in
         linux-x86_64) rust=x86_64-unknown-linux-gnu compiler=gcc ;;
         linux-aarch64) rust=aarch64-unknown-linux-gnu compiler=aarch64-linux-gnu-gcc ;;
@@ -101,6 +102,8 @@ describe() {
         macos-*)
             need clang "Debian's package clang"
             need ld64.lld-19 "Debian's package lld-19"
+            # There the linker leaves symbols out: rustc would call a tool of its own for it, which Debian's has not.
+            export CARGO_PROFILE_RELEASE_STRIP=none
             system=Darwin libraries=-lSystem compiler="$(apple_cc "$compiler")" ;;
     esac
     need "$compiler" "a package of Debian named at the top of $0"

@@ -1,6 +1,7 @@
 #!/bin/bash
 # The C library for other machines, by CMake on this one: tests/clients/cross.sh [windows] [aarch64]    (both if none is named)
-# Each is built with a toolchain file, installed, found by find_package, and replays tests/vectors.txt: under Wine and under QEMU.
+# Each is built with a toolchain file, installed, found by find_package, and replays tests/vectors.txt: under Wine and under QEMU. The picture of README's
+# session is the one of tests/golden.txt.
 # Debian's packages: rustc-web, cargo-web and rust-web-src, which make the standard library of the targets; cmake and ninja-build;
 # gcc-mingw-w64-x86-64 and wine64; gcc-aarch64-linux-gnu and qemu-user. Minutes each, in $CARGO_TARGET_DIR/cross.
 set -euo pipefail
@@ -25,8 +26,22 @@ quietly() {
     "$@" > "$work/log" 2>&1 || { tail -n 60 "$work/log"; fail "$what"; }
 }
 
+# FNV-1a, of a file.
+hash() {
+    python3 - "$1" <<'PYTHON'
+import sys
+value = 0xCBF29CE484222325
+for byte in open(sys.argv[1], "rb").read():
+    value = (value ^ byte) * 0x100000001B3 % 2**64
+print(f"{value:016x}")
+PYTHON
+}
+golden="$(sed -n "s/^README.md's fog.pfm //p" "$root/tests/golden.txt")"
+[ -n "$golden" ] || fail "tests/golden.txt has no picture of README's session"
+
 # What both machines run: every function's bits, layouts and values, and a picture.
 mkdir "$work/clients"
+awk '/^```c$/ { inside = 1; next } /^```$/ { if (inside) exit } inside' "$root/README.md" > "$work/clients/session.c"
 cat > "$work/clients/CMakeLists.txt" <<'CMAKE'
 cmake_minimum_required(VERSION 3.21)
 project(clients LANGUAGES C)
@@ -37,7 +52,8 @@ foreach(link shared static)
         add_executable(${client}-${link} ${CLIENTS}/${client}.c)
     endforeach()
     add_executable(glass_ball-${link} ${CLIENTS}/../../examples/c/glass_ball.c)
-    foreach(client vectors abi glass_ball)
+    add_executable(session-${link} session.c)
+    foreach(client vectors abi glass_ball session)
         if(link STREQUAL "static")
             target_link_libraries(${client}-${link} PRIVATE covbeam::covbeam_static)
         else()
@@ -79,8 +95,11 @@ cross() {
             "$@" "./vectors-$link$suffix" "$root/tests/vectors.txt" > said 2> warned || { cat said warned; fail "$name: vectors, $link"; }
             echo "cross: $name, $link: $(tr -d '\r' < said | paste -sd ';')"
             "$@" "./glass_ball-$link$suffix" "$link.pfm" --passes 1 --size 32 > said 2> warned || { cat said warned; fail "$name: glass_ball, $link"; }
+            "$@" "./session-$link$suffix" > said 2> warned || { cat said warned; fail "$name: README's session, $link"; }
+            [ "$(hash fog.pfm)" = "$golden" ] || fail "$name: README's session, $link: $(hash fog.pfm), not $golden"
         done
         cmp shared.pfm static.pfm || fail "$name: shared and static differ"
+        echo "cross: $name: README's session has the golden bits, $golden"
     )
 }
 

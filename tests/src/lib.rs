@@ -9,6 +9,7 @@ pub mod header;
 pub mod kernel;
 pub mod random;
 pub mod rows;
+pub mod session_picture;
 pub mod single_scatter;
 pub mod stability;
 pub mod statistics;
