@@ -75,8 +75,8 @@ text = (pathlib.Path(ziglang.__file__).parent / "lib/libc/darwin/libSystem.tbd")
 text = re.sub(r"arm64e\.x1-\w+,\s*", "", re.sub(r",\s*arm64e\.x1-\w+", "", text))
 pathlib.Path(sys.argv[1]).write_text(text)
 PYTHON
-    # All of these are that one library.
-    for name in m c pthread dl; do ln -sf libSystem.tbd "$library/lib$name.tbd"; done
+    # All of these are that one library, or nothing is asked of them.
+    for name in m c pthread dl iconv; do ln -sf libSystem.tbd "$library/lib$name.tbd"; done
     # clang knows the linker's options by its version.
     printf '#!/bin/sh\nexec clang --target=%s-apple-macos%s -Wno-unused-command-line-argument -mlinker-version=711 -Wl,-x --ld-path=%s -isysroot "%s" "$@"\n' \
         "$1" "$macos" "$(command -v ld64.lld-19)" "$work/sdk" > "$work/cc-$1"
