@@ -80,6 +80,8 @@ thread_local! {
     static LAST: RefCell<Message> = const { RefCell::new(Message { text: [0; MESSAGE], length: 0 }) };
     /// In how many calls the thread is: more than one in callbacks.
     static CALLS: Cell<u32> = const { Cell::new(0) };
+    /// Whether it works for a session, and was started by the host for that.
+    static WORKS: Cell<bool> = const { Cell::new(false) };
 }
 
 /// Writes the thread's message. A longer one is cut.
@@ -110,12 +112,19 @@ pub(crate) fn run(body: impl FnOnce() -> Result<(), Failure>) -> covbeam_status 
     }
 }
 
+/// Runs what a thread of a session does that the host has started.
+pub(crate) fn work(body: impl FnOnce()) {
+    WORKS.set(true);
+    body();
+    WORKS.set(false);
+}
+
 /// Whether the thread is in a callback of another call.
 pub(crate) fn is_nested() -> bool {
     CALLS.get() > 1
 }
 
-/// A panic inside a call is written to the thread's message instead of the standard error. Outside calls (Rust
+/// A panic inside a call, or of a session's own thread, is written to the thread's message instead of the standard error. Elsewhere (Rust
 /// hosts that share this copy of the standard library) nothing changes.
 fn keep_panics_quiet() {
     type Hook = Box<dyn Fn(&PanicHookInfo) + Sync + Send>;
@@ -124,7 +133,7 @@ fn keep_panics_quiet() {
         let before = panic::take_hook();
         // Captures nothing, so that its box needs no memory.
         panic::set_hook(Box::new(|info| {
-            if CALLS.get() > 0 {
+            if CALLS.get() > 0 || WORKS.get() || is_own_thread() {
                 fail(COVBEAM_PANICKED, format_args!("{info}"));
             } else {
                 BEFORE.wait()(info);
@@ -132,6 +141,11 @@ fn keep_panics_quiet() {
         }));
         before
     });
+}
+
+/// Whether the library has started the thread, which has its name then (`covbeam_session::work::threads`).
+fn is_own_thread() -> bool {
+    std::thread::current().name().is_some_and(|name| name.starts_with("covbeam "))
 }
 
 /// The name of a status, such as "COVBEAM_SHORT_BUFFER".

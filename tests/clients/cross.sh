@@ -78,6 +78,8 @@ cross() {
     shift 4
     local cmake=(cmake -G "$generator" "-DCMAKE_TOOLCHAIN_FILE=$work/$name.cmake") started=$SECONDS
     export RUSTC_BOOTSTRAP=1 CARGO_UNSTABLE_BUILD_STD=std,panic_unwind CARGO_TARGET_DIR="$target"
+    # In less time, to the same bits.
+    export CARGO_PROFILE_RELEASE_LTO=off CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16 CARGO_PROFILE_RELEASE_DEBUG=none
     CARGO=/usr/bin/cargo RUSTC=/usr/bin/rustc quietly "$name: cmake -S ffi" "${cmake[@]}" -S "$root/ffi" -B "$work/$name" \
         -DCMAKE_INSTALL_LIBDIR=lib "-DCOVBEAM_SYSTEM_LIBRARIES=$libraries"
     quietly "$name: build" cmake --build "$work/$name"

@@ -1,7 +1,7 @@
 //! How a session renders.
 
 use crate::memory::read_options;
-use crate::status::{Failure, covbeam_status::*, fail};
+use crate::status::{Failure, covbeam_status::*, fail, work};
 use ::covbeam_geometry::MAX_COORDINATE;
 use ::covbeam_session::pilot::defaults::{Cells, Given};
 use ::covbeam_session::scene::MAX_PHOTONS;
@@ -181,7 +181,7 @@ unsafe extern "C" fn body(worker: *mut c_void) {
     // SAFETY: the host passes on what it was given, once.
     let worker = unsafe { Box::from_raw(worker.cast::<Worker>()) };
     // Work that panics is caught where it is done.
-    worker.run();
+    work(|| worker.run());
 }
 
 fn wrong(name: &str, value: impl Display, wanted: &str) -> Failure {
