@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the add-on needs to run: Blender's version, numpy, and the library in its wheel."""
 
-import importlib
+import functools
+import importlib.metadata
 import platform
+import re
 import sys
+from pathlib import Path
 
 import bpy
 
@@ -52,6 +55,27 @@ def _module_problem(name):
     return None
 
 
+# Once, as the viewport asks often: only an update changes versions, and it loads the add-on anew.
+@functools.cache
+def _version_problem():
+    """Why the library that is loaded is not the one that is installed, as text for artists, or None."""
+    covbeam = importlib.import_module("covbeam")
+    folder = Path(covbeam.__file__).parents[1]
+    # Numbers alone, as wheels write what may follow them differently. A checkout has no wheel beside it.
+    installed = {_numbers(wheel.version) for wheel in importlib.metadata.distributions(name="covbeam", path=[str(folder)])}
+    loaded = _numbers(covbeam.__version__)
+    if not installed or loaded in installed:
+        return None
+    return (
+        f"Restart Blender: it still runs the library of Covbeam {loaded}, and {' and '.join(sorted(installed))} is installed. "
+        f"If this is told again: {_REINSTALL}"
+    )
+
+
+def _numbers(version):
+    return re.match(r"[0-9.]*[0-9]", version)[0]
+
+
 def _problem():
     if too_old():
         return (
@@ -59,7 +83,7 @@ def _problem():
             f"Covbeam needs Blender {_dotted(OLDEST_BLENDER[:2])} or newer; get it from blender.org."
         )
     problems = map(_module_problem, ("numpy", "covbeam.session"))
-    return next((problem for problem in problems if problem is not None), None)
+    return next((problem for problem in problems if problem is not None), None) or _version_problem()
 
 
 def check():

@@ -6,10 +6,9 @@ profile of its own.
 """
 
 import contextlib
-import ctypes
 import io
 import json
-import os
+import re
 import shutil
 import subprocess
 import sys
@@ -18,120 +17,63 @@ import unittest
 import zipfile
 from pathlib import Path
 
-import bpy
+from in_profile import BLENDER_EXT, ZIP, InProfile, obey_permissions
 
-ZIP = Path(os.environ["COVBEAM_ZIP"]).resolve()
 BUILD = Path(__file__).resolve().parents[1] / "build.py"
-SCRIPTS = Path(bpy.utils.system_resource("SCRIPTS"))
-BLENDER_EXT = SCRIPTS / "addons_core" / "bl_pkg" / "cli" / "blender_ext.py"
-
-MODULE = "bl_ext.user_default.covbeam"
-
-#: What every program below begins with. The engine renders the factory's cube, filled with fog.
-BEGIN = f"""
-import os, sys, bpy
-module = {MODULE!r}
-zip_path = {str(ZIP)!r}
-
-def install():
-    bpy.ops.extensions.package_install_files(filepath=zip_path, repo="user_default", enable_on_install=True)
-
-def enable():
-    # What Blender does when it starts; the bpy package does not read preferences.
-    import addon_utils
-    addon_utils.enable(module, default_set=True)
-
-def extension(name):
-    return __import__("importlib").import_module(module + "." + name)
-
-def addons():
-    return bpy.context.preferences.addons.keys()
-
-def fog():
-    material = bpy.data.objects["Cube"].data.materials[0]
-    tree = material.node_tree
-    tree.nodes.clear()
-    volume, output = tree.nodes.new("ShaderNodeVolumeScatter"), tree.nodes.new("ShaderNodeOutputMaterial")
-    tree.links.new(volume.outputs["Volume"], output.inputs["Volume"])
-
-def render(path):
-    scene = bpy.context.scene
-    scene.render.engine = "COVBEAM"
-    scene.render.resolution_x, scene.render.resolution_y = 32, 24
-    scene.covbeam.passes, scene.covbeam.photons, scene.covbeam.time_limit = 2, 1000, 0.0
-    scene.render.image_settings.file_format = "PNG"
-    scene.render.filepath = os.path.abspath(path)
-    bpy.ops.render.render(write_still=True)
-"""
-
-#: And what it ends with: the bpy package 4.2 crashes when Python ends (see harness.py); what counts is to get here.
-END = """
-print("alive", flush=True)
-sys.stderr.flush()
-os._exit(0)
-"""
-
-CAP_DAC_OVERRIDE = 1
-PR_CAPBSET_DROP = 24
+sys.path.insert(0, str(BUILD.parent))
+import build
 
 
-def obey_permissions():
-    """Lets a program started by root obey the permissions of files, as everyone else's do."""
-    if os.getuid() == 0:
-        libc = ctypes.CDLL(None, use_errno=True)
-        if libc.prctl(PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, 0, 0, 0) != 0:
-            raise OSError(ctypes.get_errno(), "prctl")
+def blender_ext(*arguments):
+    """What Blender's own tool prints."""
+    ended = subprocess.run(
+        [sys.executable, str(BLENDER_EXT), *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    )
+    if ended.returncode != 0:
+        raise AssertionError(ended.stdout)
+    return ended.stdout
 
 
-class InProfile(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-        self.profile = self.folder / "profile"
-        self.profile.mkdir()
-        self.installed = self.profile / "extensions" / "user_default" / "covbeam"
-        version = "python{}.{}".format(*sys.version_info[:2])
-        self.site = self.profile / "extensions" / ".local" / "lib" / version / "site-packages"
+def wheels_for(folder, *tags):
+    """The zip's wheel under the names of other platforms."""
+    with zipfile.ZipFile(ZIP) as archive:
+        (name,) = (name for name in archive.namelist() if name.startswith("wheels/"))
+        data = archive.read(name)
+    start = Path(name).name.rsplit("-", 1)[0]
+    paths = [Path(folder, f"{start}-{tag}.whl") for tag in tags]
+    for path in paths:
+        path.write_bytes(data)
+    return paths
 
-    def run_blender(self, program, **options):
-        """Runs a program in Blender; returns what it has printed. It must come to its end."""
-        environment = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "COVBEAM_LIBRARY")}
-        environment["BLENDER_USER_RESOURCES"] = str(self.profile)
-        ended = subprocess.run(
-            [sys.executable, "-c", BEGIN + program + END],
-            cwd=self.folder,
-            env=environment,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            timeout=120,
-            **options,
-        )
-        self.assertEqual(ended.returncode, 0, ended.stdout)
-        self.assertIn("alive", ended.stdout)
-        return ended.stdout
 
-    def assert_told(self, output, *words):
-        """The output has all words, and no traceback."""
-        for word in words:
-            self.assertIn(word, output)
-        self.assertNotIn("Traceback", output)
+def newer_wheel(wheel):
+    """A copy of a wheel and its library whose version begins with 9."""
+    version = wheel.name.split("-")[1]
+    newer = "9" + version[1:]
+    contents = {}
+    with zipfile.ZipFile(wheel) as archive:
+        for name in archive.namelist():
+            end = "\0" if "libcovbeam" in name else ""
+            data = archive.read(name)
+            if end or ".dist-info/" in name:
+                data = data.replace(f"{version}{end}".encode(), f"{newer}{end}".encode())
+            contents[name.replace(f"-{version}.", f"-{newer}.")] = data
+    path = wheel.with_name(wheel.name.replace(version, newer))
+    build.write_zip(path, contents)
+    return path
+
+
+def copy_zip(path, change_manifest, names=lambda name: name):
+    """A copy of the zip with another manifest, and files under other names."""
+    with zipfile.ZipFile(ZIP) as archive, zipfile.ZipFile(path, "w") as copy:
+        for name in archive.namelist():
+            data = archive.read(name)
+            copy.writestr(names(name), change_manifest(data.decode()).encode() if name == "blender_manifest.toml" else data)
 
 
 class Package(unittest.TestCase):
-    def blender_ext(self, *arguments):
-        ended = subprocess.run(
-            [sys.executable, str(BLENDER_EXT), *map(str, arguments)],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-        )
-        self.assertEqual(ended.returncode, 0, ended.stdout)
-        return ended.stdout
-
     def test_blenders_own_tool_accepts_the_zip(self):
-        self.assertNotIn("warning", self.blender_ext("validate", ZIP).lower())
+        self.assertNotIn("warning", blender_ext("validate", ZIP).lower())
 
     def test_blenders_own_tool_builds_the_same_files(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -140,7 +82,7 @@ class Package(unittest.TestCase):
             with zipfile.ZipFile(ZIP) as archive:
                 archive.extractall(source)
                 names = {name: archive.read(name) for name in archive.namelist()}
-            self.blender_ext("build", "--source-dir", source, "--output-dir", output)
+            blender_ext("build", "--source-dir", source, "--output-dir", output)
             (built,) = output.glob("*.zip")
             with zipfile.ZipFile(built) as archive:
                 self.assertEqual(
@@ -148,9 +90,6 @@ class Package(unittest.TestCase):
                 )
 
     def test_the_zip_is_the_same_each_time(self):
-        sys.path.insert(0, str(BUILD.parent))
-        import build
-
         with tempfile.TemporaryDirectory() as folder:
             contents = {"b/c.py": b"x" * 1000, "a.py": b"y"}
             first, second = Path(folder) / "1.zip", Path(folder) / "2.zip"
@@ -158,29 +97,15 @@ class Package(unittest.TestCase):
             build.write_zip(second, dict(reversed(contents.items())))
             self.assertEqual(first.read_bytes(), second.read_bytes())
 
-    def wheels(self, folder, *tags):
-        """The zip's wheel under the names of other platforms."""
-        with zipfile.ZipFile(ZIP) as archive:
-            (name,) = (name for name in archive.namelist() if name.startswith("wheels/"))
-            data = archive.read(name)
-        start = Path(name).name.rsplit("-", 1)[0]
-        paths = [Path(folder, f"{start}-{tag}.whl") for tag in tags]
-        for path in paths:
-            path.write_bytes(data)
-        return paths
-
     def test_one_zip_is_for_all_platforms_that_wheels_are_for_and_updates_from_a_repository(self):
         import tomllib
-
-        sys.path.insert(0, str(BUILD.parent))
-        import build
 
         tags = ("manylinux_2_17_x86_64", "manylinux_2_28_aarch64", "macosx_11_0_arm64", "macosx_10_12_x86_64", "win_amd64", "win_arm64")
         platforms = ["linux-arm64", "linux-x64", "macos-arm64", "macos-x64", "windows-arm64", "windows-x64"]
         with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()):
-            made = build.build(Path(folder, "made"), self.wheels(folder, *tags))
+            made = build.build(Path(folder, "made"), wheels_for(folder, *tags))
             self.assertRegex(made.name, r"^covbeam-[0-9.]+\.zip$")
-            self.assertNotIn("warning", self.blender_ext("validate", made).lower())
+            self.assertNotIn("warning", blender_ext("validate", made).lower())
             with zipfile.ZipFile(made) as archive:
                 archive.extractall(Path(folder, "source"))
                 manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())
@@ -189,7 +114,7 @@ class Package(unittest.TestCase):
             # Blender's own tool finds one wheel for each.
             repository = Path(folder, "repository")
             repository.mkdir()
-            self.blender_ext("build", "--source-dir", Path(folder, "source"), "--output-dir", repository, "--split-platforms")
+            blender_ext("build", "--source-dir", Path(folder, "source"), "--output-dir", repository, "--split-platforms")
             split = {path.stem.split("-", 2)[2].replace("_", "-"): path for path in repository.glob("*.zip")}
             self.assertEqual(sorted(split), platforms)
             for path in split.values():
@@ -199,18 +124,18 @@ class Package(unittest.TestCase):
             shutil.rmtree(repository)
             repository.mkdir()
             shutil.copy(made, repository)
-            self.blender_ext("server-generate", "--repo-dir", repository)
+            blender_ext("server-generate", "--repo-dir", repository)
             (listed,) = json.loads(Path(repository, "index.json").read_text())["data"]
             self.assertEqual((listed["id"], listed["platforms"]), ("covbeam", platforms))
             self.assertEqual((listed["archive_url"], listed["archive_size"]), (f"./{made.name}", made.stat().st_size))
 
     def test_wheels_that_do_not_go_together_are_refused_with_one_sentence(self):
         with tempfile.TemporaryDirectory() as folder:
-            one, other, newer = self.wheels(folder, "manylinux_2_17_x86_64", "manylinux_2_28_x86_64", "win_amd64")
+            one, other, newer = wheels_for(folder, "manylinux_2_17_x86_64", "manylinux_2_28_x86_64", "win_amd64")
             newer = newer.rename(newer.with_name(f"covbeam-9.9.9-{newer.name.split('-', 2)[2]}"))
             text = Path(folder, "covbeam.zip")
             text.write_text("none")
-            unknown, both, missing = self.wheels(folder, "musllinux_1_2_x86_64", "macosx_11_0_universal2", "win_arm64")
+            unknown, both, missing = wheels_for(folder, "musllinux_1_2_x86_64", "macosx_11_0_universal2", "win_arm64")
             missing.unlink()
             for words, wheels in {
                 "are for the same platform": [one, other],
@@ -295,6 +220,80 @@ render("picture.png")
         self.assert_told(output, "\n1\n")
 
 
+class Repository(InProfile):
+    """A folder of zips with an index, to which an artist has been given the address."""
+
+    # From any repository Blender installs only when access to the network is allowed, be its address a file. So it must know no
+    # other one. Each program adds it anew, as the bpy package does not read preferences.
+    BEGIN = """
+module = "bl_ext.fog.covbeam"
+preferences = bpy.context.preferences
+repos = preferences.extensions.repos
+while len(repos): repos.remove(repos[0])
+preferences.system.use_online_access = True
+bpy.ops.preferences.extension_repo_add(name="fog", remote_url={url!r}, type="REMOTE")
+
+def sync():
+    bpy.ops.extensions.repo_sync_all()
+
+def upgrade():
+    bpy.ops.extensions.package_upgrade_all()
+
+def install():
+    bpy.ops.extensions.package_install(repo_index=repos.find("fog"), pkg_id="covbeam", enable_on_install=True)
+
+def try_render():
+    try:
+        render("picture.png")
+        import covbeam
+        print("rendered:", os.path.getsize("picture.png") > 0, extension("latest").get().outcome, covbeam.__version__)
+    except RuntimeError as error:
+        print("raised:", error)
+
+def tell():
+    import tomllib
+    with open(os.path.join(repos["fog"].directory, "covbeam", "blender_manifest.toml"), "rb") as file:
+        print("installed:", tomllib.load(file)["version"], module in addons())
+"""
+
+    def setUp(self):
+        super().setUp()
+        self.served = self.folder / "Licht und Größe"
+        self.begin = self.BEGIN.format(url=(self.served / "index.json").as_uri())
+
+    def serve(self, *wheels):
+        """Puts a zip with these wheels in the place of what the folder has, and writes the index, as RELEASING.md says."""
+        shutil.rmtree(self.served, ignore_errors=True)
+        with contextlib.redirect_stdout(io.StringIO()):
+            build.build(self.served, wheels)
+        self.assertNotIn("WARN", blender_ext("server-generate", "--repo-dir", self.served))
+
+    def test_a_repository_installs_and_updates(self):
+        here, other = wheels_for(self.folder, "manylinux_2_17_x86_64", "win_amd64")
+        version = here.name.split("-")[1]
+        newer = "9" + version[1:]
+        self.serve(here, other)
+        installed = self.run_blender(self.begin + "sync(); install(); upgrade(); tell(); fog(); try_render()")
+        words = ("No installed packages to update", f"installed: {version} True", f"rendered: True Outcome.DONE {version}")
+        self.assert_told(installed, *words)
+        # The library that was loaded stays until Blender ends, and is not used by an add-on of another version.
+        self.serve(newer_wheel(here), newer_wheel(other))
+        updated = self.run_blender(self.begin + "enable(); sync(); upgrade(); tell(); fog(); try_render()")
+        told = f"raised: Error: Covbeam: Restart Blender: it still runs the library of Covbeam {version}, and {newer} is installed."
+        self.assert_told(updated, f"installed: {newer} True", told)
+        restarted = self.run_blender(self.begin + "enable(); tell(); fog(); try_render()")
+        self.assert_told(restarted, f"installed: {newer} True", f"rendered: True Outcome.DONE {newer}")
+
+    def test_a_repository_with_nothing_for_this_system_installs_nothing(self):
+        self.serve(*wheels_for(self.folder, "win_amd64"))
+        output = self.run_blender(self.begin + """
+sync()
+install()
+print("enabled:", module in addons(), os.path.exists(os.path.join(repos["fog"].directory, "covbeam")))
+""")
+        self.assert_told(output, 'Package "covbeam", found but not compatible with this system', "enabled: False False")
+
+
 class Broken(InProfile):
     """Something is wrong: what the artist reads when the add-on is enabled, used, and in its preferences and panels."""
 
@@ -374,6 +373,28 @@ extension("preferences").CovbeamPreferences.draw(Self, bpy.context)
         self.assertIn("of another version", read)
         self.assertIn("covbeam_nothing", read)
 
+    def test_a_library_of_another_version_than_its_module(self):
+        def other_version():
+            (path,) = self.site.glob("covbeam-*.dist-info/METADATA")
+            path.write_text(re.sub("(?m)^Version: .*$", "Version: 9.9.9", path.read_text()))
+
+        read = self.after_breaking(other_version)
+        self.assertRegex(read, r"^Restart Blender: it still runs the library of Covbeam [0-9.]+, and 9\.9\.9 is installed\. ")
+        self.assertIn("Install from Disk", read)
+
+    def test_a_zip_whose_wheel_is_for_another_system_but_says_nothing_of_it(self):
+        other = self.folder / "other.zip"
+
+        def renamed(text):
+            return re.sub("manylinux_[0-9]+_[0-9]+_x86_64", "win_amd64", text)
+
+        copy_zip(other, renamed, renamed)
+        self.run_blender(f"zip_path = {str(other)!r}; install()")
+        read = self.use()
+        self.assertIn("not installed completely", read)
+        self.assertIn("its module covbeam is missing", read)
+        self.assertIn("install the zip made for this system", read)
+
     def test_a_missing_wheel(self):
         read = self.after_breaking(lambda: shutil.rmtree(self.site / "covbeam"))
         self.assertIn("not installed completely", read)
@@ -407,13 +428,7 @@ addon_utils.disable("covbeam")
 
     def test_a_zip_for_another_system_is_refused_by_blender(self):
         other = self.folder / "other.zip"
-        with zipfile.ZipFile(ZIP) as archive, zipfile.ZipFile(other, "w") as copy:
-            for name in archive.namelist():
-                data = archive.read(name)
-                if name == "blender_manifest.toml":
-                    platforms = next(line for line in data.splitlines() if line.startswith(b"platforms"))
-                    data = data.replace(platforms, b'platforms = ["windows-arm64"]')
-                copy.writestr(name, data)
+        copy_zip(other, lambda manifest: re.sub("(?m)^platforms = .*$", 'platforms = ["windows-arm64"]', manifest))
         output = self.run_blender(f"""
 zip_path = {str(other)!r}
 try:
