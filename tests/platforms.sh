@@ -24,7 +24,7 @@ ended() {
 }
 trap ended EXIT
 # As people name folders.
-work="$temporary/an artist's Größe"
+work="$temporary/Licht und Größe"
 mkdir -p "$work" "$temporary/tools"
 
 (cd "$packages" && sha256sum --quiet --check SHA256SUMS) || fail "SHA256SUMS does not fit"
