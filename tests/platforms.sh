@@ -59,7 +59,7 @@ said_of() {
     case "$1" in
         linux-*) grep -aoE 'GLIBC_[0-9.]+' "$2" | sort -Vu | tail -n 1 ;;
         windows-*) echo "$(x86_64-w64-mingw32-objdump -p "$2" | sed -n 's/.*DLL Name: //p' | LC_ALL=C sort -f | xargs)" ;;
-        macos-*) echo "macOS $(llvm-otool -l "$2" | awk '/LC_BUILD_VERSION/ { found = 1 } found && $1 == "minos" { print $2; exit }')" ;;
+        macos-*) echo "macOS $(llvm-objdump --macho --private-headers "$2" | awk '/LC_BUILD_VERSION/ { found = 1 } found && $1 == "minos" { print $2; exit }')" ;;
     esac
 }
 
@@ -90,7 +90,7 @@ unpacked() {
                 [ "$(said_of "$1" "$file")" = "macOS 11.0" ] || fail "$1: $file is for '$(said_of "$1" "$file")'"
             done
             # Macs with ARM run nothing that is not signed.
-            llvm-otool -l "$program" | grep LC_CODE_SIGNATURE > "$temporary/signed" || [ "$1" = macos-x86_64 ] || fail "$1: the program is not signed" ;;
+            llvm-objdump --macho --private-headers "$program" | grep LC_CODE_SIGNATURE > "$temporary/signed" || [ "$1" = macos-x86_64 ] || fail "$1: the program is not signed" ;;
     esac
     case "$1" in
         linux-x86_64) wheel=manylinux_2_17_x86_64 ;;
@@ -123,14 +123,20 @@ runs() {
         bare PKG_CONFIG_PATH="$tree/lib/pkgconfig" "$temporary/tools/bash" -c 'cd "$1" && eval "$2 -std=c99 $3.c -o $3$4 $(pkg-config --cflags --libs covbeam) -lm"' \
             - "$here" "$(command -v "$compiler")" "$example" "$suffix" || fail "$platform: README's C ($example)"
     done
+    local own=()
+    [[ "$platform" != windows-* ]] || own=(-static-libstdc++ -static-libgcc)
+    bare "$(command -v "${compiler/gcc/g++}")" -std=c++14 -O2 -I"$tree/include" "$root"/examples/cpp/*.cpp -L"$tree/lib" -lcovbeam -pthread "${own[@]}" \
+        -o "$here/shaft$suffix" || fail "$platform: examples/cpp"
     # A program finds the library beside itself, or where the loader is told to look.
-    [[ "$platform" != windows-* ]] || cp "$tree/bin/covbeam.dll" "$here/"
+    [[ "$platform" != windows-* ]] || cp "$tree/bin/covbeam.dll" "$("$compiler" -print-file-name=libwinpthread-1.dll)" "$here/"
     (
         cd "$here"
         export LD_LIBRARY_PATH="$tree/lib" WINEPREFIX="$temporary/wine" WINEDEBUG=-all
         "$@" "./session$suffix" > said 2> warned || { cat said warned; fail "$platform: README's session"; }
         "$@" "./kernels$suffix" > said 2> warned || { cat said warned; fail "$platform: README's kernels"; }
         tr -d '\r' < said > kernels.txt
+        "$@" "./shaft$suffix" --passes 1 --photons 300 --out shaft.pfm > said 2> warned || { cat said warned; fail "$platform: examples/cpp"; }
+        [ "$(stat -c %s shaft.pfm)" -gt 700000 ] || fail "$platform: examples/cpp makes no picture"
         "$@" "$program" --version > said 2> warned || { cat said warned; fail "$platform: covbeam --version"; }
         grep -q "^covbeam $version" said || fail "$platform: covbeam --version says $(cat said)"
         for scene in glass-ball shaft smoke; do
@@ -141,7 +147,7 @@ runs() {
         # A part of a picture that others have the rest of.
         "$@" "$program" render glass-ball.toml --photons 1000 --seed 1 --passes 1..2 --out part.shard > said 2> warned || { cat said warned; fail "$platform: a shard"; }
     )
-    echo "platforms: $platform: README's C, covbeam $version, three pictures and a shard in $((SECONDS - started)) s"
+    echo "platforms: $platform: README's C, examples/cpp, covbeam $version, three pictures and a shard in $((SECONDS - started)) s"
 }
 
 # same PLATFORM: its pictures, and its shard, are those of this machine.
@@ -193,7 +199,7 @@ windows_x86_64() {
     printf '#include <windows.h>\n#include <ntsecapi.h>\nBOOL WINAPI ProcessPrng(PBYTE data, SIZE_T size) { return RtlGenRandom(data, (ULONG)size); }\n' > "$temporary/random.c"
     x86_64-w64-mingw32-gcc -shared "$temporary/random.c" -o "$work/windows-x86_64/bcryptprimitives.dll" -ladvapi32
     cp "$work/windows-x86_64/bcryptprimitives.dll" "$tree/bin/"
-    runs windows-x86_64 x86_64-w64-mingw32-gcc wine
+    runs windows-x86_64 x86_64-w64-mingw32-gcc-posix wine
     # Paths with backslashes, and names that Windows forbids or keeps for devices.
     (
         cd "$work/windows-x86_64"
