@@ -8,6 +8,7 @@ profile of its own.
 import contextlib
 import io
 import json
+import platform
 import re
 import shutil
 import subprocess
@@ -35,9 +36,9 @@ def blender_ext(*arguments):
 
 
 def wheels_for(folder, *tags):
-    """The zip's wheel under the names of other platforms."""
+    """The zip's wheel for this machine under the names of other platforms."""
     with zipfile.ZipFile(ZIP) as archive:
-        (name,) = (name for name in archive.namelist() if name.startswith("wheels/"))
+        (name,) = (name for name in archive.namelist() if "linux" in name and name.endswith(f"{platform.machine()}.whl"))
         data = archive.read(name)
     start = Path(name).name.rsplit("-", 1)[0]
     paths = [Path(folder, f"{start}-{tag}.whl") for tag in tags]
@@ -161,8 +162,8 @@ class Package(unittest.TestCase):
             for name in python:
                 self.assertTrue(archive.read(name).startswith(b"# SPDX-License-Identifier: GPL-3.0-or-later\n"), name)
         self.assertEqual(sorted(manifest["wheels"]), wheels)
-        self.assertEqual(len(wheels), 1)
-        self.assertEqual(len(manifest["platforms"]), 1)
+        self.assertGreater(len(wheels), 0)
+        self.assertEqual(len(manifest["platforms"]), len(wheels))
         self.assertEqual(manifest["blender_version_min"], "4.2.0")
 
 
