@@ -60,11 +60,10 @@ for link in libcovbeam.so "$soname"; do
 done
 readelf -d "$shared" > "$work/dynamic"
 same "the SONAME" "$(sed -n 's/.*SONAME.*\[\(.*\)\]/\1/p' "$work/dynamic")" "$soname"
-# The C library with its mathematics, its loader, and gcc's unwinder for panics.
+# The C library, its loader, and gcc's unwinder for panics. Mathematics is covbeam's own.
 same "the list of libraries needed" \
     "$(sed -n 's/.*NEEDED.*\[\(.*\)\.so\.[0-9]*\]/\1/p' "$work/dynamic" | grep -v '^ld-linux' | LC_ALL=C sort)" "libc
-libgcc_s
-libm"
+libgcc_s"
 if ldd "$shared" | grep 'not found'; then fail "a library is missing (above)"; fi
 
 # What is exported is what the headers declare but for their inline functions, and nothing else.
