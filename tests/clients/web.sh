@@ -1,7 +1,7 @@
 #!/bin/bash
 # The page of examples/web: the module's bits are the native ones, and what headless Chromium makes of the page:
 # tests/clients/web.sh [PICTURE]
-# A screenshot goes into the file, if one is given, in 256 colours (needs pngquant).
+# With a file, a screenshot goes there, in 256 colours (needs pngquant), and errors are measured at equal time too, against more photons.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 target="$(realpath -m "${CARGO_TARGET_DIR:-target}")"
@@ -22,5 +22,5 @@ for method in "1 plain" "2 covbeam"; do
         "$(sed -n "${line}p" "$work/module" | cut -d ' ' -f 3) s in node, the same bits"
 done
 
-timeout 900 node tests/clients/web.js page "$work/page" "$work/profile" "$work/picture.png"
+timeout 900 node tests/clients/web.js page "$work/page" "$work/profile" "$work/picture.png" ${1:+measured}
 [ $# -eq 0 ] || pngquant 256 --force --output "$1" "$work/picture.png"
