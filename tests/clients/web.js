@@ -1,6 +1,6 @@
 // The page of examples/web, by its module alone and in a browser:
 //   node web.js module FOLDER PASSES            a line a method as examples/web's program `native` prints them
-//   node web.js page FOLDER PROFILE PICTURE     in headless Chromium; writes a screenshot
+//   node web.js page FOLDER PROFILE PICTURE [measured]     in headless Chromium; writes a screenshot
 'use strict';
 const { spawn } = require('child_process');
 const fs = require('fs');
