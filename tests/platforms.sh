@@ -8,6 +8,8 @@
 set -euo pipefail
 root="$(cd "$(dirname "$0")/.." && pwd)"
 fail() { echo "platforms: $*" >&2; exit 1; }
+# shellcheck source=tests/clients/systems.sh
+. "$root/tests/clients/systems.sh"
 [ $# -gt 0 ] || { sed -n '2,3s/^# *//p' "$0" >&2; exit 1; }
 packages="$(cd "$1" && pwd)"
 shift
@@ -36,23 +38,6 @@ for tool in bash sh env cat cp mv rm mkdir ls sed awk grep tr sort head tail cut
 done
 bare() { env -i HOME="$temporary" PATH="$temporary/tools" LANG=C.UTF-8 "$@"; }
 if bare sh -c 'command -v cargo rustc'; then fail "Rust is in reach"; fi
-
-# What the headers declare: declarations begin a line, comments do not.
-declared() {
-    cat "$root"/include/covbeam{,_extra,_session}.h | grep -E '^[a-z]' | grep -vE '^(typedef|static inline)' |
-        grep -oE 'covbeam_[a-z0-9_]+\(' | tr -d '(' | LC_ALL=C sort
-}
-
-# exports PLATFORM LIBRARY: the functions that a library gives away.
-exports() {
-    case "$1" in
-        linux-*) nm -D --defined-only "$2" | awk '{ print $NF }' ;;
-        windows-*)
-            x86_64-w64-mingw32-objdump -p "$2" |
-                awk '/^\[Ordinal\/Name Pointer\] Table/ { table = 1; next } table && /^$/ { table = 0 } table { print $NF }' ;;
-        macos-*) llvm-nm -gU "$2" | awk '{ print substr($NF, 2) }' ;;
-    esac | LC_ALL=C sort
-}
 
 # said_of PLATFORM FILE: the oldest system that a file says it runs on.
 said_of() {
@@ -194,10 +179,8 @@ linux_x86_64() {
 }
 
 windows_x86_64() {
-    # Wine 8 lacks a DLL that Rust's standard library gets random numbers from.
     mkdir -p "$work/windows-x86_64"
-    printf '#include <windows.h>\n#include <ntsecapi.h>\nBOOL WINAPI ProcessPrng(PBYTE data, SIZE_T size) { return RtlGenRandom(data, (ULONG)size); }\n' > "$temporary/random.c"
-    x86_64-w64-mingw32-gcc -shared "$temporary/random.c" -o "$work/windows-x86_64/bcryptprimitives.dll" -ladvapi32
+    random_numbers "$work/windows-x86_64"
     cp "$work/windows-x86_64/bcryptprimitives.dll" "$tree/bin/"
     runs windows-x86_64 x86_64-w64-mingw32-gcc-posix wine
     # Paths with backslashes, and names that Windows forbids or keeps for devices.

@@ -18,6 +18,8 @@ version="$(sed -n 's/^version = "\(.*\)"/\1/p' "$root/Cargo.toml")"
 [ $# -gt 0 ] || set -- windows aarch64
 
 fail() { echo "cross: $*" >&2; exit 1; }
+# shellcheck source=tests/clients/systems.sh
+. "$root/tests/clients/systems.sh"
 
 # quietly WHAT COMMAND...: its output only if it fails.
 quietly() {
@@ -111,21 +113,14 @@ set(CMAKE_SYSTEM_NAME Windows)
 set(CMAKE_SYSTEM_PROCESSOR x86_64)
 set(CMAKE_C_COMPILER x86_64-w64-mingw32-gcc)
 CMAKE
-    # Wine 8 lacks a DLL that Rust's standard library gets random numbers from.
     mkdir -p "$work/windows-clients"
-    cat > "$work/random.c" <<'C'
-#include <windows.h>
-#include <ntsecapi.h>
-BOOL WINAPI ProcessPrng(PBYTE data, SIZE_T size) { return RtlGenRandom(data, (ULONG)size); }
-C
-    x86_64-w64-mingw32-gcc -shared "$work/random.c" -o "$work/windows-clients/bcryptprimitives.dll" -ladvapi32
+    random_numbers "$work/windows-clients"
     cross windows "Unix Makefiles" "-lkernel32 -lntdll -luserenv -lws2_32 -ldbghelp" .exe wine
     [ "$(cd "$work/windows-prefix" && find bin lib -maxdepth 1 -type f | LC_ALL=C sort | xargs)" = \
         "bin/covbeam.dll lib/libcovbeam.a lib/libcovbeam.dll.a" ] || fail "windows: installed: $(find "$work/windows-prefix")"
     # The DLL exports what the headers declare.
     local exported
-    exported="$(x86_64-w64-mingw32-objdump -p "$work/windows-prefix/bin/covbeam.dll" |
-        awk '/^\[Ordinal\/Name Pointer\] Table/ { table = 1; next } table && /^$/ { table = 0 } table { print $NF }' | LC_ALL=C sort)"
+    exported="$(exports windows "$work/windows-prefix/bin/covbeam.dll")"
     diff <(declared) <(echo "$exported") || fail "windows: covbeam.dll exports (>) other functions than the headers declare (<)"
     echo "cross: windows: covbeam.dll and libcovbeam.dll.a, $(wc -l <<< "$exported") functions exported, as declared"
 }
@@ -141,12 +136,6 @@ CMAKE
     symbols="$(aarch64-linux-gnu-nm --defined-only --extern-only "$work/aarch64-prefix/lib/libcovbeam.a" | awk 'NF == 3 { print $NF }' | LC_ALL=C sort)"
     diff <(declared) <(echo "$symbols") || fail "aarch64: libcovbeam.a has (>) other symbols than the headers declare (<)"
     echo "cross: aarch64: libcovbeam.a, $(stat -c %s "$work/aarch64-prefix/lib/libcovbeam.a") bytes, $(wc -l <<< "$symbols") symbols, as declared"
-}
-
-# Declarations begin a line; comments do not.
-declared() {
-    cat "$root"/include/covbeam{,_extra,_session}.h | grep -E '^[a-z]' | grep -vE '^(typedef|static inline)' |
-        grep -oE 'covbeam_[a-z0-9_]+\(' | tr -d '(' | LC_ALL=C sort
 }
 
 for machine in "$@"; do

@@ -46,6 +46,20 @@ pub struct Settings {
     pub adaptive: bool,
 }
 
+impl Settings {
+    /// The page's first scene, by plain beams.
+    pub const FIRST: Self = Self {
+        lamp_angle: 52.0,
+        ball_radius: 0.5,
+        index: 1.5,
+        extinction: 0.125,
+        photons: 1024,
+        plain_radius: 0.03,
+        seed: 1,
+        adaptive: false,
+    };
+}
+
 pub(crate) struct Scene {
     pub(crate) ball: Ball,
     pub(crate) fog: Medium<'static>,

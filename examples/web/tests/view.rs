@@ -2,17 +2,6 @@
 
 use covbeam_web::{Settings, View};
 
-const DEFAULT: Settings = Settings {
-    lamp_angle: 52.0,
-    ball_radius: 0.5,
-    index: 1.5,
-    extinction: 0.125,
-    photons: 1024,
-    plain_radius: 0.03,
-    seed: 1,
-    adaptive: false,
-};
-
 /// Radiance after some passes, of all channels.
 fn radiance(settings: Settings, side: u32, passes: u32) -> Vec<f32> {
     let mut view = View::new(&settings, side, side);
@@ -35,7 +24,7 @@ fn at_all_ends_of_all_sliders_pictures_are_sound() {
                 photons: end(4, 128.0, 512.0) as u32,
                 plain_radius: end(5, 0.005, 0.15),
                 adaptive,
-                ..DEFAULT
+                ..Settings::FIRST
             };
             let found = radiance(settings, 32, 2);
             let sound = found.iter().all(|value| value.is_finite() && *value >= 0.0);
@@ -47,10 +36,10 @@ fn at_all_ends_of_all_sliders_pictures_are_sound() {
 #[test]
 fn covbeam_is_nearer_to_many_photons_than_plain_beams_of_any_radius() {
     // Of another seed, with kernels narrower than plain beams': what is left of their noise counts for both.
-    let truth = radiance(Settings { photons: 8192, plain_radius: 0.02, seed: 2, ..DEFAULT }, 96, 16);
+    let truth = radiance(Settings { photons: 8192, plain_radius: 0.02, seed: 2, ..Settings::FIRST }, 96, 16);
     let dark = 0.01 * truth.iter().sum::<f32>() / truth.len() as f32;
     let error = |adaptive, plain_radius| {
-        let found = radiance(Settings { adaptive, plain_radius, ..DEFAULT }, 96, 16);
+        let found = radiance(Settings { adaptive, plain_radius, ..Settings::FIRST }, 96, 16);
         let relative = |(found, truth): (&f32, &f32)| (found - truth).powi(2) / (truth * truth + dark * dark);
         found.iter().zip(&truth).map(relative).sum::<f32>() / truth.len() as f32
     };
@@ -64,7 +53,7 @@ fn covbeam_is_nearer_to_many_photons_than_plain_beams_of_any_radius() {
 fn straight_light_by_shadow_rays_is_that_of_beams() {
     // With nothing but noise between them: means of the whole picture, through a ball that bends nothing.
     let mean = |adaptive| {
-        let found = radiance(Settings { index: 1.0, adaptive, photons: 4096, ..DEFAULT }, 64, 16);
+        let found = radiance(Settings { index: 1.0, adaptive, photons: 4096, ..Settings::FIRST }, 64, 16);
         found.iter().sum::<f32>() / found.len() as f32
     };
     let [plain, covbeam] = [false, true].map(mean);

@@ -8,17 +8,7 @@ use std::time::Instant;
 fn main() {
     let passes: u32 = std::env::args().nth(1).and_then(|word| word.parse().ok()).expect("native PASSES");
     for adaptive in [false, true] {
-        let settings = Settings {
-            lamp_angle: 52.0,
-            ball_radius: 0.5,
-            index: 1.5,
-            extinction: 0.125,
-            photons: 1024,
-            plain_radius: 0.03,
-            seed: 1,
-            adaptive,
-        };
-        let mut view = View::new(&settings, 320, 256);
+        let mut view = View::new(&Settings { adaptive, ..Settings::FIRST }, 320, 256);
         let start = Instant::now();
         (0..passes).for_each(|_| view.pass());
         let seconds = start.elapsed().as_secs_f64() / f64::from(passes);
