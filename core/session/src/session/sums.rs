@@ -1,6 +1,6 @@
 //! Sums of passes as bytes: exact, so that those of many machines add up to the same bits in any order.
 //!
-//! `covsums1`, the length of a header and its CRC-32, the header (version and arithmetic, identity, passes, layout of the film), and the film's
+//! `covsums2`, the length of a header and its CRC-32, the header (version and arithmetic, identity, passes, layout of the film), and the film's
 //! records, each with its length and its CRC-32. All numbers are little-endian.
 
 use crate::film::passes::{PassRange, Passes};
@@ -9,7 +9,7 @@ use crate::work::arithmetic::arithmetic;
 use crate::work::failure::{Failure, Result};
 use std::convert::Infallible;
 
-const MAGIC: &[u8; 8] = b"covsums1";
+const MAGIC: &[u8; 8] = b"covsums2";
 
 /// Of what pictures are made from: a hash of all that a host has given, or any 32 bytes that it tells its scenes apart by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 const KIND: Kind =
-    Kind { magic: b"covfield", format: 1, name: "file of light fields", writers: "`covbeam prepare`" };
+    Kind { magic: b"covfield", format: 2, name: "file of light fields", writers: "`covbeam prepare`" };
 
 #[derive(Serialize, Deserialize)]
 struct Header {

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 const KIND: Kind =
-    Kind { magic: b"covshard", format: 1, name: "shard", writers: "`covbeam render` or `covbeam merge`" };
+    Kind { magic: b"covshard", format: 2, name: "shard", writers: "`covbeam render` or `covbeam merge`" };
 
 /// What all passes of a picture have in common: those of another origin are not added to them.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
