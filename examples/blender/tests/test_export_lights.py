@@ -268,6 +268,26 @@ class Lights(unittest.TestCase):
         thing.visible_volume_scatter = False
         self.assertEqual(scenes.exported()[0].lights, [])
 
+    def test_a_ball_shines_along_the_normals_that_are_seen_of_it(self):
+        """Of light that goes by 1/2 + n_x / 2 of the normal there, 1/2 + x / 3 goes along a direction: the mean of a ball's normals, as it is seen, is
+        2/3 of that."""
+        tree = scenes.tree_of(self.lamp("POINT", shadow_soft_size=0.1, use_soft_falloff=False).data)
+        place, split, half = scenes.node(tree, "TexCoord"), scenes.node(tree, "SeparateXYZ"), scenes.node(tree, "Math")
+        emission, half.operation = scenes.node(tree, "Emission"), "MULTIPLY_ADD"
+        half.inputs[1].default_value = half.inputs[2].default_value = 0.5
+        tree.links.new(place.outputs["Normal"], split.inputs[0])
+        tree.links.new(split.outputs["X"], half.inputs[0])
+        tree.links.new(half.outputs[0], emission.inputs["Strength"])
+        tree.links.new(emission.outputs[0], scenes.node(tree, "OutputLight").inputs["Surface"])
+        (light,), report = scenes.exported()[0].lights, scenes.exported()[1]
+        self.assertFalse(any(entry.in_fog for entry in report.entries), str(report))
+        cells = light.pattern.cells[..., 0]
+        rows, columns = cells.shape
+        angle, turn = (np.arange(rows) + 0.5) * pi / rows, (np.arange(columns) + 0.5) * 2 * pi / columns
+        expected = 0.5 + np.outer(np.sin(angle), np.cos(turn)) / 3
+        # 256 normals, and what lies between coarse cells.
+        np.testing.assert_allclose(cells, expected, atol=4e-3)
+
     def test_instances_of_lights_are_lights(self):
         thing = self.lamp("POINT")
         collection = bpy.data.collections.new("Lamps")

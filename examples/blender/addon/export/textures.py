@@ -26,9 +26,10 @@ class Places:
     world: np.ndarray | None = None
     object: np.ndarray | None = None
     generated: np.ndarray | None = None
-    #: Unit vectors away from a lamp: in its own space, and in the world.
+    #: Unit normals of a lamp, away from it: in its own space, and in the world; and where its light goes, in the world, if not along these.
     away: np.ndarray | None = None
     away_in_world: np.ndarray | None = None
+    leaving: np.ndarray | None = None
     #: grids.Lookup of what a volume holds there; surface_places.OnSurface.
     held: object = None
     surface: object = None
@@ -68,7 +69,8 @@ def _colour_attribute(node, output, argument, places):
 
 def _geometry(node, output, argument, places):
     away = places.away_in_world
-    found = {"Position": places.world, "Normal": away, "True Normal": away, "Incoming": away}
+    leaving = away if places.leaving is None else places.leaving
+    found = {"Position": places.world, "Normal": away, "True Normal": away, "Incoming": leaving}
     return _known(node, output, found.get(output.identifier))
 
 
