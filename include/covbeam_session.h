@@ -1214,6 +1214,46 @@ typedef struct covbeam_host {
 typedef int32_t (*covbeam_spawn)(void *user, void (*body)(void *argument), void *argument);
 
 /**
+ * Limits of scatterings and reflections by kind, as path tracers have them: they count from the camera, every event on the way but the last one
+ * before the lamp. With limited 0 there are none, and the other fields count for nothing.
+ */
+typedef struct covbeam_bounce_limits {
+    /**
+     * Not 0: the other fields hold, 0 included.
+     */
+    uint32_t limited;
+    /**
+     * Of all kinds together.
+     */
+    uint32_t total;
+    /**
+     * Diffuse reflections.
+     */
+    uint32_t diffuse;
+    /**
+     * Other reflections.
+     */
+    uint32_t glossy;
+    /**
+     * Transmissions, but for what goes straight on.
+     */
+    uint32_t transmission;
+    /**
+     * Scatterings by media, the one that sends light to the camera included: with 0 media scatter what comes straight from the lamps alone.
+     */
+    uint32_t volume;
+    /**
+     * Not 0: sharp reflections on the way from a lamp count as glossy alone, from the second one on, as if the lamp were there: caustics of
+     * mirrors, of which path tracers find little, are there whatever the other limits say.
+     */
+    uint32_t free_reflections;
+    /**
+     * The same of sharp transmissions: caustics of glass and water.
+     */
+    uint32_t free_transmissions;
+} covbeam_bounce_limits;
+
+/**
  * How a session renders. With all fields but struct_size 0: covbeam's method, with what the scene asks for.
  */
 typedef struct covbeam_session_settings {
@@ -1281,6 +1321,10 @@ typedef struct covbeam_session_settings {
      * What it is called with.
      */
     void *spawn_user;
+    /**
+     * Limits of events by kind, beside most_events.
+     */
+    struct covbeam_bounce_limits limits;
 } covbeam_session_settings;
 
 /**

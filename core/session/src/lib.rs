@@ -5,6 +5,7 @@
 #![doc = include_str!("../README.md")]
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
+pub mod bounces;
 pub mod camera;
 pub mod color;
 pub mod describe;

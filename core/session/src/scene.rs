@@ -9,6 +9,7 @@ mod nesting;
 pub mod optics;
 pub(crate) mod passage;
 
+use crate::bounces::{Bounce, BounceLimits, Counted};
 use crate::camera::Camera;
 use crate::host::Host;
 pub use crate::light::kinds::Light;
@@ -115,6 +116,12 @@ impl Scene {
         self.settings.bounces.is_none_or(|most| bounces <= most)
     }
 
+    /// Whether light that has bounced so often may still be sent to the camera by an event of a kind.
+    #[inline]
+    pub(crate) fn may_be_seen(&self, counted: &Counted, by: Bounce) -> bool {
+        self.settings.limits.is_none_or(|limits| counted.may_be_seen(&limits, by))
+    }
+
     /// Whether surfaces are seen, and lamps through rough glass.
     pub(crate) fn shows_surfaces(&self) -> bool {
         self.sees == Sees::Everything
@@ -210,6 +217,8 @@ pub struct Settings {
     /// Largest number of scatterings and reflections of light before the one that sends it to the camera, None for any. What goes straight on
     /// does not count, nor does what an eye path meets.
     pub bounces: Option<u32>,
+    /// Limits by kind beside that; None: there are none.
+    pub limits: Option<BounceLimits>,
 }
 
 impl Settings {

@@ -48,6 +48,7 @@ def _draw_advanced(layout, settings):
     column = _column(layout)
     column.prop(settings, "grid")
     column.prop(settings, "radius")
+    column.prop(settings, "orders")
     column.prop(settings, "bounces")
     column.prop(settings, "beyond")
     column.prop(settings, "seed")

@@ -2,7 +2,7 @@
 """What an artist sets, kept with each scene."""
 
 import bpy
-from bpy.props import BoolProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
 # Blender 5.0 wants to be told that // is understood; those before do not know the word.
 _FOLDER_OPTIONS = {"ANIMATABLE", "PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (5, 0, 0) else {"ANIMATABLE"}
@@ -80,6 +80,19 @@ class CovbeamSettings(bpy.types.PropertyGroup):
         precision=4,
         unit="LENGTH",
     )
+    orders: EnumProperty(
+        name="Light",
+        description="Which light reaches the fog",
+        items=[
+            (
+                "CYCLES",
+                "As Cycles",
+                "What the Light Paths settings of Cycles let through, and caustics of sharp glass and mirrors, if they are on there",
+            ),
+            ("ALL", "All Orders", "However often light is scattered and reflected: brighter fog, wherever Cycles counts few bounces"),
+        ],
+        default="CYCLES",
+    )
     bounces: IntProperty(
         name="Max Bounces",
         description="Events after which a light path ends, on surfaces and in fog. 0: no limit",
@@ -125,6 +138,28 @@ class CovbeamSettings(bpy.types.PropertyGroup):
         return (self.seed + frame * 0x9E3779B1) & 0x7FFFFFFF
 
 
+def bounce_limits(scene):
+    """The covbeam.session.BounceLimits that are Cycles' for a scene; None without Cycles.
+
+    Cycles would show no caustics in fog with its default of 0 volume bounces, and hardly any with more. They are what beams are for, so that
+    light that sharp glass and mirrors send into fog straight from a lamp does not count, unless caustics are switched off.
+    """
+    from covbeam.session import BounceLimits
+
+    cycles = getattr(scene, "cycles", None)
+    if cycles is None:
+        return None
+    return BounceLimits(
+        total=cycles.max_bounces,
+        diffuse=cycles.diffuse_bounces,
+        glossy=cycles.glossy_bounces,
+        transmission=cycles.transmission_bounces,
+        volume=cycles.volume_bounces,
+        free_reflections=cycles.caustics_reflective,
+        free_transmissions=cycles.caustics_refractive,
+    )
+
+
 def session_settings(scene):
     """The host.session.Settings of a scene. Settings can be animated: one that was evaluated for a render has their values."""
     from .host.session import Settings
@@ -138,6 +173,7 @@ def session_settings(scene):
         radius=chosen.radius,
         quality=chosen.quality,
         bounces=chosen.bounces or None,
+        limits=bounce_limits(scene) if chosen.orders == "CYCLES" else None,
         beyond=chosen.beyond,
         # Blender answers with all processors where the artist has set no number.
         threads=scene.render.threads,

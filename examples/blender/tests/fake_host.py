@@ -17,6 +17,7 @@ class Settings:
     radius: float
     quality: float
     bounces: int | None
+    limits: object
     beyond: bool
     threads: int
 

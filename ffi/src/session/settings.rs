@@ -3,11 +3,13 @@
 use crate::memory::read_options;
 use crate::status::{Failure, covbeam_status::*, fail, work};
 use ::covbeam_geometry::MAX_COORDINATE;
+use ::covbeam_session::bounces::BounceLimits;
 use ::covbeam_session::pilot::defaults::{Cells, Given};
 use ::covbeam_session::scene::MAX_PHOTONS;
 use ::covbeam_session::settings::{Layers, Method, Settings};
 use ::covbeam_session::work::threads::{self, Spawn, Worker};
 use core::ffi::c_void;
+use core::mem::offset_of;
 use std::fmt::Display;
 
 /// Methods, from the catalogue of the reference renderer.
@@ -72,6 +74,46 @@ pub struct covbeam_session_settings {
     pub spawn: covbeam_spawn,
     /// What it is called with.
     pub spawn_user: *mut c_void,
+    /// Limits of events by kind, beside most_events.
+    pub limits: covbeam_bounce_limits,
+}
+
+/// Limits of scatterings and reflections by kind, as path tracers have them: they count from the camera, every event on the way but the last one
+/// before the lamp. With limited 0 there are none, and the other fields count for nothing.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct covbeam_bounce_limits {
+    /// Not 0: the other fields hold, 0 included.
+    pub limited: u32,
+    /// Of all kinds together.
+    pub total: u32,
+    /// Diffuse reflections.
+    pub diffuse: u32,
+    /// Other reflections.
+    pub glossy: u32,
+    /// Transmissions, but for what goes straight on.
+    pub transmission: u32,
+    /// Scatterings by media, the one that sends light to the camera included: with 0 media scatter what comes straight from the lamps alone.
+    pub volume: u32,
+    /// Not 0: sharp reflections on the way from a lamp count as glossy alone, from the second one on, as if the lamp were there: caustics of
+    /// mirrors, of which path tracers find little, are there whatever the other limits say.
+    pub free_reflections: u32,
+    /// The same of sharp transmissions: caustics of glass and water.
+    pub free_transmissions: u32,
+}
+
+fn limits(given: &covbeam_bounce_limits) -> Option<BounceLimits> {
+    let &covbeam_bounce_limits { limited, total, diffuse, glossy, transmission, volume, .. } = given;
+    let (free_reflections, free_transmissions) = (given.free_reflections != 0, given.free_transmissions != 0);
+    (limited != 0).then_some(BounceLimits {
+        total,
+        diffuse,
+        glossy,
+        transmission,
+        volume,
+        free_reflections,
+        free_transmissions,
+    })
 }
 
 type Start =
@@ -94,7 +136,8 @@ pub(super) struct Chosen {
 /// # Safety
 /// `settings` is NULL or readable.
 pub(super) unsafe fn chosen(settings: *const covbeam_session_settings) -> Result<Chosen, Failure> {
-    const LEAST: usize = size_of::<covbeam_session_settings>();
+    // What came later may be missing.
+    const LEAST: usize = offset_of!(covbeam_session_settings, limits);
     // SAFETY: by this function's contract.
     let given = unsafe { read_options(settings, LEAST, "settings") }?;
     let covbeam_session_settings { seed, photons, grid, most_events, threads, radius, error, .. } = given;
@@ -135,6 +178,7 @@ pub(super) unsafe fn chosen(settings: *const covbeam_session_settings) -> Result
         numbers.settings.schedule.error = error as f32;
     }
     numbers.settings.bounces = most_events.checked_sub(1);
+    numbers.settings.limits = limits(&given.limits);
     let mut settings = Settings::of(method, photons, seed);
     settings.first_apart = given.first_apart != 0;
     settings.beyond = given.first_alone == 0;

@@ -9,7 +9,7 @@ const STRUCTS: [&str; 7] =
     ["grid_layout", "phase", "medium", "column", "kernel", "schedule", "march_expected"];
 
 /// Structs of sessions, those that others have before these.
-const SESSION_STRUCTS: [&str; 26] = [
+const SESSION_STRUCTS: [&str; 27] = [
     "material",
     "object",
     "shape",
@@ -33,6 +33,7 @@ const SESSION_STRUCTS: [&str; 26] = [
     "host_pixel",
     "host_eye_ray",
     "host",
+    "bounce_limits",
     "session_settings",
     "goal",
     "session_info",

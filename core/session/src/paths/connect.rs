@@ -60,7 +60,7 @@ impl Transport<'_> {
 
     /// Connects light that a diffuse surface has reflected.
     pub(super) fn connect_diffuse(&self, photon: &Photon, hit: &Hit, normal: Vec3, out: &mut PhotonRecord) {
-        if self.scene.shows_surfaces() {
+        if photon.is_seen_on_surfaces(self.scene) {
             let factor = photon.power * FRAC_1_PI;
             self.connect(hit.leave(normal), out, |to_camera| factor * to_camera.dot(normal).max(0.0));
         }
@@ -68,7 +68,7 @@ impl Transport<'_> {
 
     /// Connects light that arrives on a surface of lobes, on either side of it.
     pub(super) fn connect_lobes(&self, photon: &Photon, hit: &Hit, met: &Encounter, out: &mut PhotonRecord) {
-        if self.scene.shows_surfaces() {
+        if photon.is_seen_on_surfaces(self.scene) {
             let from = hit.leave(self.scene.camera.position - hit.position);
             self.connect(from, out, |to_camera| {
                 photon.power * met.towards(to_camera) * to_camera.dot(met.normal).abs()

@@ -1,5 +1,6 @@
 //! Emission: the light that a path starts from, and the photon that leaves it.
 
+use crate::bounces::Counted;
 use crate::lamps::near::Near;
 use crate::light::EmittedPhoton;
 use crate::paths::photon::Photon;
@@ -73,6 +74,7 @@ impl Lights {
             direct: is_straight,
             specular: is_straight,
             bounces: 0,
+            counted: Counted::default(),
             dark: emitted.dark,
             until: emitted.until,
             near: self.near.reach(light),

@@ -1,6 +1,7 @@
 //! Events of light paths, in media and on surfaces: what is absorbed, what is recorded, and which ways are
 //! left.
 
+use crate::bounces::Bounce;
 use crate::material::Lobes;
 use crate::paths::operators::Operator;
 use crate::paths::photon::Photon;
@@ -72,6 +73,10 @@ impl Transport<'_> {
     /// - `through`: the direction behind it; None: it is reflected.
     #[inline]
     pub(super) fn cross(&self, photon: &mut Photon, hit: &Hit, boundary: &Boundary, through: Option<Vec3>) {
+        if !boundary.is_matched() {
+            let bounce = if through.is_some() { Bounce::Transmission } else { Bounce::Glossy };
+            photon.count(self.scene, bounce, true);
+        }
         photon.cross(hit, boundary, through, self.acts(Operator::Curvature));
     }
 
@@ -108,6 +113,7 @@ impl Transport<'_> {
             return Ways::Nowhere;
         }
         let normal = facing_normal(hit, photon.direction);
+        photon.count(self.scene, Bounce::Glossy, true);
         photon.mirror(hit, normal, self.acts(Operator::Curvature));
         Ways::One
     }
@@ -146,6 +152,9 @@ impl Transport<'_> {
         let way = way.filter(|way| is_lit || way.lobe == Lobe::Transparent);
         let Some(way) = way else { return lose(photon, out) };
         photon.power = scaled(photon.power, way.factor, &mut out.energy.surfaces);
+        if let Some(bounce) = Bounce::of(way.lobe) {
+            photon.count(self.scene, bounce, met.keeps_focus(way.lobe));
+        }
         photon.take(&way, hit, &met, self.acts(Operator::Curvature));
         Ways::One
     }

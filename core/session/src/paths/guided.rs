@@ -9,6 +9,7 @@ mod collisions;
 mod directions;
 mod glass;
 
+use crate::bounces::Bounce;
 use crate::color::mean;
 use crate::paths::emission::{Lights, choose_light};
 use crate::paths::events::Ways;
@@ -118,7 +119,7 @@ impl Tree<'_, '_> {
         self.followed += 1;
         let transport = self.transport;
         let segment = transport.segment(photon, knots);
-        if self.record.has_beams() {
+        if self.record.has_beams() && photon.is_seen_in_fog(transport.scene) {
             out.beams.extend(photon.beam(&segment));
         }
         let field = transport.carry_field(photon, &segment, out);
@@ -144,7 +145,9 @@ impl Tree<'_, '_> {
             Ways::Straight => self.wait(branch, out),
             Ways::One => self.follow_if_worth_it(branch, out),
             Ways::Scattered(by) => {
-                if self.is_scattered(photon, photon.power, out) && self.keeps_field(photon, sampler) {
+                if self.is_scattered(photon, by.bounce(), photon.power, out)
+                    && self.keeps_field(photon, sampler)
+                {
                     self.scatter(&mut branch, &by, out);
                 }
             }
@@ -187,11 +190,12 @@ impl Tree<'_, '_> {
     /// Whether anything is scattered, and may be; chance decides what of it goes on.
     ///
     /// - `power`: of all that is scattered.
-    fn is_scattered(&self, photon: &Photon, power: Vec3, out: &mut PhotonRecord) -> bool {
+    fn is_scattered(&self, photon: &Photon, bounce: Bounce, power: Vec3, out: &mut PhotonRecord) -> bool {
         if !(power.max_element() > 0.0) {
             return false;
         }
-        let is_allowed = self.transport.scene.allows(photon.bounces + 1);
+        let scene = self.transport.scene;
+        let is_allowed = scene.allows(photon.bounces + 1) && photon.may_be_seen_after(scene, bounce);
         add(if is_allowed { &mut out.energy.roulette } else { &mut out.energy.spent }, power);
         is_allowed
     }

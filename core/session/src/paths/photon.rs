@@ -1,5 +1,6 @@
 //! The moving photon of a light path, and what an event makes of it.
 
+use crate::bounces::{Bounce, Counted};
 use crate::kind::Kind;
 use crate::paths::record::{PhotonRecord, Record, add};
 use crate::paths::scattering::Scattering;
@@ -28,6 +29,8 @@ pub(super) struct Photon {
     pub(super) specular: bool,
     /// How often it has been scattered, reflected and refracted.
     pub(super) bounces: u32,
+    /// The same by kind.
+    pub(super) counted: Counted,
     /// How far from here its light begins, and ends: of lamps with a size, as long as it goes straight on.
     pub(super) dark: f32,
     pub(super) until: f32,
@@ -58,11 +61,36 @@ impl Photon {
     /// Whether it has bounced more often than it may; it is lost then.
     #[inline]
     pub(super) fn is_spent(&self, scene: &Scene, out: &mut PhotonRecord) -> bool {
-        let is_spent = !scene.allows(self.bounces);
+        let is_spent = !(scene.allows(self.bounces) && is_seen(scene, &self.counted));
         if is_spent {
             add(&mut out.energy.spent, self.power);
         }
         is_spent
+    }
+
+    /// Whether fog may send it to the camera.
+    #[inline]
+    pub(super) fn is_seen_in_fog(&self, scene: &Scene) -> bool {
+        scene.may_be_seen(&self.counted, Bounce::Volume)
+    }
+
+    /// Whether surfaces may.
+    #[inline]
+    pub(super) fn is_seen_on_surfaces(&self, scene: &Scene) -> bool {
+        scene.shows_surfaces() && scene.may_be_seen(&self.counted, Bounce::Diffuse)
+    }
+
+    /// Whether anything may send it to the camera once an event of a kind has scattered it.
+    pub(super) fn may_be_seen_after(&self, scene: &Scene, bounce: Bounce) -> bool {
+        let mut counted = self.counted;
+        counted.add(scene.settings.limits.as_ref(), bounce, false);
+        is_seen(scene, &counted)
+    }
+
+    /// Counts an event. `is_sharp`: whether light keeps its directions in it.
+    #[inline]
+    pub(super) fn count(&mut self, scene: &Scene, bounce: Bounce, is_sharp: bool) {
+        self.counted.add(scene.settings.limits.as_ref(), bounce, is_sharp);
     }
 
     /// Leaves what arrives on a diffuse surface that is seen for disks there; straight light is looked up by
@@ -78,7 +106,7 @@ impl Photon {
         record: Record,
         out: &mut PhotonRecord,
     ) {
-        if record.has_beams() && !self.direct && scene.shows_surfaces() {
+        if record.has_beams() && !self.direct && self.is_seen_on_surfaces(scene) {
             let (position, power, caustic) = (hit.position, self.power, self.specular);
             out.surface.push(SurfacePhoton { position, normal, power, caustic });
         }
@@ -86,7 +114,8 @@ impl Photon {
 
     /// Is scattered into a direction, by a medium or a diffuse surface.
     #[inline]
-    pub(super) fn scatter(&mut self, by: &Scattering, direction: Vec3) {
+    pub(super) fn scatter(&mut self, scene: &Scene, by: &Scattering, direction: Vec3) {
+        self.count(scene, by.bounce(), false);
         if let Some(field) = &mut self.field {
             by.turn(field, direction);
         }
@@ -170,6 +199,13 @@ impl Photon {
         }
         self.origin = hit.leave(direction);
     }
+}
+
+/// Whether anything may send light to the camera that has bounced so often.
+#[inline]
+fn is_seen(scene: &Scene, counted: &Counted) -> bool {
+    scene.may_be_seen(counted, Bounce::Volume)
+        || scene.shows_surfaces() && scene.may_be_seen(counted, Bounce::Diffuse)
 }
 
 /// The curvature that a light field meets at a hit.

@@ -89,9 +89,9 @@ impl Walk<'_, '_> {
     ) -> bool {
         let transport = self.transport;
         let segment = transport.segment(photon, knots);
-        if self.record.has_beams() {
+        if self.record.has_beams() && photon.is_seen_in_fog(transport.scene) {
             out.beams.extend(photon.beam(&segment));
-        } else if self.record == Record::Connections {
+        } else if self.record == Record::Connections && photon.is_seen_in_fog(transport.scene) {
             transport.connect_segment(photon, &segment, sampler, out);
         }
         let weights = photon.weights() / transport.limits.at(photon.origin, photon.events);
@@ -191,7 +191,7 @@ impl Walk<'_, '_> {
         let [u, v] = sampler.uniform_pair();
         let limit = self.transport.limits.at(by.place(), photon.events);
         let Some(u) = photon.survive_by_weight(limit, u, out) else { return false };
-        photon.scatter(by, by.direction([u, v]));
+        photon.scatter(self.transport.scene, by, by.direction([u, v]));
         true
     }
 }

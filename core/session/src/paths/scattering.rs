@@ -1,5 +1,6 @@
 //! Scattering into directions that are drawn: a collision in a medium, or a diffuse surface.
 
+use crate::bounces::Bounce;
 use crate::light::cosine_direction;
 use covbeam::{LightField, Medium, PhaseFunction};
 use covbeam_geometry::hit::Hit;
@@ -32,6 +33,15 @@ impl Scattering<'_> {
         match *self {
             Self::Medium { place, .. } => place,
             Self::Surface { hit, .. } => hit.position,
+        }
+    }
+
+    /// What kind of event it is.
+    #[inline]
+    pub(super) fn bounce(&self) -> Bounce {
+        match self {
+            Self::Medium { .. } => Bounce::Volume,
+            Self::Surface { .. } => Bounce::Diffuse,
         }
     }
 

@@ -186,6 +186,7 @@ fn settings() -> Settings {
         },
         light_field_share: 0.1,
         bounces: None,
+        limits: None,
     }
 }
 

@@ -15,6 +15,8 @@ def note_settings(depsgraph, camera_object, report):
         report.add(source, "stereoscopy", "one view, from the camera itself")
     if hasattr(scene, "cycles") and scene.cycles.film_exposure != 1:
         report.add(source, "Film Exposure of Cycles", "1")
+    if hasattr(scene, "covbeam") and scene.covbeam.orders == "ALL":
+        report.add(source, "limits of Cycles' Light Paths", "light of all orders, as Light in Advanced says")
     source = f'View layer "{layer.name}"'
     if layer.material_override is not None:
         report.add(source, "material override", "objects keep their materials")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Renders a scene pass by pass: the library's session of what was exported."""
 
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from covbeam import session
@@ -19,7 +19,7 @@ class Settings:
     - grid: voxels along the longest side of the covariance grid, up to 256; 0: the scene's own.
     - radius: of the kernels in pass 1 [m]; 0: the scene's own.
     - quality: relative bias that kernels and filters of pass 1 may cause, in (0, 1]; it falls with the passes.
-    - bounces: largest number of scatterings and reflections of light, None for any.
+    - bounces: largest number of scatterings and reflections of light, None for any; limits: a covbeam.session.BounceLimits beside that, or None.
     - beyond: whether fog behind the first surface is rendered too, through glass and in mirrors.
     - threads: 0 for all cores.
     """
@@ -30,6 +30,7 @@ class Settings:
     radius: float = 0.0
     quality: float = 0.01
     bounces: int | None = None
+    limits: session.BounceLimits | None = None
     beyond: bool = True
     threads: int = 0
 
@@ -68,7 +69,8 @@ class Session(session.Session):
 
     def __init__(self, scene, settings, poll=None, instants=()):
         more = {"instants": [described(each) for each in instants], "first_apart": True, "poll": poll}
-        super().__init__(described(scene), **asdict(settings), **more)
+        chosen = {each.name: getattr(settings, each.name) for each in fields(settings)}
+        super().__init__(described(scene), **chosen, **more)
         self._is_mirrored = _is_mirrored(scene.camera)
 
     def picture(self, poll=None):

@@ -295,6 +295,19 @@ class Host(ctypes.Structure):
     ]
 
 
+class BounceLimits(ctypes.Structure):
+    _fields_ = [
+        ("limited", ctypes.c_uint32),
+        ("total", ctypes.c_uint32),
+        ("diffuse", ctypes.c_uint32),
+        ("glossy", ctypes.c_uint32),
+        ("transmission", ctypes.c_uint32),
+        ("volume", ctypes.c_uint32),
+        ("free_reflections", ctypes.c_uint32),
+        ("free_transmissions", ctypes.c_uint32),
+    ]
+
+
 class SessionSettings(ctypes.Structure):
     _fields_ = [
         ("struct_size", ctypes.c_uint32),
@@ -313,6 +326,7 @@ class SessionSettings(ctypes.Structure):
         ("error", ctypes.c_double),
         ("spawn", ctypes.c_void_p),
         ("spawn_user", ctypes.c_void_p),
+        ("limits", BounceLimits),
     ]
 
 

@@ -5,7 +5,7 @@ use super::*;
 use crate::session::picture::*;
 use crate::session::render::*;
 use crate::session::scene::{covbeam_scene, covbeam_scene_free, covbeam_scene_new};
-use crate::session::settings::covbeam_session_settings;
+use crate::session::settings::{covbeam_bounce_limits, covbeam_session_settings};
 use core::ffi::c_void;
 
 const SETTINGS: covbeam_session_settings = covbeam_session_settings {
@@ -25,6 +25,16 @@ const SETTINGS: covbeam_session_settings = covbeam_session_settings {
     error: 0.0,
     spawn: None,
     spawn_user: core::ptr::null_mut(),
+    limits: covbeam_bounce_limits {
+        limited: 0,
+        total: 0,
+        diffuse: 0,
+        glossy: 0,
+        transmission: 0,
+        volume: 0,
+        free_reflections: 0,
+        free_transmissions: 0,
+    },
 };
 
 /// Fog everywhere, without anything in it.

@@ -2,6 +2,7 @@
 //! what is lost.
 
 use super::{Branch, LEAST, MOST, Tree};
+use crate::bounces::Bounce;
 use crate::color::mean;
 use crate::paths::events::scattered;
 use crate::paths::fields::CarriedField;
@@ -60,7 +61,7 @@ impl Tree<'_, '_> {
         let Branch { ref photon, ref mut sampler, depth } = *branch;
         let gone = Vec3::ONE - inside.fog.transmittance(inside.column.at(end));
         let scattered = scattered(inside.fog, photon.power * gone, out);
-        if !self.is_scattered(photon, scattered, out) {
+        if !self.is_scattered(photon, Bounce::Volume, scattered, out) {
             return;
         }
         let collisions = self.collisions(photon, inside, gone, visible, sampler, depth);

@@ -57,7 +57,7 @@ impl Tree<'_, '_> {
             if factor > 0.0 {
                 let mut child = photon.clone();
                 child.power = power * factor;
-                child.scatter(by, direction);
+                child.scatter(self.transport.scene, by, direction);
                 add(&mut out.energy.roulette, -child.power);
                 self.wait(Branch { photon: child, sampler: sampler.branch(), depth }, out);
             }

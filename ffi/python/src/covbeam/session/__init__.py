@@ -12,13 +12,14 @@ poll raises ends the call, Ctrl-C too. covbeam_session.h is the manual of the fi
 
 from ._described import Camera, Light, LightKind, Projection, Volume, Voxels
 from ._geometry import HIT, Geometry
-from ._render import End, Layer, Method, Session
+from ._render import BounceLimits, End, Layer, Method, Session
 from ._scene import MATERIAL, SHAPE, Scene, ShapeKind
 
 __all__ = [
     "HIT",
     "MATERIAL",
     "SHAPE",
+    "BounceLimits",
     "Camera",
     "End",
     "Geometry",

@@ -1,6 +1,7 @@
 """Sessions: passes and pictures of a scene."""
 
 import ctypes
+from dataclasses import asdict, dataclass
 from enum import IntEnum
 
 import numpy as np
@@ -54,8 +55,34 @@ class End(IntEnum):
     DARK = 2
 
 
+@dataclass(frozen=True)
+class BounceLimits:
+    """Limits of scatterings and reflections by kind, as path tracers have them: they count from the camera, every event on the way but the last
+    one before the lamp. 32-bit numbers >= 0.
+
+    - total: of all kinds together.
+    - diffuse, glossy: of reflections; transmission: of what is sent on behind a surface, but for what goes straight on.
+    - volume: of scatterings by media, the one that sends light to the camera included.
+    - free_reflections, free_transmissions: whether sharp ones on the way from a lamp count as glossy or transmission alone, from the second one on,
+      so that caustics are there whatever the other limits say.
+    """
+
+    total: int
+    diffuse: int
+    glossy: int
+    transmission: int
+    volume: int
+    free_reflections: bool = False
+    free_transmissions: bool = False
+
+
 #: What the time goes into, in the library's order.
 _PARTS = ("photons", "light fields", "grid", "beams", "plan", "gather")
+
+
+def _whole_limits(limits):
+    """The fields of a BounceLimits that the library takes; none of None."""
+    return {} if limits is None else {name: whole(f"settings.limits.{name}", value) for name, value in asdict(limits).items()}
 
 
 class Session(Object):
@@ -71,6 +98,7 @@ class Session(Object):
     - radius: of the beams' kernels in the first pass [m]; 0: the scene's own.
     - quality: relative bias that kernels and filters of the first pass may cause, 1e-6 to 1; it falls with the passes.
     - bounces: largest number of scatterings and reflections of light before the one that sends it to the camera, None for any.
+    - limits: a BounceLimits beside that, or None.
     - kinds_apart, first_apart: whether the layers that need it are kept; beyond: whether there is anything from the first surface on.
     - every_pixel: whether each pass has an eye ray through every pixel.
     - first_pass: number of the first pass, from 0; merge() adds others.
@@ -90,6 +118,7 @@ class Session(Object):
         radius=0.0,
         quality=0.01,
         bounces=None,
+        limits=None,
         kinds_apart=False,
         first_apart=False,
         beyond=True,
@@ -113,6 +142,7 @@ class Session(Object):
             every_pixel=bool(every_pixel),
             radius=number("settings.radius", radius),
             error=number("settings.quality", quality, (1e-6, 1.0)),
+            limits=abi.BounceLimits(limited=limits is not None, **_whole_limits(limits)),
         )
         scenes = (scene, *instants)
         for each in scenes:
