@@ -463,6 +463,14 @@ typedef struct covbeam_material {
      * A value of covbeam_asks.
      */
     uint32_t asks;
+    /**
+     * Not 0: of light on its way from a lamp another share goes straight on, which is the next.
+     */
+    uint32_t has_shadow;
+    /**
+     * Of that light; the other lobes lose nothing for it, but glass does not act on light that it lets by more freely than `transparent` says.
+     */
+    float shadow[3];
 } covbeam_material;
 
 /**
@@ -477,6 +485,18 @@ typedef struct covbeam_object {
      * Not 0: it has an inside. Fog inside of what is of glass is kept apart from that outside.
      */
     uint32_t is_closed;
+    /**
+     * Sum of values of covbeam_rays that do not see it: to them it is not there.
+     */
+    uint32_t hidden_from;
+    /**
+     * Which set it is in, below 64, for lamps that light some only.
+     */
+    uint32_t light_set;
+    /**
+     * And for those of which some only cast shadows.
+     */
+    uint32_t shadow_set;
 } covbeam_object;
 
 /**
@@ -598,6 +618,24 @@ typedef struct covbeam_volume {
      * Where it falls to, unit.
      */
     double up[3];
+    /**
+     * Sum of values of covbeam_rays that do not see it: of the camera, and to lamps, whose straight light is not dimmed in it then, and scattered all
+     * the same. What has no end dims all light.
+     */
+    uint32_t hidden_from;
+    /**
+     * Which set it is in, below 64, for lamps that light some only.
+     */
+    uint32_t light_set;
+    /**
+     * And for those of which some only cast shadows: of others' straight light it takes from what it scatters as much as if it reached to the lamp, and
+     * nothing from all else.
+     */
+    uint32_t shadow_set;
+    /**
+     * Not read.
+     */
+    uint32_t unused;
 } covbeam_volume;
 
 /**
@@ -702,9 +740,26 @@ typedef struct covbeam_light {
      */
     uint32_t is_own;
     /**
-     * Not read.
+     * Sum of values of covbeam_rays that do not see it: it does not fall on what they leave. Of the camera's and those to lamps none is read.
      */
-    uint32_t unused;
+    uint32_t hidden_from;
+    /**
+     * Sets of objects and volumes that it does not fall on straight, a bit each.
+     */
+    uint64_t unlit;
+    /**
+     * Sets of objects that cast no shadow of it: it passes them as if they were not there, and falls on them all the same.
+     */
+    uint64_t unshadowed;
+    /**
+     * Its straight light is times d^a d^2/(s + d^2) at a distance d; this is a, 0 to 4: 1 makes light of a point fall with the distance, 2 lets it
+     * be as strong everywhere. Of suns and skies it is not read.
+     */
+    double falloff;
+    /**
+     * That is s [m2].
+     */
+    double smooth;
 } covbeam_light;
 
 /**

@@ -135,14 +135,14 @@ impl Instances {
         })
     }
 
-    /// All hits with distance in (0, max_distance), from near to far; `direction` is unit. None: `ends` says of the material of one, by its
-    /// number, that it ends the ray. A ray through an edge hits both triangles, and one through a corner all.
+    /// All hits with distance in (0, max_distance), from near to far; `direction` is unit. None: `ends` says of one, by the numbers of its
+    /// material and its object, that it ends the ray. A ray through an edge hits both triangles, and one through a corner all.
     pub fn all_unless(
         &self,
         origin: DVec3,
         direction: DVec3,
         max_distance: f64,
-        ends: impl Fn(u32) -> bool,
+        ends: impl Fn(u32, u32) -> bool,
     ) -> Option<SmallVec<[InstanceHit; 8]>> {
         let mut found = SmallVec::new();
         let Some(frame) = &self.frame else { return Some(found) };
@@ -151,7 +151,7 @@ impl Instances {
             let instance = &self.instances[index];
             instance.any(self.triangles(instance), origin, direction, max_distance, |triangle| {
                 let hit = InstanceHit { instance: index as u32, triangle };
-                let is_end = ends(self.material(&hit));
+                let is_end = ends(self.material(&hit), instance.object);
                 if !is_end {
                     found.push(hit);
                 }

@@ -7,7 +7,7 @@ pub mod sight;
 pub mod starts;
 pub(crate) mod straight;
 
-use crate::eye::branch::Branch;
+use crate::eye::branch::{Branch, REFLECTED, REFRACTED};
 use crate::eye::segment::EyeSegment;
 pub use crate::eye::shown::SmallLamps;
 use crate::eye::starts::{EyeStart, EyeStarts};
@@ -18,8 +18,8 @@ use crate::random::Random;
 use crate::scene::geometry::MOST_BOUNDS;
 use crate::scene::media;
 use crate::scene::optics::{Boundary, Interior, facing_normal, reflect};
-use crate::scene::passage::{clear, passage};
-use crate::scene::{Light, Material, Scene, SceneMedium};
+use crate::scene::passage::{Looks, clear, passage};
+use crate::scene::{Light, Material, Rays, Scene, SceneMedium};
 use crate::surface::clearance::Clearance;
 use crate::surface::encounter::Encounter;
 use crate::surface::{SurfaceMap, flat_within};
@@ -121,9 +121,9 @@ impl EyeTracer<'_> {
         let mut knots = Vec::new();
         for _ in 0..=MOST_BOUNDS {
             let hit = scene.intersect_flat(branch.origin, branch.direction, f32::INFINITY);
-            let beyond = hit
-                .as_ref()
-                .and_then(|hit| Some((hit, clear(scene, hit, branch.direction, &branch.interior)?)));
+            let beyond = hit.as_ref().and_then(|hit| {
+                Some((hit, clear(scene, hit, branch.direction, &branch.interior, branch.ray)?))
+            });
             let length = hit.as_ref().map_or(f32::INFINITY, |hit| hit.distance);
             if let Some(segment) = branch.segment(scene, length, pixel) {
                 segments.push(segment);
@@ -173,7 +173,7 @@ impl EyeTracer<'_> {
             let hit = scene.intersect(branch.origin, branch.direction, f32::INFINITY);
             self.travel(&mut branch, hit.as_ref(), &mut path);
             let Some(hit) = hit.filter(|_| branch.throughput != Vec3::ZERO) else { continue };
-            match clear(scene, &hit, branch.direction, &branch.interior) {
+            match clear(scene, &hit, branch.direction, &branch.interior, branch.ray) {
                 Some(interior) => path.branches.push(branch.straight_on(&hit, interior)),
                 None => self.meet(&branch, &hit, &mut path, random),
             }
@@ -224,7 +224,7 @@ impl EyeTracer<'_> {
             Material::Mirror { reflectance } => {
                 let normal = facing_normal(hit, branch.direction);
                 let direction = reflect(branch.direction, normal);
-                path.branches.push(branch.next(hit, direction, reflectance, branch.interior, 1));
+                path.branches.push(branch.next(hit, direction, reflectance, branch.interior, REFLECTED));
             }
             Material::Dielectric { .. } => self.split(branch, hit, path, random),
         }
@@ -239,9 +239,10 @@ impl EyeTracer<'_> {
         let scale = boundary.eta * boundary.eta;
         let through = boundary.refracted.map(|direction| {
             let weight = Vec3::splat((1.0 - reflectance) * scale);
-            branch.next(hit, direction, weight, boundary.beyond, 2)
+            branch.next(hit, direction, weight, boundary.beyond, REFRACTED)
         });
-        let mut back = branch.next(hit, boundary.reflected, Vec3::splat(reflectance), branch.interior, 1);
+        let weight = Vec3::splat(reflectance);
+        let mut back = branch.next(hit, boundary.reflected, weight, branch.interior, REFLECTED);
         match through {
             None => path.branches.push(back),
             Some(through) if branch.depth < SPLITS => path.branches.extend([back, through]),
@@ -259,7 +260,7 @@ impl EyeTracer<'_> {
     /// Radiance leaving a diffuse surface: direct light and the photons that came any other way.
     fn reflected(&self, hit: &Hit, branch: &Branch, albedo: Vec3, random: &mut Random) -> ByKind {
         let normal = facing_normal(hit, branch.direction);
-        self.irradiance(hit, normal, branch.interior, random)
+        self.irradiance(hit, (normal, branch.interior, Rays::DIFFUSE), random)
             .map(|irradiance| albedo * irradiance * FRAC_1_PI)
     }
 
@@ -267,11 +268,11 @@ impl EyeTracer<'_> {
     fn seen(&self, hit: &Hit, branch: &Branch, met: &Encounter, random: &mut Random) -> ByKind {
         let mut sum = ByKind::default();
         let [back, through] = met.diffuse();
-        for (share, normal, interior) in
-            [(back, met.normal, branch.interior), (through, -met.normal, met.beyond())]
-        {
+        let here = (met.normal, branch.interior, Rays::DIFFUSE);
+        let beyond = (-met.normal, met.beyond(), Rays::TRANSMISSION);
+        for (share, side) in [(back, here), (through, beyond)] {
             if share != Vec3::ZERO {
-                let irradiance = self.irradiance(hit, normal, interior, random);
+                let irradiance = self.irradiance(hit, side, random);
                 sum.iter_mut()
                     .zip(irradiance)
                     .for_each(|(sum, irradiance)| *sum += share * irradiance * FRAC_1_PI);
@@ -279,7 +280,8 @@ impl EyeTracer<'_> {
         }
         if met.is_rough() {
             let start = hit.leave(met.normal);
-            let asked = self.lamps.on_surface(start, met.normal, self.shift(random));
+            let mut asked = self.lamps.on_surface(start, met.normal, self.shift(random));
+            asked.retain(|(lamp, _)| self.scene.falls_on(*lamp, hit, Rays::GLOSSY));
             let arriving =
                 straight_irradiance(self.scene, self.fogs, branch.interior, start, &asked, |light| {
                     let (density, from) = light.flux_density(start, [random.uniform(), random.uniform()]);
@@ -291,8 +293,13 @@ impl EyeTracer<'_> {
         sum
     }
 
-    /// Irradiance on one side of a surface.
-    fn irradiance(&self, hit: &Hit, normal: Vec3, interior: Interior, random: &mut Random) -> ByKind {
+    /// Irradiance on one side of a surface: by its normal, what is around it there, and the kind of the rays to what shines on it.
+    fn irradiance(
+        &self,
+        hit: &Hit,
+        (normal, interior, ray): (Vec3, Interior, Rays),
+        random: &mut Random,
+    ) -> ByKind {
         let start = hit.leave(normal);
         let reach = self.surfaces.reach();
         let unbounded = Clearance::of(f32::INFINITY);
@@ -301,7 +308,8 @@ impl EyeTracer<'_> {
             Clearance::new(self.scene, start, normal, reach, random)
         });
         let mut irradiance = self.surfaces.irradiance(hit.position, normal, &hit.curvature, clear);
-        let asked = self.lamps.on_surface(hit.position, normal, self.shift(random));
+        let mut asked = self.lamps.on_surface(hit.position, normal, self.shift(random));
+        asked.retain(|(lamp, _)| self.scene.falls_on(*lamp, hit, ray));
         irradiance[Kind::Straight as usize] =
             straight_irradiance(self.scene, self.fogs, interior, start, &asked, |light| {
                 light.irradiance(hit.position, normal, random)
@@ -330,7 +338,9 @@ pub(crate) fn straight_irradiance(
     for &(lamp, count) in asked {
         let (direct, from) = unshadowed(&scene.lights[lamp]);
         if direct.max_element() > 0.0 {
-            sum += count * direct * passage(scene, fogs, interior, start, from);
+            let links = scene.links_of(lamp);
+            let arrives = passage(scene, fogs, interior, [start, from], Looks::For(&links));
+            sum += count * direct * links.falloff.at(start.distance(from)) * arrives;
         }
     }
     sum

@@ -29,4 +29,5 @@ pub mod scene;
 pub mod session;
 pub mod settings;
 pub mod surface;
+pub mod visibility;
 pub mod work;

@@ -7,6 +7,7 @@ pub mod volume;
 
 use crate::medium::density::MediumDensity;
 use crate::medium::glow::Glow;
+use crate::visibility::Heed;
 use covbeam::Medium;
 use std::sync::Arc;
 
@@ -22,4 +23,6 @@ pub struct SceneMedium {
     pub density: MediumDensity,
     /// Light that it sends out of itself; a scene's lights have it, too, as [`Light::Glow`](crate::light::kinds::Light::Glow). None: it is dark.
     pub glow: Option<Arc<Glow>>,
+    /// By which rays and lamps it is not heeded: of the rays those of the camera and those to lamps count.
+    pub heed: Heed,
 }

@@ -10,6 +10,7 @@ mod lit;
 pub mod operators;
 mod photon;
 mod plain;
+mod reception;
 pub mod record;
 mod roulette;
 mod scattering;

@@ -20,6 +20,7 @@ pub use crate::medium::density::MediumDensity;
 pub use crate::medium::{MediumId, SceneMedium};
 pub use crate::object::Object;
 pub use crate::object::placed::{Placed, PlacedObject};
+pub use crate::visibility::{Heed, Links, Rays};
 use covbeam_geometry::hit::Hit;
 pub use covbeam_geometry::shape::Shape;
 use glam::Vec3;
@@ -49,6 +50,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Those that are seen.
     pub shown: Shown,
+    /// By light; what lights behind the last of them shine on is everything.
+    pub links: Vec<Links>,
     /// Scattering media.
     pub media: Vec<SceneMedium>,
     /// The medium outside all closed dielectric objects and all placed ones that are filled; None = vacuum.
@@ -109,6 +112,47 @@ impl Scene {
     pub(crate) fn placed_hit(&self, hit: &Hit) -> Option<(&Placed, u32)> {
         let object = hit.object.checked_sub(self.objects.len() as u32)?;
         Some((self.placed.as_ref()?, object))
+    }
+
+    /// On what a light falls.
+    #[inline]
+    pub(crate) fn links_of(&self, light: usize) -> Links {
+        self.links.get(light).copied().unwrap_or_default()
+    }
+
+    /// Whether a light falls on what was hit, where rays of a kind leave that.
+    #[inline]
+    pub(crate) fn falls_on(&self, light: usize, hit: &Hit, ray: Rays) -> bool {
+        let links = self.links_of(light);
+        links == Links::default()
+            || links.lights(self.object_of(hit).heed.light_set) && !links.hidden.has(ray)
+    }
+
+    /// The placed object that was hit, or one of which nothing is told.
+    #[inline]
+    pub(crate) fn object_of(&self, hit: &Hit) -> PlacedObject {
+        self.placed_hit(hit)
+            .map_or_else(PlacedObject::default, |(placed, object)| placed.objects()[object as usize])
+    }
+
+    /// Whether all rays see everything alike, and lamps light and are shadowed by everything.
+    pub(crate) fn is_plain(&self) -> bool {
+        let is_plain = |material: &Material| material.shadow() == material.transparent();
+        self.links.iter().all(|links| *links == Links::default())
+            && self.placed.as_ref().is_none_or(Placed::is_plain)
+            && self.media.iter().all(|medium| medium.heed == Heed::default())
+            && self.materials().all(is_plain)
+    }
+
+    /// Whether rays of a kind do not see a medium.
+    #[inline]
+    pub(crate) fn is_hidden(&self, region: u32, ray: Rays) -> bool {
+        self.medium_of(region).heed.hidden.has(ray)
+    }
+
+    /// Whether lamps pass things as if they were not there.
+    pub(crate) fn has_unshadowed(&self) -> bool {
+        self.links.iter().any(|links| links.unshadowed != 0)
     }
 
     /// Whether light may be scattered and reflected so often.
@@ -189,7 +233,10 @@ impl Scene {
         let middle = 0.5 * (self.grid.min + self.grid.max);
         let size = 0.5 * (self.grid.max - self.grid.min).length();
         let distance = size.max((self.camera.position - middle).length());
-        let intensity: f32 = self.lights.iter().map(|light| light.flux().max_element() / (4.0 * PI)).sum();
+        let intensity = |(number, light): (usize, &Light)| {
+            light.flux().max_element() * self.links_of(number).falloff.typical() / (4.0 * PI)
+        };
+        let intensity: f32 = self.lights.iter().enumerate().map(intensity).sum();
         let scattering = self.media.iter().map(|medium| medium.medium.scattering.max_element());
         let scattered = (scattering.fold(0.0, f32::max) * distance).clamp(1e-3, 1.0);
         let glow = self.media.iter().filter_map(|medium| medium.glow.as_ref());

@@ -104,8 +104,20 @@ fn parse_beside(text: &str, source_name: &str, files: &SceneFiles<'_>) -> Result
     check_exponential(&root, &media, outside, given.corners, &objects, &camera, &lights)?;
     let (grid, settings) = (defaults::NO_GRID, given.settings);
     let (placed, sees) = (None, Sees::Everything);
-    let mut scene =
-        Scene { objects, placed, lights, shown, media, outside, camera, grid, settings, sees, notes };
+    let mut scene = Scene {
+        objects,
+        placed,
+        lights,
+        shown,
+        links: Vec::new(),
+        media,
+        outside,
+        camera,
+        grid,
+        settings,
+        sees,
+        notes,
+    };
     scene.complete(&given);
     Ok(scene)
 }

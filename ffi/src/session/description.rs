@@ -11,9 +11,20 @@ use ::covbeam_session::describe::{
     Volume, VolumeFields,
 };
 use ::covbeam_session::material::Asks;
-use ::covbeam_session::scene::Sees;
+use ::covbeam_session::scene::{Rays, Sees};
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
+
+/// The values of covbeam_rays are the bits of the session's.
+const _: () = {
+    use covbeam_rays::*;
+    assert!(COVBEAM_RAYS_CAMERA as u32 == Rays::CAMERA.bits());
+    assert!(COVBEAM_RAYS_DIFFUSE as u32 == Rays::DIFFUSE.bits());
+    assert!(COVBEAM_RAYS_GLOSSY as u32 == Rays::GLOSSY.bits());
+    assert!(COVBEAM_RAYS_TRANSMISSION as u32 == Rays::TRANSMISSION.bits());
+    assert!(COVBEAM_RAYS_VOLUME as u32 == Rays::VOLUME.bits());
+    assert!(COVBEAM_RAYS_SHADOW as u32 == Rays::SHADOW.bits());
+};
 
 /// All that a scene is made of but its placed meshes.
 #[repr(C)]
@@ -116,6 +127,7 @@ pub(super) fn material(given: &covbeam_material) -> MaterialFields {
         glass_transmission: given.glass_transmission,
         coat,
         transparent,
+        shadow: (given.has_shadow != 0).then_some(given.shadow),
         ior: if ior == 0.0 { 1.5 } else { ior },
         roughness: alpha,
     }
@@ -134,7 +146,8 @@ fn asking((index, given): (usize, &covbeam_material)) -> Result<MaterialFields, 
 }
 
 fn object(given: &covbeam_object) -> ObjectFields {
-    ObjectFields { volume: given.volume, is_closed: given.is_closed != 0 }
+    let covbeam_object { volume, hidden_from, light_set, shadow_set, .. } = *given;
+    ObjectFields { volume, is_closed: given.is_closed != 0, hidden_from, light_set, shadow_set }
 }
 
 fn shape(index: usize, given: &covbeam_shape) -> Result<ShapeFields, Failure> {
@@ -186,6 +199,9 @@ unsafe fn volume<'a>(index: usize, given: &covbeam_volume) -> Result<Volume<'a>,
         scale_height: given.scale_height,
         origin: given.origin,
         up: given.up,
+        hidden_from: given.hidden_from,
+        light_set: given.light_set,
+        shadow_set: given.shadow_set,
     };
     Ok(Volume { fields, densities: (!is_even).then_some(densities), glow: (!is_dark).then_some(glow), parts })
 }
@@ -235,6 +251,11 @@ unsafe fn light<'a>(index: usize, given: &covbeam_light) -> Result<Light<'a>, Fa
         columns,
         is_visible: given.is_visible != 0,
         is_own: given.is_own != 0,
+        unlit: given.unlit,
+        unshadowed: given.unshadowed,
+        hidden_from: given.hidden_from,
+        falloff: given.falloff,
+        smooth: given.smooth,
     };
     Ok(Light { fields, triangles, cells: (!is_even).then_some(cells) })
 }

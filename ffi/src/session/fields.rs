@@ -27,6 +27,10 @@ pub struct covbeam_material {
     pub alpha: f32,
     /// A value of covbeam_asks.
     pub asks: u32,
+    /// Not 0: of light on its way from a lamp another share goes straight on, which is the next.
+    pub has_shadow: u32,
+    /// Of that light; the other lobes lose nothing for it, but glass does not act on light that it lets by more freely than `transparent` says.
+    pub shadow: [f32; 3],
 }
 
 /// What a host that keeps its own geometry (covbeam_host) is asked for where a material is met.
@@ -51,6 +55,30 @@ pub struct covbeam_object {
     pub volume: i32,
     /// Not 0: it has an inside. Fog inside of what is of glass is kept apart from that outside.
     pub is_closed: u32,
+    /// Sum of values of covbeam_rays that do not see it: to them it is not there.
+    pub hidden_from: u32,
+    /// Which set it is in, below 64, for lamps that light some only.
+    pub light_set: u32,
+    /// And for those of which some only cast shadows.
+    pub shadow_set: u32,
+}
+
+/// Kinds of rays, which go from the eye to the light: light that a diffuse surface sends to the camera is seen by a diffuse ray.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum covbeam_rays {
+    /// From the camera.
+    COVBEAM_RAYS_CAMERA = 1,
+    /// From a diffuse surface.
+    COVBEAM_RAYS_DIFFUSE = 2,
+    /// From what reflects as metal, coats and glass do.
+    COVBEAM_RAYS_GLOSSY = 4,
+    /// From what lets light through, refracted or diffusely.
+    COVBEAM_RAYS_TRANSMISSION = 8,
+    /// From a place in a volume.
+    COVBEAM_RAYS_VOLUME = 16,
+    /// From anywhere to a lamp.
+    COVBEAM_RAYS_SHADOW = 32,
 }
 
 /// Kinds of shapes.
@@ -130,6 +158,16 @@ pub struct covbeam_volume {
     pub origin: [f64; 3],
     /// Where it falls to, unit.
     pub up: [f64; 3],
+    /// Sum of values of covbeam_rays that do not see it: of the camera, and to lamps, whose straight light is not dimmed in it then, and scattered all
+    /// the same. What has no end dims all light.
+    pub hidden_from: u32,
+    /// Which set it is in, below 64, for lamps that light some only.
+    pub light_set: u32,
+    /// And for those of which some only cast shadows: of others' straight light it takes from what it scatters as much as if it reached to the lamp, and
+    /// nothing from all else.
+    pub shadow_set: u32,
+    /// Not read.
+    pub unused: u32,
 }
 
 /// Kinds of lights.
@@ -203,8 +241,17 @@ pub struct covbeam_light {
     /// Not 0: a host (covbeam_host) says what it sends. What is described is an estimate then, by which the library chooses among lamps and which
     /// is what the camera sees of it; it shines wherever the host's lamp does.
     pub is_own: u32,
-    /// Not read.
-    pub unused: u32,
+    /// Sum of values of covbeam_rays that do not see it: it does not fall on what they leave. Of the camera's and those to lamps none is read.
+    pub hidden_from: u32,
+    /// Sets of objects and volumes that it does not fall on straight, a bit each.
+    pub unlit: u64,
+    /// Sets of objects that cast no shadow of it: it passes them as if they were not there, and falls on them all the same.
+    pub unshadowed: u64,
+    /// Its straight light is times d^a d^2/(s + d^2) at a distance d; this is a, 0 to 4: 1 makes light of a point fall with the distance, 2 lets it
+    /// be as strong everywhere. Of suns and skies it is not read.
+    pub falloff: f64,
+    /// That is s [m2].
+    pub smooth: f64,
 }
 
 /// How places in the picture become rays.

@@ -1,5 +1,6 @@
 //! Checks of numbers; each error names the field.
 
+use crate::visibility::{Heed, Rays, SETS};
 use crate::work::failure::{Failure, Result, invalid};
 use covbeam_geometry::MAX_COORDINATE;
 use glam::{DVec3, Vec3};
@@ -11,6 +12,9 @@ const UNIT: f64 = 1e-3;
 
 /// Largest radiometric value: single precision holds its products with what a scene has.
 pub(super) const BRIGHTEST: f64 = 1e30;
+
+/// Number of the last set that an object or a medium may be in.
+const LAST_SET: f64 = SETS as f64 - 1.0;
 
 /// Something whose fields are read, such as a light: it is named where one of them is wrong.
 pub(super) struct Fields<'a> {
@@ -65,6 +69,22 @@ impl<'a> Fields<'a> {
             return Err(self.wrong(name, value, "a vector of length 1"));
         }
         Ok(vector.normalize())
+    }
+
+    /// A set of kinds of rays.
+    pub(super) fn rays(&self, name: &str, bits: u32) -> Result<Rays> {
+        let wanted = format_args!("a sum of the bits up to {}", Rays::SHADOW.bits());
+        Rays::from_bits(bits).ok_or_else(|| self.wrong(name, bits, wanted))
+    }
+
+    /// What lamps and rays do not heed something.
+    pub(super) fn heed(&self, hidden_from: u32, light_set: u32, shadow_set: u32) -> Result<Heed> {
+        let set = |name, set: u32| self.number(name, set.into(), 0.0..=LAST_SET).map(|set| set as u8);
+        Ok(Heed {
+            hidden: self.rays("hidden_from", hidden_from)?,
+            light_set: set("light_set", light_set)?,
+            shadow_set: set("shadow_set", shadow_set)?,
+        })
     }
 
     /// Three unit vectors at right angles.

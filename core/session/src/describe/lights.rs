@@ -4,7 +4,8 @@ use super::fields::{BRIGHTEST, Fields};
 use super::volumes::Media;
 use crate::host::Host;
 use crate::light::OwnLight;
-use crate::scene::{Area, Ball, Cone, Lamp, Light as RenderLight, Pattern, ShiningMesh, Sky, Sun};
+use crate::light::falloff::Falloff;
+use crate::scene::{Area, Ball, Cone, Lamp, Light as RenderLight, Links, Pattern, ShiningMesh, Sky, Sun};
 use crate::work::failure::Result;
 use covbeam_geometry::MAX_COORDINATE;
 use glam::{DVec3, Mat3, Vec3};
@@ -85,6 +86,16 @@ pub struct LightFields {
     pub is_visible: bool,
     /// Whether a host says what it sends; what is described is an estimate then, which shines wherever the host's light does, and what is seen.
     pub is_own: bool,
+    /// Sets of objects and volumes that it does not fall on, a bit each.
+    pub unlit: u64,
+    /// Sets of objects that it passes as if they were not there.
+    pub unshadowed: u64,
+    /// Rays that do not see it where it falls: the bits of [`Rays`](crate::visibility::Rays). The camera's and those to lamps do not count.
+    pub hidden_from: u32,
+    /// Its straight light is times dᵃ d²/(s + d²) at a distance d, s in m²: a from 0 to 4, and s. Suns and skies have none.
+    pub falloff: f64,
+    /// That is s.
+    pub smooth: f64,
 }
 
 impl LightFields {
@@ -108,17 +119,23 @@ pub struct Light<'a> {
     pub cells: Option<&'a [[f32; 3]]>,
 }
 
-/// Those that send any light, and which of them are seen.
-pub(super) fn lights(
-    given: &[Light],
-    media: &Media,
-    lit: &Lit,
-    host: Option<&Host>,
-) -> Result<(Vec<RenderLight>, Vec<bool>)> {
-    let (mut lights, mut visible) = (Vec::new(), Vec::new());
+/// Lights that send any light.
+pub(super) struct Lights {
+    pub(super) lights: Vec<RenderLight>,
+    /// Whether they are seen, by light.
+    pub(super) visible: Vec<bool>,
+    /// On what they fall.
+    pub(super) links: Vec<Links>,
+}
+
+/// Those of a description.
+pub(super) fn lights(given: &[Light], media: &Media, lit: &Lit, host: Option<&Host>) -> Result<Lights> {
+    let (mut lights, mut visible, mut links) = (Vec::new(), Vec::new(), Vec::new());
     for (index, light) in given.iter().enumerate() {
         let fields = Fields::of("lights", index);
         let Some(made) = light.light(&fields, media, lit)? else { continue };
+        let LightFields { unlit, unshadowed, hidden_from, .. } = light.fields;
+        let hidden = fields.rays("hidden_from", hidden_from)?;
         let flux = made.flux();
         if !flux.is_finite() {
             return Err(fields.wrong("flux", flux.to_array(), "a light whose power single precision holds"));
@@ -126,9 +143,13 @@ pub(super) fn lights(
         if flux != Vec3::ZERO {
             lights.push(if light.fields.is_own { own(made, index, &fields, host)? } else { made });
             visible.push(light.fields.is_visible);
+            links.push(Links { unlit, unshadowed, hidden, falloff: light.falloff(&fields, lit)? });
         }
     }
-    Ok((lights, visible))
+    if links.iter().all(|links| *links == Links::default()) {
+        links.clear();
+    }
+    Ok(Lights { lights, visible, links })
 }
 
 /// A light that the host says more about.
@@ -149,6 +170,15 @@ impl Light<'_> {
             LightKind::Mesh => self.mesh(fields),
             LightKind::Sky => self.sky(fields, media, lit),
         }
+    }
+
+    fn falloff(&self, fields: &Fields, lit: &Lit) -> Result<Falloff> {
+        let exponent = fields.number("falloff", self.fields.falloff, 0.0..=4.0)?;
+        let smooth = fields.number("smooth", self.fields.smooth, 0.0..=f64::from(MAX_COORDINATE))?;
+        if self.fields.is_far() {
+            return Ok(Falloff::default());
+        }
+        Ok(Falloff::new(exponent, smooth, lit.media.radius.max(f32::MIN_POSITIVE)))
     }
 
     fn lamp(&self, fields: &Fields, lit: &Lit) -> Result<Option<RenderLight>> {

@@ -24,6 +24,8 @@ pub struct MaterialFields {
     pub coat: [f32; 3],
     /// Of light that goes straight on.
     pub transparent: [f32; 3],
+    /// The same of light on its way from a lamp, of which the other lobes lose nothing then; None: as of all light.
+    pub shadow: Option<[f32; 3]>,
     /// Refractive index of glass and coat, over that of the side that the normal points to.
     pub ior: f32,
     /// GGX's alpha of metal, glass and coat.
@@ -49,6 +51,7 @@ impl MaterialFields {
             glass_transmission: weight("glass_transmission", self.glass_transmission)?,
             coat: weight("coat", self.coat)?,
             transparent: weight("transparent", self.transparent)?,
+            shadow: self.shadow.map(|shadow| weight("shadow", shadow)).transpose()?,
             index: fields.number("ior", self.ior.into(), 1e-3..=1e3)?,
             alpha: fields.number("roughness", self.roughness.into(), 0.0..=1.0)?,
             multiscatter: true,

@@ -27,6 +27,7 @@ use crate::pilot::defaults::{Given, NO_GRID};
 use crate::scene::{GlowingFog, Light as SceneLight, Placed, PlacedObject, Scene, Sees, nest};
 use crate::work::failure::{Result, invalid};
 use covbeam_geometry::instances::Instances;
+use fields::Fields;
 use std::sync::Arc;
 use volumes::Media;
 
@@ -52,12 +53,18 @@ pub struct Description<'a> {
 }
 
 /// What instances of one number have in common.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ObjectFields {
     /// Number of the volume that fills it, or -1.
     pub volume: i32,
     /// Whether it has an inside: fog inside of what is of glass is kept apart from that outside.
     pub is_closed: bool,
+    /// Rays that do not see it: the bits of [`Rays`].
+    pub hidden_from: u32,
+    /// Which set it is in, for lamps that light some only: below 64.
+    pub light_set: u32,
+    /// And for those of which some only cast shadows.
+    pub shadow_set: u32,
 }
 
 impl Description<'_> {
@@ -103,7 +110,7 @@ impl Description<'_> {
         nest(&mut objects);
         let bounds = extent::bounds(surfaces.as_ref().and_then(Surfaces::bounds), &objects);
         let lit = extent::lit(&self.volumes, self.world_volume, &self.lights, (bounds, &objects), &camera);
-        let (mut lights, visible) = lights::lights(&self.lights, &media, &lit, host)?;
+        let lights::Lights { mut lights, visible, links } = lights::lights(&self.lights, &media, &lit, host)?;
         media.check_height(bounds, &lights, &camera)?;
         let shown = Shown::new(&lights, |number| visible[number]);
         lights.extend(GlowingFog::all(&media.all).map(SceneLight::Glow));
@@ -115,6 +122,7 @@ impl Description<'_> {
             placed,
             lights,
             shown,
+            links,
             media: media.all,
             outside: media.outside,
             camera,
@@ -126,7 +134,9 @@ impl Description<'_> {
     }
 
     fn objects(&self, media: &Media) -> Result<Vec<PlacedObject>> {
-        let object = |(index, &ObjectFields { volume, is_closed }): (usize, &ObjectFields)| {
+        let object = |(index, given): (usize, &ObjectFields)| {
+            let ObjectFields { volume, is_closed, .. } = *given;
+            let fields = Fields::of("objects", index);
             let fog = match volume {
                 -1 => None,
                 _ => Some(media.place_of(volume).ok_or_else(|| {
@@ -137,7 +147,8 @@ impl Description<'_> {
                     )
                 })?),
             };
-            Ok(PlacedObject { fog, is_closed })
+            let heed = fields.heed(given.hidden_from, given.light_set, given.shadow_set)?;
+            Ok(PlacedObject { fog, is_closed, heed })
         };
         self.objects.iter().enumerate().map(object).collect()
     }

@@ -46,6 +46,13 @@ pub struct VolumeFields {
     pub origin: [f64; 3],
     /// Where it falls to, unit.
     pub up: [f64; 3],
+    /// Rays that do not see it, by the bits of [`Rays`](crate::visibility::Rays): of the camera, and to lamps, whose straight light is not dimmed
+    /// in it then, and scattered all the same.
+    pub hidden_from: u32,
+    /// Which set it is in, for lamps that light some only: below 64.
+    pub light_set: u32,
+    /// And for those that some only dim.
+    pub shadow_set: u32,
 }
 
 /// The same with its arrays.
@@ -103,7 +110,9 @@ impl Volume<'_> {
             Some(densities) => MediumDensity::Grid(self.voxels(&fields, densities)?),
         };
         let glow = self.glow.map(|glow| self.glow(&fields, glow)).transpose()?.flatten().map(Arc::new);
-        Ok(SceneMedium { medium, density, glow })
+        let VolumeFields { hidden_from, light_set, shadow_set, .. } = self.fields;
+        let heed = fields.heed(hidden_from, light_set, shadow_set)?;
+        Ok(SceneMedium { medium, density, glow, heed })
     }
 
     /// Whether its density falls with height.

@@ -5,8 +5,8 @@ use crate::eye::shown::Watch;
 use crate::eye::starts::EyeStart;
 use crate::paths::{GOING_ON, LONG_PATH};
 use crate::random::{Random, mix};
-use crate::scene::Scene;
 use crate::scene::optics::Interior;
+use crate::scene::{Rays, Scene};
 use crate::surface::encounter::{Encounter, Lobe, Way};
 use covbeam::EyeRay;
 use covbeam_geometry::hit::Hit;
@@ -14,6 +14,10 @@ use glam::Vec3;
 
 /// Paths lighter than this play roulette.
 const LIGHT_PATH: f32 = 0.02;
+
+/// Kinds of ways on from mirrors and boundaries of glass.
+pub(super) const REFLECTED: u64 = 1;
+pub(super) const REFRACTED: u64 = 2;
 
 /// A branch of an eye path still to be followed.
 pub(super) struct Branch {
@@ -27,6 +31,8 @@ pub(super) struct Branch {
     met: u32,
     signature: u64,
     pub(super) watch: Watch,
+    /// Its kind.
+    pub(super) ray: Rays,
 }
 
 impl Branch {
@@ -40,6 +46,7 @@ impl Branch {
             met: 0,
             signature: FIRST,
             watch: Watch::new(start.origin, is_apart),
+            ray: Rays::CAMERA,
         }
     }
 
@@ -74,7 +81,7 @@ impl Branch {
     pub(super) fn segment(&self, scene: &Scene, length: f32, pixel: u32) -> Option<EyeSegment> {
         let Self { origin, direction, throughput, interior, signature, .. } = *self;
         let ray = EyeRay { origin, direction, length };
-        let medium = interior.medium(scene)?;
+        let medium = interior.medium(scene).filter(|&medium| !scene.is_hidden(medium, self.ray))?;
         Some(EyeSegment { ray, medium, throughput, pixel, interior, signature })
     }
 
@@ -91,12 +98,13 @@ impl Branch {
             _ if met.is_rough() => next.watch.of_none(),
             _ => next.watch,
         };
-        Self { watch, ..next }
+        let ray = if way.lobe == Lobe::Transparent { self.ray } else { way.lobe.ray() };
+        Self { watch, ray, ..next }
     }
 
     /// A way on from a surface.
     ///
-    /// - `weight`: of what goes on; `kind`: of the way, for the signature.
+    /// - `weight`: of what goes on; `kind`: of the way, for the signature: [`REFLECTED`], [`REFRACTED`] or one of a lobe.
     #[inline]
     pub(super) fn next(
         &self,
@@ -116,6 +124,7 @@ impl Branch {
             met: self.met + 1,
             signature: mix(self.signature ^ (u64::from(hit.object) << 2) ^ kind),
             watch: self.watch.from(origin),
+            ray: if kind == REFRACTED { Rays::TRANSMISSION } else { Rays::GLOSSY },
         }
     }
 }

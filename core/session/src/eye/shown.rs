@@ -15,7 +15,7 @@ use crate::light::Meetings;
 use crate::light::shown::Shown;
 use crate::scene::Scene;
 use crate::scene::optics::Interior;
-use crate::scene::passage::passage;
+use crate::scene::passage::{Looks, passage};
 use covbeam::Medium;
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
@@ -96,7 +96,7 @@ pub(crate) struct Sighting {
 impl Sighting {
     /// Radiance of what is seen of it, through nothing but fog, its bounds, and what is transparent.
     pub(crate) fn dimmed(&self, scene: &Scene, fogs: &[Medium]) -> Vec3 {
-        self.radiance * passage(scene, fogs, self.interior, self.eye, self.place)
+        self.radiance * passage(scene, fogs, self.interior, [self.eye, self.place], Looks::Camera)
     }
 }
 

@@ -4,7 +4,7 @@ use crate::eye::starts::EyeStart;
 use crate::scene::geometry::MOST_BOUNDS;
 use crate::scene::optics::Interior;
 use crate::scene::passage::clear;
-use crate::scene::{MediumId, Scene};
+use crate::scene::{MediumId, Rays, Scene};
 use covbeam::EyeRay;
 use covbeam_geometry::hit::Hit;
 
@@ -47,7 +47,9 @@ impl Sight {
         loop {
             let hit = scene.intersect(origin, direction, f32::INFINITY);
             let end = passed + hit.as_ref().map_or(f32::INFINITY, |hit| hit.distance);
-            if let Some(medium) = interior.medium(scene) {
+            if let Some(medium) =
+                interior.medium(scene).filter(|&medium| !scene.is_hidden(medium, Rays::CAMERA))
+            {
                 let length = end - passed;
                 let glow = scene.medium_of(medium).glow.as_ref();
                 glows |= glow.is_some_and(|glow| glow.is_met(&EyeRay { origin, direction, length }));
@@ -57,7 +59,8 @@ impl Sight {
                 }
             }
             let Some(hit) = hit else { return Self { fog, glows, end, surface: None } };
-            let beyond = clear(scene, &hit, direction, &interior).filter(|_| bounds < MOST_BOUNDS);
+            let beyond =
+                clear(scene, &hit, direction, &interior, Rays::CAMERA).filter(|_| bounds < MOST_BOUNDS);
             let Some(beyond) = beyond else {
                 return Self { fog, glows, end, surface: Some((hit, interior)) };
             };

@@ -6,8 +6,8 @@ use crate::lamps::near::Near;
 use crate::lamps::{Drawn, LampTree, MOST_ASKED, Stretch};
 use crate::random::{Random, spread};
 use crate::scene::media;
-use crate::scene::passage::passage;
-use crate::scene::{Light, MediumDensity, Scene};
+use crate::scene::passage::{Looks, passage};
+use crate::scene::{MediumDensity, Scene};
 use covbeam::{Column, EyeRay, Knot, Medium};
 use glam::Vec3;
 
@@ -171,11 +171,11 @@ impl Straight<'_> {
         let mut sum = Vec3::ZERO;
         self.lamps.along(&stretch, draws, place, &seen, &mut |drawn: Drawn| {
             let Some(angles) = self.angles(piece, drawn.lamp) else { return };
-            let light = &self.scene.lights[drawn.lamp];
             let step = angles.width() / drawn.expected();
             for draw in drawn.draws.clone() {
                 let angle = drawn.rest(draw) * angles.width();
-                sum += self.at_angle(piece, light, &angles, (angle, step), spread(point, draw as usize));
+                let (step, point) = ((angle, step), spread(point, draw as usize));
+                sum += self.at_angle(piece, drawn.lamp, &angles, step, point);
             }
         });
         sum
@@ -197,18 +197,21 @@ impl Straight<'_> {
     /// bound where its middle's 1/d² has none: it is looked at from further away.
     fn of_lamp(&self, piece: &Piece, lamp: usize, places: u32, shifts: &Shifts) -> Vec3 {
         let Some(angles) = self.angles(piece, lamp) else { return Vec3::ZERO };
-        let light = &self.scene.lights[lamp];
         let step = angles.width() / places as f32;
         let mut sum = Vec3::ZERO;
         for index in 0..places {
             let angle = (index as f32 + shifts.place) * step;
-            sum += self.at_angle(piece, light, &angles, (angle, step), spread(shifts.point, index as usize));
+            sum += self.at_angle(piece, lamp, &angles, (angle, step), spread(shifts.point, index as usize));
         }
         sum
     }
 
     /// What a lamp shines on of a piece; None: nothing.
     fn angles(&self, piece: &Piece, lamp: usize) -> Option<Angles> {
+        let set = self.scene.medium_of(piece.segment.medium).heed.light_set;
+        if !self.scene.links_of(lamp).lights_medium(set) {
+            return None;
+        }
         let light = &self.scene.lights[lamp];
         let ray = &piece.segment.ray;
         let (from, to) = light.lit_stretch(ray.origin, ray.direction, piece.from, piece.to)?;
@@ -230,7 +233,7 @@ impl Straight<'_> {
     fn at_angle(
         &self,
         piece: &Piece,
-        light: &Light,
+        lamp: usize,
         angles: &Angles,
         (angle, step): (f32, f32),
         point: [f32; 2],
@@ -240,25 +243,30 @@ impl Straight<'_> {
             return Vec3::ZERO;
         }
         let weight = step * angles.height * (1.0 + tangent * tangent);
-        weight * self.scattered(piece, light, distance, point)
+        weight * self.scattered(piece, lamp, distance, point)
     }
 
     /// Radiance that a metre scatters to the start of the piece, from a point of the light.
-    fn scattered(&self, piece: &Piece, light: &Light, distance: f32, point: [f32; 2]) -> Vec3 {
+    fn scattered(&self, piece: &Piece, lamp: usize, distance: f32, point: [f32; 2]) -> Vec3 {
         let Piece { segment, fog, column, .. } = piece;
         let place = segment.ray.origin + distance * segment.ray.direction;
-        let (flux_density, from) = light.flux_density(place, point);
+        let (flux_density, from) = self.scene.lights[lamp].flux_density(place, point);
         if flux_density == Vec3::ZERO {
             return Vec3::ZERO;
         }
-        let arrives = passage(self.scene, self.fogs, segment.interior, place, from);
+        let links = self.scene.links_of(lamp);
+        let arrives = passage(self.scene, self.fogs, segment.interior, [place, from], Looks::For(&links));
         if arrives == Vec3::ZERO {
             return Vec3::ZERO;
         }
         let incoming = (place - from).normalize_or_zero();
         let phase = fog.phase.evaluate(-incoming.dot(segment.ray.direction));
         let amount = fog.scattering * (fog.density.at(place) * phase);
-        flux_density * amount * fog.transmittance(column.at(distance)) * arrives
+        flux_density
+            * links.falloff.at(place.distance(from))
+            * amount
+            * fog.transmittance(column.at(distance))
+            * arrives
     }
 }
 
@@ -266,9 +274,9 @@ impl Straight<'_> {
 mod tests {
     use super::*;
     use crate::eye::straight_irradiance;
-    use crate::scene::Material;
     use crate::scene::made::{Made, camera, point, sphere, spot};
     use crate::scene::optics::Interior;
+    use crate::scene::{Light, Material};
 
     const CENTRE: Vec3 = Vec3::new(0.0, 1.0, 0.0);
 

@@ -214,10 +214,15 @@ impl<'a> Marcher<'a> {
 
     /// The part of a piece of an eye path that a light may reach; with a table for the adaptive placement.
     fn stretch(&self, segment: EyeSegment, number: usize, scratch: &mut Scratch) -> Option<Stretch<'a>> {
+        let links = self.scene.links_of(number);
+        if !links.lights_medium(self.scene.medium_of(segment.medium).heed.light_set) {
+            return None;
+        }
         let (fog, ray) = (&self.fogs[segment.medium as usize], segment.ray);
         let column = media::column(fog, ray.origin, ray.direction, ray.length, &mut scratch.column);
         let is_tabulated = self.marching.placement == Placement::Adaptive;
-        let mut stretch = Stretch::new(segment, fog, &column, &self.scene.lights[number], is_tabulated)?;
+        let mut stretch =
+            Stretch::new(segment, fog, &column, (&self.scene.lights[number], links), is_tabulated)?;
         if is_tabulated {
             stretch.tabulate(self.scene, &column, number, self.guide);
         }

@@ -4,6 +4,7 @@ mod aim;
 mod area;
 mod cells;
 mod directions;
+pub mod falloff;
 mod glow;
 pub mod kinds;
 mod lamp;

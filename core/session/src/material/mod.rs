@@ -51,6 +51,8 @@ pub struct Lobes {
     pub coat: Vec3,
     /// Share that goes straight on, as if nothing were there.
     pub transparent: Vec3,
+    /// The same of light on its way from a lamp, of which the other lobes lose nothing then; None: as of all light.
+    pub shadow: Option<Vec3>,
     /// Index of refraction of glass and coat, > 0.
     pub index: f32,
     /// GGX's α of metal, glass and coat, 0..=1; 0: smooth.
@@ -85,6 +87,7 @@ impl Lobes {
         glass_transmission: Vec3::ZERO,
         coat: Vec3::ZERO,
         transparent: Vec3::ZERO,
+        shadow: None,
         index: 1.5,
         alpha: 0.0,
         multiscatter: false,
@@ -126,7 +129,10 @@ impl Material {
         if lobes.alpha < SMOOTH {
             lobes.alpha = 0.0;
         }
-        if lobes.asks != Asks::Nothing {
+        if lobes.shadow == Some(lobes.transparent) {
+            lobes.shadow = None;
+        }
+        if lobes.asks != Asks::Nothing || lobes.shadow.is_some() {
             return Self::Lobes(lobes);
         }
         let Lobes { diffuse, metal, edge, index, alpha, multiscatter, .. } = lobes;
@@ -187,6 +193,29 @@ impl Material {
             Self::Lambert { albedo } => albedo,
             Self::Lobes(lobes) => lobes.diffuse + lobes.translucent,
             _ => Vec3::ZERO,
+        }
+    }
+
+    /// The same as a sum of lobes.
+    pub(crate) fn lobes(&self) -> Lobes {
+        match *self {
+            Self::Lobes(lobes) => lobes,
+            Self::Clear => Lobes { transparent: Vec3::ONE, ..Lobes::NONE },
+            Self::Black => Lobes::NONE,
+            Self::Lambert { albedo } => Lobes { diffuse: albedo, ..Lobes::NONE },
+            Self::Mirror { reflectance } => Lobes { metal: reflectance, edge: reflectance, ..Lobes::NONE },
+            Self::Dielectric { index } => {
+                let (glass_reflection, glass_transmission) = (Vec3::ONE, Vec3::ONE);
+                Lobes { glass_reflection, glass_transmission, index, ..Lobes::NONE }
+            }
+        }
+    }
+
+    /// What of it lets light go straight on that is on its way from a lamp.
+    pub(crate) fn shadow(&self) -> Vec3 {
+        match self {
+            Self::Lobes(Lobes { shadow: Some(shadow), .. }) => *shadow,
+            material => material.transparent(),
         }
     }
 

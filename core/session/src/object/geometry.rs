@@ -78,13 +78,14 @@ impl Surfaces {
         }
     }
 
-    /// All hits with distance in (0, `reach`), from near to far. None: `ends` says of the material of one, by its number, that it ends the way.
+    /// All hits with distance in (0, `reach`), from near to far. None: `ends` says of one, by the numbers of its material and
+    /// its object, that it ends the way.
     pub(crate) fn all_unless(
         &self,
         (origin, direction): (DVec3, DVec3),
         reach: f64,
         shading: Shading,
-        ends: impl Fn(u32) -> bool,
+        ends: impl Fn(u32, u32) -> bool,
     ) -> Option<Met> {
         let mut met = Met::new();
         match self {
@@ -99,7 +100,7 @@ impl Surfaces {
                     let Some(hit) = self.nearest((from, direction), reach - passed, shading) else {
                         return Some(met);
                     };
-                    if ends(hit.material) {
+                    if ends(hit.material, hit.object) {
                         return None;
                     }
                     let distance = passed + f64::from(hit.distance);

@@ -4,6 +4,7 @@ use crate::host::Host;
 use crate::material::{Asks, Material};
 use crate::medium::fogs::AddedFogs;
 use crate::object::geometry::{MOST_SURFACES, Shading, Surfaces};
+use crate::visibility::{Heed, Links, Rays};
 use covbeam_geometry::hit::Hit;
 use covbeam_geometry::instances::Instances;
 use covbeam_geometry::shape::unite;
@@ -44,6 +45,8 @@ pub struct Placed {
     has_glass: bool,
     /// Whether any object is filled.
     has_fog: bool,
+    /// Whether nothing is told of any object that some rays or lamps do not heed.
+    is_plain: bool,
 }
 
 /// A placed object.
@@ -53,6 +56,16 @@ pub struct PlacedObject {
     pub fog: Option<u8>,
     /// Whether it has an inside. A pane of glass without thickness has none: fog behind it is not inside of glass.
     pub is_closed: bool,
+    /// By which rays and lamps it is not heeded.
+    pub heed: Heed,
+}
+
+impl PlacedObject {
+    /// Of light on its way from a lamp, what a surface of it lets by.
+    #[inline]
+    pub(crate) fn lets_by(&self, links: &Links, material: &Material) -> Vec3 {
+        if self.heed.is_in_way(links) { material.shadow() } else { Vec3::ONE }
+    }
 }
 
 /// Why placed geometry was refused.
@@ -113,11 +126,15 @@ impl Placed {
                 return Err(PlacedError::Volume { object, volume, volumes });
             }
         }
-        let shows_through = materials.iter().any(|material| material.transparent() != Vec3::ZERO);
+        let is_seen_through =
+            |material: &Material| material.transparent().max(material.shadow()) != Vec3::ZERO;
+        let shows_through = materials.iter().any(is_seen_through)
+            || objects.iter().any(|object| object.heed.hidden.has(Rays::ALL.without(Rays::LIGHT)));
         let has_glass = materials.iter().any(|material| material.has_inside())
             && objects.iter().any(|object| object.is_closed);
         let has_fog = objects.iter().any(|object| object.fog.is_some());
-        Ok(Self { surfaces, materials, objects, fogs, shows_through, has_glass, has_fog })
+        let is_plain = objects.iter().all(|object| object.heed == Heed::default());
+        Ok(Self { surfaces, materials, objects, fogs, shows_through, has_glass, has_fog, is_plain })
     }
 
     /// Where rays meet it.
@@ -154,6 +171,11 @@ impl Placed {
     /// Whether something lets light go straight on.
     pub(crate) fn shows_through(&self) -> bool {
         self.shows_through
+    }
+
+    /// Whether nothing is told of any object that some rays or lamps do not heed.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.is_plain
     }
 
     /// Whether rays are inside of anything anywhere.
@@ -293,7 +315,11 @@ pub(crate) mod tests {
             max: center + half,
         };
         let volumes = AddedFogs::new(cubes.iter().zip(0..).map(volume).collect(), &[]).expect("few");
-        let objects = (0..cubes.len() as u8).map(|fog| PlacedObject { fog: Some(fog), is_closed: true });
+        let objects = (0..cubes.len() as u8).map(|fog| PlacedObject {
+            fog: Some(fog),
+            is_closed: true,
+            ..PlacedObject::default()
+        });
         let instances = Arc::new(Instances::new(vec![model], instances));
         Placed::new(instances, vec![Material::Clear], objects.collect(), volumes)
             .expect("numbers that mean something")

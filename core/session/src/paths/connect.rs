@@ -2,10 +2,10 @@
 
 use crate::paths::photon::Photon;
 use crate::paths::record::{PhotonRecord, Splat};
-use crate::paths::segment::{Inside, PathSegment};
+use crate::paths::segment::PathSegment;
 use crate::paths::transport::Transport;
 use crate::random::PathSampler;
-use crate::scene::passage::passage;
+use crate::scene::passage::{Looks, passage};
 use crate::surface::encounter::Encounter;
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
@@ -35,7 +35,8 @@ impl Transport<'_> {
         sampler: &mut PathSampler,
         out: &mut PhotonRecord,
     ) {
-        let Some(Inside { fog, ref column, .. }) = along.inside else { return };
+        let Some(inside) = along.inside.as_ref().filter(|inside| inside.scatters) else { return };
+        let fog = inside.fog;
         let reach = along.reach.min(photon.until);
         let u = sampler.uniform();
         let direction = photon.direction;
@@ -54,14 +55,14 @@ impl Transport<'_> {
         }
         let point = photon.origin + s * direction;
         let scattering = fog.scattering * fog.density.at(point);
-        let scattered = photon.power * fog.transmittance(column.at(s)) * scattering / density;
+        let scattered = photon.faded(s) * photon.power * inside.lit(s) * scattering / density;
         self.connect(point, out, |to_camera| scattered * fog.phase.evaluate(direction.dot(to_camera)));
     }
 
     /// Connects light that a diffuse surface has reflected.
     pub(super) fn connect_diffuse(&self, photon: &Photon, hit: &Hit, normal: Vec3, out: &mut PhotonRecord) {
         if photon.is_seen_on_surfaces(self.scene) {
-            let factor = photon.power * FRAC_1_PI;
+            let factor = photon.power * (photon.faded(hit.distance) * FRAC_1_PI);
             self.connect(hit.leave(normal), out, |to_camera| factor * to_camera.dot(normal).max(0.0));
         }
     }
@@ -71,7 +72,10 @@ impl Transport<'_> {
         if photon.is_seen_on_surfaces(self.scene) {
             let from = hit.leave(self.scene.camera.position - hit.position);
             self.connect(from, out, |to_camera| {
-                photon.power * met.towards(to_camera) * to_camera.dot(met.normal).abs()
+                photon.faded(hit.distance)
+                    * photon.power
+                    * met.towards(to_camera)
+                    * to_camera.dot(met.normal).abs()
             });
         }
     }
@@ -84,7 +88,7 @@ impl Transport<'_> {
         let distance2 = offset.length_squared();
         let distance = distance2.sqrt();
         let (eye, interior) = self.camera.towards(self.scene, -offset);
-        let arrives = passage(self.scene, &self.fogs, interior, eye, vertex);
+        let arrives = passage(self.scene, &self.fogs, interior, [eye, vertex], Looks::Camera);
         if arrives == Vec3::ZERO {
             return;
         }

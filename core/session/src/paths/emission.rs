@@ -4,6 +4,7 @@ use crate::bounces::Counted;
 use crate::lamps::near::Near;
 use crate::light::EmittedPhoton;
 use crate::paths::photon::Photon;
+use crate::paths::reception::Reception;
 use crate::paths::record::{PhotonRecord, Record, add};
 use crate::paths::transport::Transport;
 use crate::paths::weight::inverse;
@@ -50,7 +51,7 @@ impl Lights {
         light: usize,
         emitted: &EmittedPhoton,
         power: Vec3,
-        record: Record,
+        (record, sampler): (Record, &mut PathSampler),
         out: &mut PhotonRecord,
     ) -> Option<Photon> {
         let source = &transport.scene.lights[light];
@@ -59,6 +60,8 @@ impl Lights {
             return None;
         }
         let (origin, interior) = self.origins[light].of_photon(transport.scene, source, emitted)?;
+        let links = transport.scene.links_of(light);
+        let power = power * links.falloff.typical();
         add(&mut out.energy.emitted, power);
         if !(power.max_element() > 0.0) {
             return None;
@@ -73,11 +76,17 @@ impl Lights {
             normal: emitted.normal,
             direct: is_straight,
             specular: is_straight,
+            light: light as u32,
+            seen_by: links.seen_by(),
+            reception: Reception::PLAIN,
             bounces: 0,
             counted: Counted::default(),
             dark: emitted.dark,
             until: emitted.until,
             near: self.near.reach(light),
+            falloff: links.falloff,
+            gone: 0.0,
+            shift: if transport.is_plain { 0.0 } else { sampler.uniform() },
             field: transport.start_field(light, emitted, record),
             stands_for: 1.0,
         })

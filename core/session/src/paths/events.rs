@@ -49,7 +49,14 @@ impl Transport<'_> {
         out: &mut PhotonRecord,
     ) -> Ways<'h> {
         let is_lit = photon.is_lit(hit.distance);
-        match *self.scene.material_at(hit) {
+        let material = self.scene.material_at(hit);
+        if photon.reception.is_void() {
+            return lose(photon, out);
+        }
+        if photon.reception.part.is_some() {
+            return self.meet_lobes(photon, hit, &material.lobes(), sampler, record, out);
+        }
+        match *material {
             Material::Clear => {
                 photon.go_straight_on(self.scene, hit);
                 Ways::Straight
@@ -132,7 +139,7 @@ impl Transport<'_> {
         let met = Encounter::new(self.scene, hit, photon.direction, &photon.interior, lobes, xi);
         // Where it goes is guided then.
         if let Some(albedo) = met.lambert() {
-            return if is_lit {
+            return if is_lit && photon.reception.sends(Lobe::Diffuse) {
                 self.meet_diffuse(photon, hit, albedo, record, out)
             } else {
                 lose(photon, out)
@@ -150,7 +157,7 @@ impl Transport<'_> {
         let weights = weights / weights.max_element().clamp(f32::MIN_POSITIVE, 1.0);
         let way = met.draw(weights, sampler.uniform(), sampler.uniform_pair());
         let way = way.filter(|way| is_lit || way.lobe == Lobe::Transparent);
-        let Some(way) = way else { return lose(photon, out) };
+        let Some(way) = way.filter(|way| photon.reception.sends(way.lobe)) else { return lose(photon, out) };
         photon.power = scaled(photon.power, way.factor, &mut out.energy.surfaces);
         if let Some(bounce) = Bounce::of(way.lobe) {
             photon.count(self.scene, bounce, met.keeps_focus(way.lobe));

@@ -4,7 +4,7 @@ use crate::light::EmittedPhoton;
 use crate::paths::operators::Operator;
 use crate::paths::photon::Photon;
 use crate::paths::record::{FieldSegment, PhotonRecord, Record};
-use crate::paths::segment::PathSegment;
+use crate::paths::segment::{Inside, PathSegment};
 use crate::paths::transport::Transport;
 use crate::scene::media;
 use covbeam::{Column, CovarianceGrid, Edges, LightField, Medium};
@@ -57,7 +57,8 @@ impl Transport<'_> {
         let segment = self.field_segment(photon, field, along);
         let acting = along.inside.as_ref().map_or(Medium::default(), |inside| self.acting(inside.fog));
         // Where light is inside of glass no grid is looked up.
-        let inside = along.inside.as_ref().filter(|inside| !self.scene.is_in_glass(inside.id));
+        let is_looked_up = |inside: &&Inside| inside.scatters && !self.scene.is_in_glass(inside.id);
+        let inside = along.inside.as_ref().filter(is_looked_up);
         let lit = inside.and_then(|inside| Some((inside.id, photon.lit_segment(segment, inside, &acting)?)));
         out.deposits.extend(lit);
         out.field_time += start.elapsed();

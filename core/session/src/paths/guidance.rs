@@ -4,7 +4,7 @@ use crate::color::mean;
 use crate::scene::geometry::MOST_BOUNDS;
 use crate::scene::optics::Interior;
 use crate::scene::passage::clear;
-use crate::scene::{Material, Scene};
+use crate::scene::{Material, Rays, Scene};
 use covbeam::{EmissionGuide, GridLayout, Importance, ImportanceCell, Medium};
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
@@ -84,7 +84,8 @@ impl Guidance {
             }
             let Some(hit) = hit else { break };
             let most = if scene.material(&hit).is_clear() { MOST_BOUNDS } else { MOST_SEGMENTS };
-            let beyond = (segment < most).then(|| clear(scene, &hit, direction, &interior)).flatten();
+            let beyond =
+                (segment < most).then(|| clear(scene, &hit, direction, &interior, Rays::NONE)).flatten();
             let Some(beyond) = beyond else {
                 worth += left * of_arrival(scene, &importance, &hit, may_bounce);
                 break;

@@ -78,7 +78,9 @@ pub(super) fn trace(
     let (place, density) = guidance.emission(light).warp(sampler.uniform_pair());
     let emitted = transport.scene.lights[light].emit_at(place, &mut sampler);
     let power = emitted.power / (share * density * paths as f32);
-    let Some(photon) = lights.start(transport, light, &emitted, power, record, out) else { return };
+    let Some(photon) = lights.start(transport, light, &emitted, power, (record, &mut sampler), out) else {
+        return;
+    };
     let mut tree = Tree {
         transport,
         guidance,
@@ -120,15 +122,19 @@ impl Tree<'_, '_> {
         let transport = self.transport;
         let segment = transport.segment(photon, knots);
         if self.record.has_beams() && photon.is_seen_in_fog(transport.scene) {
-            out.beams.extend(photon.beam(&segment));
+            photon.leave_beams(&segment, out);
         }
         let field = transport.carry_field(photon, &segment, out);
         // What is farther away gets no light of it.
         let end = segment.reach.min(photon.until);
         let mut left = 1.0;
         if let Some(inside) = &segment.inside {
-            let transmittance = inside.fog.transmittance(inside.column.at(end));
-            self.collide(&mut branch, inside, field.as_ref(), [end, end.min(inside.opaque)], out);
+            let transmittance = inside.left(end);
+            if inside.scatters {
+                self.collide(&mut branch, inside, field.as_ref(), [end, end.min(inside.opaque)], out);
+            } else {
+                add(&mut out.energy.medium, branch.photon.power * (Vec3::ONE - transmittance));
+            }
             branch.photon.power *= transmittance;
             left = mean(transmittance);
         }
@@ -138,6 +144,10 @@ impl Tree<'_, '_> {
             return;
         }
         let Some(hit) = segment.met(photon, out) else { return };
+        if let Some(passing) = transport.divide(photon, hit, out) {
+            self.wait(Branch { photon: passing, sampler: sampler.branch(), depth }, out);
+        }
+        let Branch { ref mut photon, ref mut sampler, depth: _ } = branch;
         // Its weight now is what it is to weigh: what it is worth then decides whether it goes on.
         photon.unit = inverse(photon.power);
         match transport.meet(photon, hit, sampler, self.record, out) {

@@ -1,8 +1,10 @@
 //! The part of a photon's way on which there is light of it: of lamps with a size it begins and ends anywhere along their lines.
 
+use crate::light::falloff::Falloff;
 use crate::paths::photon::Photon;
-use crate::paths::record::{FieldSegment, PathBeam};
-use crate::paths::segment::{Inside, PathSegment};
+use crate::paths::reception::Reception;
+use crate::paths::record::{FieldSegment, PathBeam, PhotonRecord};
+use crate::paths::segment::{Inside, Loss, PathSegment};
 use covbeam::{Beam, Column, Medium};
 use glam::Vec3;
 
@@ -13,10 +15,28 @@ impl Photon {
         (self.dark..self.until).contains(&distance)
     }
 
-    /// From here on there is light all along its way.
+    /// The part of its power that arrives so far along its way, but for what is lost there.
     #[inline]
-    pub(super) fn begin(&mut self) {
+    pub(super) fn faded(&self, distance: f32) -> f32 {
+        if self.falloff.acts() { self.falloff.share(self.gone + distance) } else { 1.0 }
+    }
+
+    /// At a distance along its way it is turned, and from there on there is light all along that.
+    #[inline]
+    pub(super) fn begin(&mut self, distance: f32) {
+        if self.falloff.acts() {
+            self.power *= self.faded(distance);
+            self.falloff = Falloff::default();
+        }
         (self.dark, self.until, self.near) = (0.0, f32::INFINITY, 0.0);
+        (self.seen_by, self.reception) = (self.reception.seen_by, Reception::PLAIN);
+    }
+
+    /// Goes along its way to where something happens to it.
+    #[inline]
+    pub(super) fn go(&mut self, distance: f32) {
+        self.origin += distance * self.direction;
+        self.gone += distance;
     }
 
     /// It has gone straight on.
@@ -25,12 +45,46 @@ impl Photon {
         self.dark = (self.dark - distance).max(0.0);
         self.until -= distance;
         self.near = (self.near - distance).max(0.0);
+        self.reception = Reception::PLAIN;
+        self.gone += distance;
+    }
+
+    /// Leaves the beam along a segment; where its light fades otherwise than by what the medium takes of it, the beams of its pieces.
+    pub(super) fn leave_beams(&self, along: &PathSegment, out: &mut PhotonRecord) {
+        let whole = self.beam(along);
+        let (Some(whole), Some(inside)) = (whole, &along.inside) else { return };
+        let is_kept = inside.loss == Loss::None;
+        if !(self.falloff.acts() || is_kept) {
+            return out.beams.push(whole);
+        }
+        let (dark, end) = (self.dark, self.dark + whole.beam.length);
+        let mut leave = |[from, to]: [f32; 2], factor: Vec3| {
+            let start_normal = if from == dark { whole.beam.start_normal } else { Vec3::ZERO };
+            let end_normal = if to == end { whole.beam.end_normal } else { Vec3::ZERO };
+            let (origin, power) =
+                (self.origin + from * self.direction, self.power * factor * inside.lit(from));
+            let beam = Beam { origin, length: to - from, power, start_normal, end_normal, ..whole.beam };
+            out.beams.push(PathBeam { near: (whole.near - (from - dark)).max(0.0), beam, ..whole });
+        };
+        let mut divided = |ends, factor: f32| match is_kept {
+            true => inside.pieces(ends, self.shift, |ends, kept| leave(ends, factor * kept)),
+            false => leave(ends, Vec3::splat(factor)),
+        };
+        if !self.falloff.acts() {
+            return divided([dark, end], 1.0);
+        }
+        let from_here = |distance: f32| distance - self.gone;
+        for (ends, factor) in self.falloff.pieces([self.gone + dark, self.gone + end], self.shift) {
+            let [from, to] = ends.map(from_here);
+            divided([from.max(dark), to.min(end)], factor);
+        }
     }
 
     /// The beam along a segment: to the next surface, or until nothing is left; None: there is no light of it, or
     /// nothing that scatters it.
     pub(super) fn beam(&self, along: &PathSegment) -> Option<PathBeam> {
-        let Inside { id: medium, fog, ref column, opaque } = *along.inside.as_ref()?;
+        let inside = along.inside.as_ref()?;
+        let Inside { id: medium, fog, opaque, scatters, .. } = *inside;
         let Photon { origin, direction, power, normal: start_normal, dark, .. } = *self;
         let opaque = opaque.min(self.until);
         let reach = along.reach;
@@ -42,13 +96,13 @@ impl Photon {
             }
             _ => Vec3::ZERO,
         };
-        let (origin, power) = if dark > 0.0 {
-            (origin + dark * direction, power * fog.transmittance(column.at(dark)))
+        let (origin, power) = if dark > 0.0 || !inside.dims() {
+            (origin + dark * direction, power * inside.lit(dark))
         } else {
             (origin, power)
         };
         let beam = Beam { origin, direction, length, power, start_normal, end_normal };
-        let is_beam = length >= 0.0 && length.is_finite() && fog.scattering.max_element() > 0.0;
+        let is_beam = scatters && length >= 0.0 && length.is_finite() && fog.scattering.max_element() > 0.0;
         is_beam.then_some(PathBeam { medium, kind: self.kind(), near: self.near, beam })
     }
 
@@ -78,14 +132,15 @@ impl Photon {
 #[cfg(test)]
 mod tests {
     use crate::kind::Kind;
+    use crate::light::falloff::Falloff;
     use crate::paths::PhotonTracer;
     use crate::paths::record::{PhotonRecord, Record};
     use crate::pilot::of_still;
     use crate::random::{Emission, Random};
     use crate::scene::made::{BOUND, Made, camera, cuboid, rectangle, sphere};
     use crate::scene::optics::Interior;
-    use crate::scene::passage::passage;
-    use crate::scene::{Area, Cone, Lamp, Light, Lobes, Material, Scene, ShiningMesh, media};
+    use crate::scene::passage::{Looks, passage};
+    use crate::scene::{Area, Cone, Lamp, Light, Links, Lobes, Material, Rays, Scene, ShiningMesh, media};
     use glam::Vec3;
 
     const MIN: Vec3 = Vec3::new(0.1, -1.0, -1.2);
@@ -139,13 +194,18 @@ mod tests {
         let inside = Interior::at(scene, MAX - 0.01);
         let mut random = Random::new([1, 1, 2, 3]);
         let count = 200_000;
+        let links = scene.links_of(0);
         let mut sum = 0.0;
         for _ in 0..count {
             let mut pair = || [random.uniform(), random.uniform()];
             let ([x, y], [z, _], xi) = (pair(), pair(), pair());
             let place = MIN + Vec3::new(x, y, z) * (MAX - MIN);
             let (density, from) = scene.lights[0].flux_density(place, xi);
-            sum += f64::from(density.x * passage(scene, &fogs, inside, place, from).x);
+            sum += f64::from(
+                links.falloff.at(place.distance(from))
+                    * density.x
+                    * passage(scene, &fogs, inside, [place, from], Looks::For(&links)).x,
+            );
         }
         sum / f64::from(count) * (MAX - MIN).as_dvec3().element_product()
     }
@@ -158,16 +218,25 @@ mod tests {
 
     #[test]
     fn light_paths_leave_the_straight_light_that_shadow_rays_find() {
-        for made in [
-            unlit().light(lamp(0.4, true, false)),
-            unlit().light(lamp(0.4, false, false)),
-            unlit().light(lamp(0.5, true, true)),
-            unlit().light(lamp(0.5, false, true)),
-            unlit().light(area()),
-            unlit().light(mesh()),
-            unlit().sky(2.0),
+        let (smoothed, even) = (Falloff::new(0.0, 0.5, 1.0), Falloff::new(2.0, 0.0, 1.0));
+        for (made, falloff, hidden) in [
+            (unlit().light(lamp(0.4, true, false)), Falloff::default(), Rays::NONE),
+            (unlit().light(lamp(0.4, false, false)), Falloff::default(), Rays::NONE),
+            (unlit().light(lamp(0.5, true, true)), Falloff::default(), Rays::NONE),
+            (unlit().light(lamp(0.5, false, true)), Falloff::default(), Rays::NONE),
+            (unlit().light(area()), Falloff::default(), Rays::NONE),
+            (unlit().light(mesh()), Falloff::default(), Rays::NONE),
+            (unlit().sky(2.0), Falloff::default(), Rays::NONE),
+            (unlit().light(area()), even, Rays::NONE),
+            (unlit().light(lamp(0.4, true, false)), smoothed, Rays::NONE),
+            (unlit().light(mesh()), Falloff::default(), Rays::SHADOW),
+            (unlit().light(area()), even, Rays::SHADOW),
         ] {
-            let scene = made.scene();
+            let mut scene = made.scene();
+            scene.links = vec![Links { falloff, ..Links::default() }];
+            scene.media[0].heed.hidden = hidden;
+            let scene = scene;
+            let is_plain = !falloff.acts() && hidden == Rays::NONE;
             let fogs = media::all(&scene);
             let expected = by_shadow_rays(&scene);
             for is_guided in [false, true] {
@@ -196,7 +265,9 @@ mod tests {
                         [beams.sum(), fields.sum()]
                     })
                     .collect();
-                for (name, at) in [("beams", 0), ("fields", 1)] {
+                // Fields tell how fine light is, and of what fades otherwise about how much there is.
+                for (name, at) in [("beams", 0), ("fields", 1)].into_iter().take(if is_plain { 2 } else { 1 })
+                {
                     let mean = runs.iter().map(|run| run[at]).sum::<f64>() / 16.0;
                     let variance = runs.iter().map(|run| (run[at] - mean).powi(2)).sum::<f64>() / 15.0;
                     let error = (variance / 16.0).sqrt();

@@ -2,10 +2,12 @@
 
 use crate::bounces::{Bounce, Counted};
 use crate::kind::Kind;
+use crate::light::falloff::Falloff;
+use crate::paths::reception::Reception;
 use crate::paths::record::{PhotonRecord, Record, add};
 use crate::paths::scattering::Scattering;
-use crate::scene::Scene;
 use crate::scene::optics::{Boundary, Interior, curvature_towards, reflect};
+use crate::scene::{Rays, Scene};
 use crate::surface::SurfacePhoton;
 use crate::surface::encounter::{Encounter, Lobe, Way};
 use covbeam::{Curvature, LightField};
@@ -27,6 +29,12 @@ pub(super) struct Photon {
     pub(super) normal: Vec3,
     pub(super) direct: bool,
     pub(super) specular: bool,
+    /// The light that it comes from.
+    pub(super) light: u32,
+    /// Rays that see its light: what it comes to next sends it on as if it were one of these that leaves there.
+    pub(super) seen_by: Rays,
+    /// What the surface that it is at makes of it.
+    pub(super) reception: Reception,
     /// How often it has been scattered, reflected and refracted.
     pub(super) bounces: u32,
     /// The same by kind.
@@ -36,6 +44,12 @@ pub(super) struct Photon {
     pub(super) until: f32,
     /// How far from here it is next to its lamp.
     pub(super) near: f32,
+    /// How its straight light fades, whose power is that of a typical distance.
+    pub(super) falloff: Falloff,
+    /// How far from its lamp it is, as long as it goes straight on.
+    pub(super) gone: f32,
+    /// Uniform, for where its beams are divided.
+    pub(super) shift: f32,
     pub(super) field: Option<LightField>,
     /// Paths without a light field that this one's stands for, and itself.
     pub(super) stands_for: f32,
@@ -106,7 +120,8 @@ impl Photon {
         record: Record,
         out: &mut PhotonRecord,
     ) {
-        if record.has_beams() && !self.direct && self.is_seen_on_surfaces(scene) {
+        let is_sent = self.reception.sends(Lobe::Diffuse) || self.reception.sends(Lobe::Translucent);
+        if record.has_beams() && !self.direct && is_sent && self.is_seen_on_surfaces(scene) {
             let (position, power, caustic) = (hit.position, self.power, self.specular);
             out.surface.push(SurfacePhoton { position, normal, power, caustic });
         }
@@ -119,13 +134,14 @@ impl Photon {
         if let Some(field) = &mut self.field {
             by.turn(field, direction);
         }
+        let distance = self.origin.distance(by.place());
         self.direction = direction;
         self.origin = by.start(direction);
         self.normal = by.normal();
         self.direct = false;
         self.specular = false;
         self.bounces += 1;
-        self.begin();
+        self.begin(distance);
     }
 
     /// Is reflected by a mirror.
@@ -185,6 +201,13 @@ impl Photon {
         self.leave(hit, side * hit.geometric_normal, self.direction, true);
     }
 
+    /// Goes on straight as if nothing had been there, whatever was.
+    pub(super) fn pass(&mut self, scene: &Scene, hit: &Hit) {
+        let side = if hit.geometric_normal.dot(self.direction) < 0.0 { -1.0 } else { 1.0 };
+        self.interior = self.interior.beyond(scene, hit, self.direction);
+        self.leave(hit, side * hit.geometric_normal, self.direction, true);
+    }
+
     /// Leaves a surface along a direction, which may be as straight as if nothing were there.
     #[inline]
     fn leave(&mut self, hit: &Hit, normal: Vec3, direction: Vec3, is_straight: bool) {
@@ -195,7 +218,7 @@ impl Photon {
         if is_straight {
             self.advance(hit.distance);
         } else {
-            self.begin();
+            self.begin(hit.distance);
         }
         self.origin = hit.leave(direction);
     }

@@ -5,6 +5,7 @@ use crate::paths::events::{Ways, scattered};
 use crate::paths::photon::Photon;
 use crate::paths::record::{PhotonRecord, Record, add, scaled};
 use crate::paths::scattering::Scattering;
+use crate::paths::segment::{Inside, PathSegment};
 use crate::paths::transport::Transport;
 use crate::paths::weight::{self, LONG_PATH};
 use crate::random::PathSampler;
@@ -39,7 +40,9 @@ pub(super) fn trace(
     let (light, share) = choose_light(&lights.cumulative, &mut sampler);
     let emitted = transport.scene.lights[light].emit(&mut sampler);
     let power = emitted.power / (share * paths as f32);
-    let Some(photon) = lights.start(transport, light, &emitted, power, record, out) else { return };
+    let Some(photon) = lights.start(transport, light, &emitted, power, (record, &mut sampler), out) else {
+        return;
+    };
     if record == Record::Connections {
         transport.connect_start(&photon, out);
     }
@@ -90,16 +93,17 @@ impl Walk<'_, '_> {
         let transport = self.transport;
         let segment = transport.segment(photon, knots);
         if self.record.has_beams() && photon.is_seen_in_fog(transport.scene) {
-            out.beams.extend(photon.beam(&segment));
+            photon.leave_beams(&segment, out);
         } else if self.record == Record::Connections && photon.is_seen_in_fog(transport.scene) {
             transport.connect_segment(photon, &segment, sampler, out);
         }
         let weights = photon.weights() / transport.limits.at(photon.origin, photon.events);
         // The medium, the column up to a collision, and how far that is.
-        let flight = segment.inside.as_ref().map(|inside| {
-            let column = weight::free_column(weights, inside.fog, sampler);
-            (inside, column, inside.column.distance_at(column))
-        });
+        let flight =
+            segment.inside.as_ref().filter(|inside| inside.scatters && inside.dims()).map(|inside| {
+                let column = weight::free_column(weights, inside.fog, sampler);
+                (inside, column, inside.column.distance_at(column))
+            });
         let distance = flight.map_or(f32::INFINITY, |(.., distance)| distance);
         if let Some(field) = transport.carry_field(photon, &segment, out) {
             photon.field = Some(field.at(distance.min(segment.reach), out));
@@ -117,12 +121,47 @@ impl Walk<'_, '_> {
             };
             photon.power = scaled(photon.power, factor, &mut out.energy.roulette);
             if is_collision {
-                photon.origin += distance * photon.direction;
+                photon.go(distance);
                 return self.split(photon, Event::Collision(inside.fog), sampler, out);
             }
         }
+        if let Some(inside) = segment.inside.as_ref().filter(|inside| !(inside.scatters && inside.dims())) {
+            if inside.scatters {
+                self.scatter_undimmed(photon, inside, &segment, sampler, out);
+            }
+            photon.power = scaled(photon.power, inside.left(segment.reach), &mut out.energy.medium);
+        }
         let Some(hit) = segment.met(photon, out) else { return false };
+        if let Some(passing) = transport.divide(photon, hit, out) {
+            self.waiting.push((passing, sampler.branch()));
+        }
         self.split(photon, Event::Surface(hit), sampler, out)
+    }
+
+    /// What a medium scatters that takes nothing of the light which goes on: drawn evenly over its column.
+    fn scatter_undimmed(
+        &mut self,
+        photon: &Photon,
+        inside: &Inside,
+        segment: &PathSegment,
+        sampler: &mut PathSampler,
+        out: &mut PhotonRecord,
+    ) {
+        let (mut part, mut sampler) = (photon.clone(), sampler.branch());
+        let [from, to] = [photon.dark, photon.until].map(|end| inside.column.at(end.min(segment.reach)));
+        let column = from + sampler.uniform() * (to - from);
+        let distance = inside.column.distance_at(column);
+        part.power *= inside.fog.extinction() * (to - from) * inside.lit(distance);
+        if !(part.power.max_element() > 0.0 && distance < segment.reach) {
+            return;
+        }
+        add(&mut out.energy.roulette, -part.power);
+        part.go(distance);
+        if self.split(&mut part, Event::Collision(inside.fog), &mut sampler, out)
+            && !part.is_spent(self.transport.scene, out)
+        {
+            self.waiting.push((part, sampler));
+        }
     }
 
     /// Divides a photon that weighs more than it may at an event, and lets all parts meet what is there. All

@@ -15,6 +15,8 @@ pub(super) struct Transport<'a> {
     /// Where the pinhole is.
     pub(super) camera: Origin,
     pub(super) limits: Limits,
+    /// Whether all rays see everything alike, and lamps light everything.
+    pub(super) is_plain: bool,
     /// None: all operators act.
     pub(super) left_out: Option<Operator>,
 }
@@ -26,6 +28,7 @@ impl<'a> Transport<'a> {
             fogs: media::all(scene),
             camera: Origin::new(scene, scene.camera.position),
             limits: Limits::new(scene),
+            is_plain: scene.is_plain(),
             left_out: None,
         }
     }

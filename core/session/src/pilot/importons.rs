@@ -9,7 +9,7 @@ use crate::random::Random;
 use crate::scene::geometry::divide;
 use crate::scene::media;
 use crate::scene::optics::{Boundary, Interior, facing_normal, reflect};
-use crate::scene::{Material, Scene};
+use crate::scene::{Material, Rays, Scene};
 use crate::surface::encounter::{Encounter, Lobe};
 use covbeam::{GridLayout, ImportanceGrid, Knot, Medium};
 use covbeam_geometry::hit::Hit;
@@ -170,6 +170,8 @@ struct Importon {
     interior: Interior,
     /// Whether it has met mirrors and glass only.
     specular: bool,
+    /// The kind of ray that it goes along.
+    ray: Rays,
     depth: u32,
     /// How often light that comes along it the other way is scattered and reflected before the place that the camera sees.
     bounces: u32,
@@ -193,7 +195,16 @@ impl Walk<'_> {
 impl Walker<'_> {
     fn follow(&self, start: EyeStart, weight: f32, random: Random, out: &mut Vec<Deposit>) {
         let EyeStart { origin, direction, interior, .. } = start;
-        let first = Importon { origin, direction, weight, interior, specular: true, depth: 0, bounces: 0 };
+        let first = Importon {
+            origin,
+            direction,
+            weight,
+            interior,
+            specular: true,
+            ray: Rays::CAMERA,
+            depth: 0,
+            bounces: 0,
+        };
         let mut walk = Walk { random, out, waiting: vec![first], knots: Vec::new() };
         while let Some(mut importon) = walk.waiting.pop() {
             if importon.depth < LONGEST && self.scene.allows(importon.bounces) {
@@ -243,7 +254,8 @@ impl Walker<'_> {
                 let origin = origin + distance * direction;
                 let direction = fog.phase.sample(direction, xi);
                 let bounces = importon.bounces + 1;
-                let way = Importon { origin, direction, weight, specular: false, bounces, ..*importon };
+                let (specular, ray) = (false, Rays::VOLUME);
+                let way = Importon { origin, direction, weight, specular, ray, bounces, ..*importon };
                 walk.waiting.push(way);
             }
             if !importon.specular {
@@ -259,6 +271,10 @@ impl Walker<'_> {
     /// Meets a surface, where the camera may see it; whether the path goes on, along a direction of its own.
     fn meet(&self, importon: &mut Importon, hit: &Hit, walk: &mut Walk) -> bool {
         let channel = self.channel;
+        if self.scene.object_of(hit).heed.hidden.has(importon.ray) {
+            importon.interior = importon.interior.beyond(self.scene, hit, importon.direction);
+            return true;
+        }
         match *self.scene.material_at(hit) {
             Material::Black => return false,
             Material::Clear => {
@@ -272,7 +288,7 @@ impl Walker<'_> {
                 }
                 let normal = facing_normal(hit, importon.direction);
                 importon.direction = cosine_direction(normal, walk.pair());
-                importon.specular = false;
+                (importon.specular, importon.ray) = (false, Rays::DIFFUSE);
                 importon.bounces += 1;
             }
             Material::Lobes(ref lobes) => return self.meet_lobes(importon, hit, lobes, walk),
@@ -281,6 +297,7 @@ impl Walker<'_> {
                     return false;
                 }
                 importon.direction = reflect(importon.direction, facing_normal(hit, importon.direction));
+                importon.ray = Rays::GLOSSY;
                 importon.bounces += u32::from(!importon.specular);
             }
             Material::Dielectric { .. } => {
@@ -289,10 +306,13 @@ impl Walker<'_> {
                 importon.bounces += u32::from(!importon.specular && !boundary.is_matched());
                 importon.direction = match boundary.refracted.filter(|_| through) {
                     Some(refracted) => {
-                        importon.interior = boundary.beyond;
+                        (importon.interior, importon.ray) = (boundary.beyond, Rays::TRANSMISSION);
                         refracted
                     }
-                    None => boundary.reflected,
+                    None => {
+                        importon.ray = Rays::GLOSSY;
+                        boundary.reflected
+                    }
                 };
             }
         }
@@ -316,6 +336,7 @@ impl Walker<'_> {
         importon.weight *= way.factor[channel];
         importon.direction = way.direction;
         importon.interior = way.interior;
+        importon.ray = if way.lobe == Lobe::Transparent { importon.ray } else { way.lobe.ray() };
         importon.specular &= !is_diffuse;
         importon.bounces += u32::from(!importon.specular && way.lobe != Lobe::Transparent);
         true

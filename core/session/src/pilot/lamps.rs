@@ -98,13 +98,14 @@ struct Lamp<'a> {
     fogs: &'a [Medium<'a>],
     importance: &'a Importance<'a>,
     light: &'a Light,
+    number: usize,
     origin: Origin,
 }
 
 impl<'a> Lamp<'a> {
     fn new(scene: &'a Scene, fogs: &'a [Medium<'a>], importance: &'a Importance<'a>, lamp: usize) -> Self {
         let light = &scene.lights[lamp];
-        Self { scene, fogs, importance, light, origin: Origin::of_light(scene, light) }
+        Self { scene, fogs, importance, light, number: lamp, origin: Origin::of_light(scene, light) }
     }
 
     /// Mean over a cell of what the lamp's light would be worth if all of it left like that.
@@ -170,9 +171,11 @@ impl<'a> Lamp<'a> {
         let dark = ray.dark.min(end);
         let from = ray.origin + dark * ray.direction;
         let found = self.importance.of_segment(fog, from, ray.direction, end - dark);
+        let lights = self.scene.links_of(self.number).lights_medium(self.scene.medium_of(id).heed.light_set);
         let is_seen = !ray.is_straight || is_left_to_beams(self.scene, id);
         let scattered = if self.scene.allows(ray.bounces + 1) { found.scattered } else { 0.0 };
-        let worth = ray.power * (scattered + if is_seen { found.beam } else { 0.0 });
+        let all = ray.power * (scattered + if is_seen { found.beam } else { 0.0 });
+        let worth = if ray.is_straight && !lights { 0.0 } else { all };
         let column = media::column(fog, ray.origin, ray.direction, reach, knots);
         ray.power *= fog.mean_transmittance(column.at(reach));
         worth
@@ -190,10 +193,22 @@ impl<'a> Lamp<'a> {
         ray.power * of_diffuse(albedo, &here, ray.is_straight, may_bounce)
     }
 
+    /// Straight light that goes on past a surface which casts no shadow of it, or another one than it looks like; None: it does what light does.
+    fn pass(&self, ray: &Ray, hit: &Hit) -> Option<Ray> {
+        let material = self.scene.material_at(hit);
+        let share = self.scene.object_of(hit).lets_by(&self.scene.links_of(self.number), &material);
+        let interior = ray.interior.beyond(self.scene, hit, ray.direction);
+        let by = Ray { power: ray.power * mean(share), interior, bounds: ray.bounds + 1, ..ray.clone() };
+        (ray.is_straight && share != material.transparent()).then_some(by)
+    }
+
     /// The ways on from a surface that keep directions apart.
     ///
     /// - `all`: the power that the ray's lamp sent.
     fn ways(&self, mut ray: Ray, hit: &Hit, all: f32, random: &mut Random) -> [Option<Ray>; 2] {
+        if let Some(by) = self.pass(&ray, hit) {
+            return [by.go_on(self.scene, hit, true), None];
+        }
         let is_lit = hit.distance >= ray.dark;
         let mut goes_straight = false;
         let material = self.scene.material_at(hit);

@@ -121,7 +121,7 @@ impl Scene {
         }
         if let Some(placed) = &self.placed {
             let start = place - window * along;
-            let met = placed.surfaces().all_unless((start, along), 2.0 * window, shading, |_| false);
+            let met = placed.surfaces().all_unless((start, along), 2.0 * window, shading, |_, _| false);
             for (distance, face) in met.into_iter().flatten() {
                 let face = Hit { object: self.objects.len() as u32 + face.object, ..face };
                 if face.object != hit.object && is_there(&face, distance - window) {

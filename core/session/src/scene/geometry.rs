@@ -103,9 +103,9 @@ impl Scene {
     }
 
     /// Whether something may let light go straight on: it is transparent in part, or a dielectric that has the index of what is around all, or
-    /// of another one.
+    /// of another one; or some lamp passes it.
     pub(crate) fn may_be_seen_through(&self) -> bool {
-        if self.placed.as_ref().is_some_and(Placed::shows_through) {
+        if self.has_unshadowed() || self.placed.as_ref().is_some_and(Placed::shows_through) {
             return true;
         }
         let mut indices = self.objects.iter().filter_map(|object| match object.material {
@@ -113,7 +113,8 @@ impl Scene {
             _ => None,
         });
         let mut is_matched = || indices.next().is_some_and(|first| first == 1.0 || indices.next().is_some());
-        let is_transparent = |object: &Object| object.material.transparent() != Vec3::ZERO;
+        let is_transparent =
+            |object: &Object| object.material.transparent().max(object.material.shadow()) != Vec3::ZERO;
         self.objects.iter().any(is_transparent) || is_matched()
     }
 

@@ -7,6 +7,7 @@ use crate::medium::density::MediumDensity;
 use crate::object::Object;
 use crate::pilot::defaults::{Given, NO_GRID};
 use crate::scene::{GlowingFog, Light, Material, Scene, Sees, Sky, Sun, nest};
+use crate::visibility::Heed;
 use covbeam::{Medium, PhaseFunction};
 use covbeam_geometry::shape::Shape;
 use glam::{DVec3, Mat3, Vec3};
@@ -80,6 +81,7 @@ pub(crate) fn medium(
         medium: Medium { phase, ..Medium::homogeneous(scattering, absorption) },
         density,
         glow: None,
+        heed: Heed::default(),
     }
 }
 
@@ -94,13 +96,14 @@ impl Made {
         let (placed, outside, sees) = (None, None, Sees::Everything);
         let (objects, lights, media, notes) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let shown = Shown::default();
-        let grid = NO_GRID;
+        let (grid, links) = (NO_GRID, Vec::new());
         Self {
             scene: Scene {
                 objects,
                 placed,
                 lights,
                 shown,
+                links,
                 media,
                 outside,
                 camera,

@@ -5,13 +5,24 @@ use crate::object::placed::hair;
 use crate::scene::geometry::MOST_BOUNDS;
 use crate::scene::media;
 use crate::scene::optics::{Boundary, Interior};
-use crate::scene::{Material, Placed, Scene};
+use crate::scene::{Links, Material, Placed, PlacedObject, Rays, Scene};
 use covbeam::Medium;
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 
 /// What a ray is inside of behind a surface that does nothing but bound media, through which all light goes straight on; None: another one.
-pub(crate) fn clear(scene: &Scene, hit: &Hit, direction: Vec3, interior: &Interior) -> Option<Interior> {
+///
+/// - `ray`: its kind; what is hidden from it does nothing else.
+pub(crate) fn clear(
+    scene: &Scene,
+    hit: &Hit,
+    direction: Vec3,
+    interior: &Interior,
+    ray: Rays,
+) -> Option<Interior> {
+    if scene.object_of(hit).heed.hidden.has(ray) {
+        return Some(interior.beyond(scene, hit, direction));
+    }
     match *scene.material_at(hit) {
         Material::Dielectric { .. } => {
             let boundary = Boundary::new(scene, hit, direction, interior);
@@ -25,19 +36,63 @@ pub(crate) fn clear(scene: &Scene, hit: &Hit, direction: Vec3, interior: &Interi
     }
 }
 
+/// Who looks along a straight way.
+#[derive(Clone, Copy)]
+pub(crate) enum Looks<'l> {
+    /// A shadow ray, for light of a lamp.
+    For(&'l Links),
+    /// The camera.
+    Camera,
+}
+
+impl Looks<'_> {
+    /// Whether a medium takes anything from it.
+    #[inline]
+    fn is_dimmed(self, scene: &Scene, region: u32) -> bool {
+        let ray = if matches!(self, Self::Camera) { Rays::CAMERA } else { Rays::SHADOW };
+        !scene.is_hidden(region, ray)
+    }
+
+    /// Whether it enters and leaves what fills an object; a shadow ray stays inside of what it started in, if that is not in its way.
+    #[inline]
+    fn crosses(self, object: &PlacedObject) -> bool {
+        match self {
+            Self::For(links) => object.heed.is_in_way(links),
+            Self::Camera => true,
+        }
+    }
+
+    /// What a surface lets by.
+    #[inline]
+    fn past(self, object: &PlacedObject, material: &Material) -> Vec3 {
+        match self {
+            Self::For(links) => object.lets_by(links, material),
+            Self::Camera if object.heed.hidden.has(Rays::CAMERA) => Vec3::ONE,
+            Self::Camera => material.transparent(),
+        }
+    }
+}
+
 /// Per channel, what is left of light between two points; 0 if anything is between them but sides of dielectrics where the index is the same
 /// on both, which bound a medium and do not bend light, and what is transparent; or if that is more than [`MOST_BOUNDS`] surfaces.
 ///
 /// - `interior`: of `from`. Ends on surfaces should be moved off them.
-pub(crate) fn passage(scene: &Scene, fogs: &[Medium], mut interior: Interior, from: Vec3, to: Vec3) -> Vec3 {
+pub(crate) fn passage(
+    scene: &Scene,
+    fogs: &[Medium],
+    mut interior: Interior,
+    [from, to]: [Vec3; 2],
+    looks: Looks,
+) -> Vec3 {
     let through = |interior: &Interior, from, to| {
-        let fog = interior.medium(scene).map(|id| &fogs[id as usize]);
+        let fog = interior.medium(scene).filter(|&region| looks.is_dimmed(scene, region));
+        let fog = fog.map(|id| &fogs[id as usize]);
         fog.map_or(Vec3::ONE, |fog| media::transmittance(fog, from, to))
     };
     // Among bounds of fog something is nearly always met, whatever it is.
-    let shown = scene.placed.as_ref().filter(|placed| placed.shows_through());
+    let shown = scene.placed.as_ref().filter(|placed| placed.shows_through() || scene.has_unshadowed());
     if let Some(placed) = shown.filter(|_| scene.objects.is_empty()) {
-        return among_placed(scene, placed, interior, [from, to], through);
+        return among_placed(scene, placed, interior, [from, to], (looks, through));
     }
     if shown.is_none() {
         if !scene.occluded(from, to) {
@@ -57,19 +112,21 @@ pub(crate) fn passage(scene: &Scene, fogs: &[Medium], mut interior: Interior, fr
         let Some(hit) = hit.filter(|hit| !hit.lies_in_plane(to)) else {
             return left * through(&interior, start, to);
         };
-        let (share, beyond) = match *scene.material_at(&hit) {
-            Material::Dielectric { .. } => {
-                let boundary = Boundary::new(scene, &hit, direction, &interior);
-                if !boundary.is_matched() {
+        let material = scene.material_at(&hit);
+        let boundary = matches!(*material, Material::Dielectric { .. })
+            .then(|| Boundary::new(scene, &hit, direction, &interior))
+            .filter(Boundary::is_matched);
+        let (share, beyond) = match boundary {
+            Some(boundary) => (Vec3::ONE, boundary.beyond),
+            None => {
+                let object = scene.object_of(&hit);
+                let share = looks.past(&object, &material);
+                if share == Vec3::ZERO {
                     return Vec3::ZERO;
                 }
-                (Vec3::ONE, boundary.beyond)
+                let crosses = looks.crosses(&object);
+                (share, if crosses { interior.through(scene, &hit, direction) } else { interior })
             }
-            Material::Lobes(lobes) if lobes.transparent != Vec3::ZERO => {
-                (lobes.transparent, interior.through(scene, &hit, direction))
-            }
-            Material::Clear => (Vec3::ONE, interior.through(scene, &hit, direction)),
-            _ => return Vec3::ZERO,
         };
         left *= share * through(&interior, start, hit.position);
         interior = beyond;
@@ -81,18 +138,21 @@ pub(crate) fn passage(scene: &Scene, fogs: &[Medium], mut interior: Interior, fr
 /// The same among nothing but what is placed: one look finds all bounds in the way, or that something is, in half of the time of a look from
 /// each bound to the next.
 ///
-/// - `through`: what a piece of the way leaves, by what it is inside of.
+/// - `looks`: as of [`passage`]; `through`: what a piece of the way leaves, by what it is inside of.
 fn among_placed(
     scene: &Scene,
     placed: &Placed,
     mut interior: Interior,
     [from, to]: [Vec3; 2],
-    through: impl Fn(&Interior, Vec3, Vec3) -> Vec3,
+    (looks, through): (Looks, impl Fn(&Interior, Vec3, Vec3) -> Vec3),
 ) -> Vec3 {
     let (origin, way) = (from.as_dvec3(), to.as_dvec3() - from.as_dvec3());
     let Some(along) = way.try_normalize() else { return through(&interior, from, to) };
     // Placed glass bends light wherever it is.
-    let ends = |material: u32| placed.materials()[material as usize].transparent() == Vec3::ZERO;
+    let ends = |material: u32, object: u32| {
+        let object = &placed.objects()[object as usize];
+        looks.past(object, &placed.materials()[material as usize]) == Vec3::ZERO
+    };
     let reach = way.length() - hair(to);
     let hits = placed.surfaces().all_unless((origin, along), reach, Shading::Flat, ends);
     let Some(hits) = hits.filter(|hits| hits.len() < MOST_BOUNDS as usize) else { return Vec3::ZERO };
@@ -104,8 +164,12 @@ fn among_placed(
             continue;
         }
         (last, again) = (hit.object, hit.distance + hit.offset);
-        left *= placed.material_at(&hit, hit.object).transparent() * through(&interior, start, hit.position);
-        interior = interior.through(scene, &hit, along.as_vec3());
+        let object = &placed.objects()[hit.object as usize];
+        let share = looks.past(object, &placed.material_at(&hit, hit.object));
+        left *= share * through(&interior, start, hit.position);
+        if looks.crosses(object) {
+            interior = interior.through(scene, &hit, along.as_vec3());
+        }
         start = hit.position;
     }
     left * through(&interior, start, to)
@@ -119,6 +183,7 @@ mod tests {
     use crate::object::placed;
     use crate::random::Random;
     use crate::scene::made::{Made, camera, cuboid, point, sphere};
+    use crate::visibility::Heed;
 
     /// A lamp above the middle.
     fn made() -> Made {
@@ -128,7 +193,7 @@ mod tests {
 
     fn tinted(scattering: [f32; 3], absorption: f32) -> SceneMedium {
         let medium = Medium { scattering: scattering.into(), ..Medium::homogeneous(0.0, absorption) };
-        SceneMedium { medium, density: MediumDensity::Uniform, glow: None }
+        SceneMedium { medium, density: MediumDensity::Uniform, glow: None, heed: Heed::default() }
     }
 
     /// A box of fog in haze, around a ball if it is of something.
@@ -142,7 +207,7 @@ mod tests {
     }
 
     fn found(scene: &Scene, from: Vec3, to: Vec3) -> Vec3 {
-        passage(scene, &media::all(scene), Interior::at(scene, from), from, to)
+        passage(scene, &media::all(scene), Interior::at(scene, from), [from, to], Looks::Camera)
     }
 
     /// Half a metre of fog and three of haze out of the box; two and six through it.

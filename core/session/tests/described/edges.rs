@@ -74,7 +74,7 @@ fn compare(bounds: bool) {
     let materials = [materials[0], MaterialFields { transparent: [1.0; 3], ..materials[1] }];
     let description = Description {
         materials: materials.into(),
-        objects: vec![ObjectFields { volume: -1, is_closed: false }; 2],
+        objects: vec![ObjectFields { volume: -1, ..ObjectFields::default() }; 2],
         shapes: Vec::new(),
         volumes: Vec::new(),
         world_volume: -1,

@@ -113,7 +113,7 @@ pub(crate) fn meshes() -> Arc<Instances> {
 /// `bound`: what the ball of fog is bounded by.
 pub(crate) fn described_with<T>(bound: MaterialFields, of: impl FnOnce(&Description) -> T) -> T {
     let grey = MaterialFields { diffuse: [0.5; 3], ..BLACK };
-    let object = |volume| ObjectFields { volume, is_closed: true };
+    let object = |volume| ObjectFields { volume, is_closed: true, ..ObjectFields::default() };
     let mut smoke = volume(FOG);
     (smoke.fields.min, smoke.fields.max) = ([0.2, -0.5, -0.5], [1.2, 0.5, 0.5]);
     smoke.fields.scattering = [0.9; 3];

@@ -13,3 +13,4 @@ mod sessions;
 mod shapes;
 mod shapes_described;
 mod sums;
+mod visibility;

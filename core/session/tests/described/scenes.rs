@@ -30,6 +30,7 @@ pub(crate) const BLACK: MaterialFields = MaterialFields {
     glass_transmission: [0.0; 3],
     coat: [0.0; 3],
     transparent: [0.0; 3],
+    shadow: None,
     ior: 1.5,
     roughness: 0.0,
     asks: Asks::Nothing,
@@ -55,6 +56,9 @@ pub(crate) const FOG: VolumeFields = VolumeFields {
     scale_height: 0.0,
     origin: [0.0; 3],
     up: [0.0; 3],
+    hidden_from: 0,
+    light_set: 0,
+    shadow_set: 0,
 };
 
 /// A point.
@@ -80,6 +84,11 @@ pub(crate) const LAMP: LightFields = LightFields {
     columns: 0,
     is_visible: false,
     is_own: false,
+    unlit: 0,
+    unshadowed: 0,
+    hidden_from: 0,
+    falloff: 0.0,
+    smooth: 0.0,
 };
 
 pub(crate) fn volume(fields: VolumeFields) -> Volume<'static> {
@@ -103,7 +112,7 @@ pub(crate) fn mesh_in_fog() -> Arc<Scene> {
     geometry.add_instance(mesh, &rows(DMat4::from_scale(DVec3::splat(0.5))), 0, -1).expect("valid");
     let description = Description {
         materials: vec![GLASS],
-        objects: vec![ObjectFields { volume: -1, is_closed: true }],
+        objects: vec![ObjectFields { volume: -1, is_closed: true, ..ObjectFields::default() }],
         shapes: Vec::new(),
         volumes: vec![volume(FOG)],
         world_volume: 0,

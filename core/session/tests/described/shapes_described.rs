@@ -19,8 +19,8 @@ use covbeam_session::kind::Split;
 use covbeam_session::pass::Renderer;
 use covbeam_session::pilot::defaults::{Given, NO_GRID};
 use covbeam_session::scene::{
-    Area, Cone, Lamp, Light as SceneLight, Material, MediumDensity, Object, Scene, SceneMedium, Sees, Shape,
-    Shown, nest,
+    Area, Cone, Heed, Lamp, Light as SceneLight, Material, MediumDensity, Object, Scene, SceneMedium, Sees,
+    Shape, Shown, nest,
 };
 use covbeam_session::session::Options;
 use covbeam_session::settings::{Gather, Layers, Method, Settings};
@@ -115,6 +115,7 @@ fn by_hand(lamp: LightFields) -> Scene {
         },
         density: MediumDensity::Uniform,
         glow: None,
+        heed: Heed::default(),
     };
     let lights = vec![light_by_hand(lamp)];
     Scene {
@@ -122,6 +123,7 @@ fn by_hand(lamp: LightFields) -> Scene {
         placed: None,
         shown: Shown::new(&lights, |_| lamp.is_visible),
         lights,
+        links: Vec::new(),
         media: vec![medium([0.15; 3], 0.1), medium([1.0, 0.75, 0.5], 0.125)],
         outside: Some(0),
         camera: Camera {
@@ -271,7 +273,7 @@ fn refusal(wrong: ShapeFields, object: i32) -> String {
     let voxels = VolumeFields { cells: [1; 3], density_min: [-1.0; 3], density_max: [1.0; 3], ..bounded };
     let description = Description {
         materials: vec![BLACK, GLASS, BOUND],
-        objects: vec![ObjectFields { volume: object, is_closed: true }],
+        objects: vec![ObjectFields { volume: object, is_closed: true, ..ObjectFields::default() }],
         shapes: vec![ShapeFields { material: 1, ..sphere(Vec3::ZERO, 0.5) }, wrong],
         volumes: vec![
             volume(FOG),
@@ -378,7 +380,7 @@ fn shapes_lie_among_meshes() {
         let wall = ShapeFields { material: 1, ..cuboid([-9.0, -9.0, z], [9.0, 9.0, z + 1.0]) };
         let description = Description {
             materials: vec![WHITE, BLACK],
-            objects: vec![ObjectFields { volume: -1, is_closed: true }],
+            objects: vec![ObjectFields { volume: -1, is_closed: true, ..ObjectFields::default() }],
             shapes: vec![wall],
             volumes: Vec::new(),
             world_volume: -1,

@@ -10,7 +10,7 @@ use crate::scene_file::files::SceneFiles;
 use covbeam_session::camera::Camera;
 use covbeam_session::medium::density::{densest_corner, largest_extinction, too_dense};
 use covbeam_session::medium::volume::{MAX_DENSITY, Volume};
-use covbeam_session::scene::{Light, MediumDensity, MediumId, Object, SceneMedium};
+use covbeam_session::scene::{Heed, Light, MediumDensity, MediumId, Object, SceneMedium};
 
 /// Most voxels of all volumes of a scene: 256 MiB of densities.
 const MAX_SCENE_VOXELS: usize = 1 << 26;
@@ -44,7 +44,7 @@ pub(crate) fn read_media<'a>(
         let density = table
             .optional("density")
             .map_or(Ok(MediumDensity::Uniform), |field| read_density(&field, &medium, &mut voxels, files))?;
-        media.push(SceneMedium { medium, density, glow: None });
+        media.push(SceneMedium { medium, density, glow: None, heed: Heed::default() });
         names.push(text);
     }
     Ok((media, names))

@@ -18,6 +18,8 @@ class Material(ctypes.Structure):
         ("ior", ctypes.c_float),
         ("alpha", ctypes.c_float),
         ("asks", ctypes.c_uint32),
+        ("has_shadow", ctypes.c_uint32),
+        ("shadow", ctypes.c_float * 3),
     ]
 
 
@@ -25,6 +27,9 @@ class Object(ctypes.Structure):
     _fields_ = [
         ("volume", ctypes.c_int32),
         ("is_closed", ctypes.c_uint32),
+        ("hidden_from", ctypes.c_uint32),
+        ("light_set", ctypes.c_uint32),
+        ("shadow_set", ctypes.c_uint32),
     ]
 
 
@@ -62,6 +67,10 @@ class Volume(ctypes.Structure):
         ("scale_height", ctypes.c_double),
         ("origin", ctypes.c_double * 3),
         ("up", ctypes.c_double * 3),
+        ("hidden_from", ctypes.c_uint32),
+        ("light_set", ctypes.c_uint32),
+        ("shadow_set", ctypes.c_uint32),
+        ("unused", ctypes.c_uint32),
     ]
 
 
@@ -91,7 +100,11 @@ class Light(ctypes.Structure):
         ("triangles", ctypes.c_void_p),
         ("cells", ctypes.c_void_p),
         ("is_own", ctypes.c_uint32),
-        ("unused", ctypes.c_uint32),
+        ("hidden_from", ctypes.c_uint32),
+        ("unlit", ctypes.c_uint64),
+        ("unshadowed", ctypes.c_uint64),
+        ("falloff", ctypes.c_double),
+        ("smooth", ctypes.c_double),
     ]
 
 

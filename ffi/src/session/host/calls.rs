@@ -179,6 +179,8 @@ fn described(lobes: &Lobes) -> covbeam_material {
         ior: lobes.index,
         alpha: lobes.alpha,
         asks: covbeam_asks::COVBEAM_ASKS_NOTHING as u32,
+        has_shadow: lobes.shadow.is_some().into(),
+        shadow: lobes.shadow.unwrap_or_default().into(),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::stretch::Stretch;
 use crate::scene::Scene;
-use crate::scene::passage::passage;
+use crate::scene::passage::{Looks, passage};
 use covbeam::{Column, Medium};
 use glam::Vec3;
 
@@ -34,7 +34,10 @@ impl ShadowRays<'_> {
         self.count += 1;
         let from = sent.1;
         let arrives = match self.scene.may_be_seen_through() {
-            true => passage(self.scene, self.fogs, segment.interior, place, from),
+            true => {
+                let looks = Looks::For(&self.stretch.links);
+                passage(self.scene, self.fogs, segment.interior, [place, from], looks)
+            }
             false if self.scene.occluded(place, from) => Vec3::ZERO,
             false => Vec3::ONE,
         };

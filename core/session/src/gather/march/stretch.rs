@@ -4,7 +4,7 @@ use super::guide::Guide;
 use crate::color::luminance;
 use crate::eye::segment::EyeSegment;
 use crate::scene::media;
-use crate::scene::{Light, MediumDensity, Scene};
+use crate::scene::{Light, Links, MediumDensity, Rays, Scene};
 use covbeam::{Column, MARCH_KNOTS, MarchKnot, Medium};
 use glam::Vec3;
 
@@ -13,6 +13,8 @@ pub(super) struct Stretch<'a> {
     pub(super) segment: EyeSegment,
     pub(super) fog: &'a Medium<'a>,
     pub(super) light: &'a Light,
+    /// On what it falls.
+    pub(super) links: Links,
     pub(super) from: f32,
     pub(super) to: f32,
     pub(super) knots: Vec<MarchKnot>,
@@ -25,13 +27,13 @@ pub(super) struct Stretch<'a> {
 impl<'a> Stretch<'a> {
     /// The part of a piece of an eye path that a light may reach; None: there is none.
     ///
-    /// - `column`: of the piece in `fog`.
+    /// - `column`: of the piece in `fog`; `links`: on what the light falls, the medium among it.
     /// - `is_tabulated`: whether it is to have knots for a table of what is expected, and ends where the light's cone does.
     pub(super) fn new(
         segment: EyeSegment,
         fog: &'a Medium<'a>,
         column: &Column,
-        light: &'a Light,
+        (light, links): (&'a Light, Links),
         is_tabulated: bool,
     ) -> Option<Self> {
         let ray = segment.ray;
@@ -52,7 +54,7 @@ impl<'a> Stretch<'a> {
             return None;
         }
         let share = luminance(segment.throughput);
-        Some(Self { segment, fog, light, from, to, knots, share, error: 0.0 })
+        Some(Self { segment, fog, light, links, from, to, knots, share, error: 0.0 })
     }
 
     /// Writes the table: the light that is expected along the stretch, and what a guide knows of it.
@@ -94,9 +96,14 @@ impl<'a> Stretch<'a> {
         // What other media on its way leave of light is found together with what stands there.
         let left = match scene.may_be_seen_through() {
             true => Vec3::ONE,
+            false if scene.is_hidden(self.segment.medium, Rays::SHADOW) => Vec3::ONE,
             false => media::transmittance(fog, place, from),
         };
-        density * amount * fog.transmittance(column.at(distance)) * left
+        density
+            * self.links.falloff.at(place.distance(from))
+            * amount
+            * fog.transmittance(column.at(distance))
+            * left
     }
 
     /// The greatest density along it.

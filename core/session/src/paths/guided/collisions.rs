@@ -7,7 +7,7 @@ use crate::color::mean;
 use crate::paths::events::scattered;
 use crate::paths::fields::CarriedField;
 use crate::paths::photon::Photon;
-use crate::paths::record::PhotonRecord;
+use crate::paths::record::{PhotonRecord, add};
 use crate::paths::scattering::albedo;
 use crate::paths::segment::Inside;
 use crate::paths::weight::channel;
@@ -17,7 +17,9 @@ use glam::Vec3;
 /// How collisions are drawn on a segment.
 struct Collisions<'s> {
     inside: &'s Inside<'s>,
-    /// What is lost up to the end, by channel: shares.
+    /// The columns up to the first and to the last of them.
+    ends: [f32; 2],
+    /// What collides between these, by channel, over what starts there.
     gone: Vec3,
     /// Shares of the channels in the mixture of their densities, by which collisions are placed.
     mixture: Vec3,
@@ -34,12 +36,19 @@ impl Collisions<'_> {
     fn column(&self, index: u32, sampler: &mut PathSampler) -> f32 {
         let (channel, _) = channel(self.mixture, sampler.uniform());
         let u = ((index as f32 + self.shift) / self.count).min(1.0 - f32::EPSILON);
+        if !self.inside.dims() {
+            return self.ends[0] + u * (self.ends[1] - self.ends[0]);
+        }
         -libm::log1pf(-u * self.gone[channel]) / self.inside.fog.extinction()[channel]
     }
 
     /// Of the power at the start, what one after a column scatters.
     fn power(&self, power: Vec3, column: f32) -> Vec3 {
         let fog = self.inside.fog;
+        if !self.inside.dims() {
+            return power * self.albedo * self.gone * self.inside.lit(self.inside.column.distance_at(column))
+                / self.expected;
+        }
         let density = fog.extinction() * fog.transmittance(column);
         let drawn = (self.mixture * density / self.gone.max(Vec3::splat(f32::MIN_POSITIVE))).element_sum();
         power * self.albedo * density / (drawn * self.expected)
@@ -59,12 +68,20 @@ impl Tree<'_, '_> {
         out: &mut PhotonRecord,
     ) {
         let Branch { ref photon, ref mut sampler, depth } = *branch;
-        let gone = Vec3::ONE - inside.fog.transmittance(inside.column.at(end));
+        let ends =
+            [if inside.dims() { 0.0 } else { inside.column.at(photon.dark.min(end)) }, inside.column.at(end)];
+        let gone = match inside.dims() {
+            true => Vec3::ONE - inside.fog.transmittance(ends[1]),
+            false => inside.fog.extinction() * (ends[1] - ends[0]),
+        };
+        if !inside.dims() {
+            add(&mut out.energy.roulette, -photon.power * gone);
+        }
         let scattered = scattered(inside.fog, photon.power * gone, out);
         if !self.is_scattered(photon, Bounce::Volume, scattered, out) {
             return;
         }
-        let collisions = self.collisions(photon, inside, gone, visible, sampler, depth);
+        let collisions = self.collisions(photon, (inside, ends), gone, visible, sampler, depth);
         for index in 0..collisions.count as u32 {
             let mut sampler = sampler.branch();
             let column = collisions.column(index, &mut sampler);
@@ -90,7 +107,7 @@ impl Tree<'_, '_> {
     fn collisions<'s>(
         &self,
         photon: &Photon,
-        inside: &'s Inside<'s>,
+        (inside, ends): (&'s Inside<'s>, [f32; 2]),
         gone: Vec3,
         visible: f32,
         sampler: &mut PathSampler,
@@ -110,6 +127,6 @@ impl Tree<'_, '_> {
             .max(lost.element_sum() * albedo.max_element());
         let count = (expected + sampler.uniform()).floor();
         let (mixture, shift) = (lost / lost.element_sum(), sampler.uniform());
-        Collisions { inside, gone, mixture, albedo, expected, count, shift }
+        Collisions { inside, ends, gone, mixture, albedo, expected, count, shift }
     }
 }

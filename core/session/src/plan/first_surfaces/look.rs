@@ -6,8 +6,8 @@ use crate::eye::sight::{FirstFog, Sight};
 use crate::eye::starts::EyeStarts;
 use crate::eye::straight_irradiance;
 use crate::lamps::{LampTree, MOST_ASKED};
-use crate::scene::Scene;
 use crate::scene::optics::{Interior, facing_normal};
+use crate::scene::{Rays, Scene};
 use covbeam::Medium;
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
@@ -99,6 +99,7 @@ fn lit(
     if lamps.is_drawn_on_surfaces() {
         asked.retain(|(_, stands_for)| *stands_for <= 1.0 / (LEAST_SHARE * MOST_ASKED as f32));
     }
+    asked.retain(|(lamp, _)| scene.falls_on(*lamp, hit, Rays::DIFFUSE));
     let sum = straight_irradiance(scene, fogs, interior, start, &asked, |light| {
         let (density, from) = light.flux_density(start, [0.0; 2]);
         (density * (from - start).normalize_or_zero().dot(normal).max(0.0), from)

@@ -2,6 +2,7 @@
 
 use crate::material::Lobes;
 use crate::scene::optics::refract;
+use crate::visibility::Rays;
 use glam::Vec3;
 
 /// A lobe.
@@ -30,6 +31,17 @@ impl Lobe {
     /// Those that keep directions apart, or nearly.
     pub(super) const SHARP: [Self; 5] =
         [Self::Transparent, Self::Metal, Self::Coat, Self::GlassReflection, Self::GlassTransmission];
+
+    /// The kind of the ray that comes to light which it sends on: of what is transparent none of its own.
+    #[inline]
+    pub(crate) fn ray(self) -> Rays {
+        match self {
+            Self::Transparent => Rays::NONE,
+            Self::Diffuse => Rays::DIFFUSE,
+            Self::Metal | Self::Coat | Self::GlassReflection => Rays::GLOSSY,
+            Self::Translucent | Self::GlassTransmission => Rays::TRANSMISSION,
+        }
+    }
 
     /// Whether light leaves it diffusely.
     #[inline]

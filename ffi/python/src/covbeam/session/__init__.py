@@ -10,14 +10,15 @@ the field and what to do, and changes nothing. A long call asks its `poll` at le
 poll raises ends the call, Ctrl-C too. covbeam_session.h is the manual of the fields. Experimental until 0.2.
 """
 
-from ._described import Camera, Light, LightKind, Projection, Volume, Voxels
+from ._described import Camera, Light, LightKind, Projection, Rays, Volume, Voxels
 from ._geometry import HIT, Geometry
 from ._render import BounceLimits, End, Layer, Method, Session
-from ._scene import MATERIAL, SHAPE, Scene, ShapeKind
+from ._scene import MATERIAL, OBJECT_RULES, SHAPE, Scene, ShapeKind
 
 __all__ = [
     "HIT",
     "MATERIAL",
+    "OBJECT_RULES",
     "SHAPE",
     "BounceLimits",
     "Camera",
@@ -28,6 +29,7 @@ __all__ = [
     "LightKind",
     "Method",
     "Projection",
+    "Rays",
     "Scene",
     "Session",
     "ShapeKind",

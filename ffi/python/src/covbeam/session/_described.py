@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, field
-from enum import IntEnum
+from enum import IntEnum, IntFlag
 
 import numpy as np
 
@@ -33,6 +33,21 @@ class Projection(IntEnum):
     FISHEYE = 3
 
 
+class Rays(IntFlag):
+    """Kinds of rays, which go from the eye to the light: light that a diffuse surface sends to the camera is seen by a diffuse ray."""
+
+    CAMERA = 1
+    DIFFUSE = 2
+    #: From what reflects as metal, coats and glass do.
+    GLOSSY = 4
+    #: From what lets light through, refracted or diffusely.
+    TRANSMISSION = 8
+    #: From a place in a volume.
+    VOLUME = 16
+    #: From anywhere to a lamp.
+    SHADOW = 32
+
+
 def _zero():
     return np.zeros(3)
 
@@ -41,6 +56,9 @@ def _zero():
 class Light:
     """A light; fields that its kind does not need are not read. covbeam_light of the header tells their meaning.
 
+    - hidden_from: Rays that do not see it: it does not fall on what they leave.
+    - unlit: sets of objects and volumes that it does not fall on straight, a bit each; unshadowed: sets of objects that cast no shadow of it.
+    - falloff, smooth: its straight light is times d**falloff * d**2 / (smooth + d**2) at a distance d [m], falloff from 0 to 4; not of suns and skies.
     - pattern: None, or what has `cells` (rows, columns, 3), `axes` (3, 3) and `reach`; sky: cells (rows, columns, 3), turned by `turn`.
     """
 
@@ -64,6 +82,11 @@ class Light:
     pattern: object = None
     sky: np.ndarray | None = None
     turn: np.ndarray = field(default_factory=lambda: np.eye(3))
+    hidden_from: int = 0
+    unlit: int = 0
+    unshadowed: int = 0
+    falloff: float = 0.0
+    smooth: float = 0.0
 
 
 @dataclass(eq=False)
@@ -85,6 +108,8 @@ class Volume:
     - density, glow: None, or Voxels: relative densities, and emission coefficients [W/(m^3 sr)].
     - parts: of a sum: the indices of the volumes that overlap where it counts.
     - scale_height: of the world's: height in which its density falls to 1/e [m], along `up` from `origin`, where it is 1; 0: it does not.
+    - hidden_from: Rays that do not see it: CAMERA, and SHADOW, which dims no straight light of lamps in it.
+    - light_set, shadow_set: sets below 64 that it is in, for lamps that light some only, and that some only dim.
     """
 
     scattering: np.ndarray
@@ -99,6 +124,9 @@ class Volume:
     scale_height: float = 0.0
     origin: np.ndarray = field(default_factory=_zero)
     up: np.ndarray = field(default_factory=_zero)
+    hidden_from: int = 0
+    light_set: int = 0
+    shadow_set: int = 0
 
 
 @dataclass(eq=False)

@@ -29,6 +29,8 @@ class ShapeKind(IntEnum):
 #: - transparent: of light that goes straight on, as if nothing were there.
 #: - ior: index of refraction of glass and coat, over that of the side that the normal points to; 0: 1.5.
 #: - alpha: GGX's alpha of metal, glass and coat, 0 to 1; below 1e-3 they are perfectly smooth.
+#: - shadow: like transparent, of light on its way from a lamp, if has_shadow is not 0; the other lobes lose nothing for it, but glass does not act on
+#:   light that it lets by more freely than transparent says.
 #: - asks: 0; hosts with geometry of their own, in C, have functions that it names.
 MATERIAL = np.dtype(
     [
@@ -43,6 +45,8 @@ MATERIAL = np.dtype(
         ("ior", np.float32),
         ("alpha", np.float32),
         ("asks", np.uint32),
+        ("has_shadow", np.uint32),
+        ("shadow", np.float32, (3,)),
     ]
 )
 
@@ -61,8 +65,14 @@ SHAPE = np.dtype(
     ]
 )
 
+#: By which rays and lamps an object is not heeded; all 0: by all it is.
+#:
+#: - hidden_from: sum of Rays that do not see it: to them it is not there.
+#: - light_set, shadow_set: sets below 64 that it is in, for lamps that light some only, and of which some only cast shadows.
+OBJECT_RULES = np.dtype([("hidden_from", np.uint32), ("light_set", np.uint32), ("shadow_set", np.uint32)])
+
 _FLOAT, _INT, _DOUBLE = np.dtype(np.float32), np.dtype(np.int32), np.dtype(np.float64)
-_OBJECT = np.dtype([("volume", np.int32), ("is_closed", np.uint32)])
+_OBJECT = np.dtype([("volume", np.int32), ("is_closed", np.uint32), *OBJECT_RULES.descr])
 _u, _d = ctypes.c_uint32, ctypes.c_double
 _d3 = _d * 3
 
@@ -80,6 +90,7 @@ class Scene(Object):
     - shapes: SHAPE (k,).
     - object_volumes: int (m,), by the numbers of the instances: index of the volume that an object is filled with, or -1.
     - object_closed: bool (m,): whether it has an inside. Fog inside of what is of glass is kept apart from that outside.
+    - object_rules: OBJECT_RULES (m,): by which rays and lamps an object is not heeded; empty: by all it is.
     - fog_alone: whether pictures show the light that fog scatters and nothing else: surfaces are black, and hide or mirror the fog behind them.
     """
 
@@ -95,12 +106,13 @@ class Scene(Object):
         shapes=(),
         object_volumes=(),
         object_closed=(),
+        object_rules=(),
         fog_alone=False,
     ):
         # Arrays that the description shows, until the call has ended.
         kept = [packed("materials", materials, MATERIAL, (None,))]
         kept.append(packed("shapes", shapes if len(shapes) else np.zeros(0, SHAPE), SHAPE, (None,)))
-        kept.append(_objects(object_volumes, object_closed))
+        kept.append(_objects(object_volumes, object_closed, object_rules))
         media = (abi.Volume * len(volumes))(*(_volume(f"volumes[{i}]", each, kept) for i, each in enumerate(volumes)))
         lamps = (abi.Light * len(lights))(*(_light(f"lights[{i}]", each, kept) for i, each in enumerate(lights)))
         description = abi.Description(
@@ -125,11 +137,15 @@ class Scene(Object):
         self.shape = (description.camera.height, description.camera.width)
 
 
-def _objects(volumes, closed):
+def _objects(volumes, closed, rules):
     volumes = packed("object_volumes", volumes if len(volumes) else np.zeros(0, int), _INT, (None,))
     closed = packed("object_closed", np.asarray(closed, bool), np.dtype(bool), (len(volumes),))
     objects = np.zeros(len(volumes), _OBJECT)
     objects["volume"], objects["is_closed"] = volumes, closed
+    if len(rules):
+        rules = packed("object_rules", rules, OBJECT_RULES, (len(volumes),))
+        for name in OBJECT_RULES.names:
+            objects[name] = rules[name]
     return objects
 
 
@@ -150,7 +166,7 @@ def _numbers(name, thing, fields):
 
 def _volume(name, volume, kept):
     given = _vectors(name, volume, ("scattering", "absorption", "min", "max", "origin", "up")) | _numbers(name, volume, ("asymmetry", "scale_height"))
-    given["phase"] = whole(f"{name}.phase", _of(volume, "phase", 0))
+    given |= {field: whole(f"{name}.{field}", _of(volume, field, 0)) for field in ("phase", "hidden_from", "light_set", "shadow_set")}
     for field, shape in (("density", (None, None, None)), ("glow", (None, None, None, 3))):
         voxels = _of(volume, field, None)
         if voxels is None:
@@ -167,8 +183,10 @@ def _volume(name, volume, kept):
 
 def _light(name, light, kept):
     given = _vectors(name, light, ("position", "axis", "u", "v", "intensity", "radiance", "irradiance"))
-    given |= _numbers(name, light, ("radius", "cosine", "blend", "spread", "angle"))
+    given |= _numbers(name, light, ("radius", "cosine", "blend", "spread", "angle", "falloff", "smooth"))
     given["kind"] = whole(f"{name}.kind", light.kind)
+    given["hidden_from"] = whole(f"{name}.hidden_from", _of(light, "hidden_from", 0))
+    given |= {field: whole(f"{name}.{field}", _of(light, field, 0), 0, 2**64 - 1) for field in ("unlit", "unshadowed")}
     given |= {f"is_{field}": bool(_of(light, field, False)) for field in ("visible", "soft", "round")}
     triangles = packed(f"{name}.triangles", _of(light, "triangles", np.zeros((0, 3, 3))), _FLOAT, (None, 3, 3))
     kept.append(triangles)
