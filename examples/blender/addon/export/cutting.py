@@ -27,8 +27,8 @@ _CLEAR = 1 - 1 / 512
 
 #: Columns of MATERIAL as numbers, and of the radiance after it.
 _WIDTH = MATERIAL.itemsize // 4
-_COLUMN = {name: slice(MATERIAL.fields[name][1] // 4, MATERIAL.fields[name][1] // 4 + 3) for name in WEIGHTS}
-_PASSING = np.r_[tuple(_COLUMN[name] for name in ("transparent", "translucent", "glass_transmission"))]
+_COLUMN = {name: slice(MATERIAL.fields[name][1] // 4, MATERIAL.fields[name][1] // 4 + 3) for name in (*WEIGHTS, "shadow")}
+_PASSING = np.r_[tuple(_COLUMN[name] for name in ("transparent", "shadow", "translucent", "glass_transmission"))]
 _SPECULAR = np.r_[tuple(_COLUMN[name] for name in ("metal", "glass_reflection", "glass_transmission", "coat"))]
 
 
@@ -170,7 +170,7 @@ def _kinds(fields, areas, per_radiance):
     """Kinds of pieces by what they let through: 0 of what is not there, others from 1 on; uint8 (n,)."""
     values = np.concatenate([fields[:, _PASSING], fields[:, _WIDTH:] * per_radiance], axis=1)
     kinds = np.ones(len(values), np.uint8)
-    kinds[(fields[:, _COLUMN["transparent"]] >= _CLEAR).all(axis=1)] = 0
+    kinds[(np.minimum(fields[:, _COLUMN["transparent"]], fields[:, _COLUMN["shadow"]]) >= _CLEAR).all(axis=1)] = 0
     spread = {}
     for made in range(2, _KINDS + 1):
         for kind in set(range(1, made)) - set(spread):
@@ -210,7 +210,7 @@ def _of_kinds(fields, areas, kinds):
                 column = MATERIAL.fields[name][1] // 4
                 found[kind, column] = (weights * specular[of]) @ fields[of, column] / (weights * specular[of]).sum()
     found[0] = 0
-    found[0, _COLUMN["transparent"]] = found[0, MATERIAL.fields["ior"][1] // 4] = 1
+    found[0, _COLUMN["transparent"]] = found[0, _COLUMN["shadow"]] = found[0, MATERIAL.fields["ior"][1] // 4] = 1
     return found
 
 
@@ -234,4 +234,7 @@ def _error(parts, values, look):
     off = np.abs(values[kinds] - expected)
     radiance = float(expected[:, _WIDTH:].mean())
     shining = float(off[:, _WIDTH:].mean()) / radiance if radiance > 0 else 0.0
+    # What is transparent lets light of lamps through, too, for the most part.
+    off[:, _COLUMN["transparent"]] = np.maximum(off[:, _COLUMN["transparent"]], off[:, _COLUMN["shadow"]])
+    off[:, _COLUMN["shadow"]] = 0
     return max(float(off[:, _PASSING].sum(axis=1).mean()) / 3, shining)

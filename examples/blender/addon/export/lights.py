@@ -6,14 +6,10 @@ import math
 import numpy as np
 
 from ..host.scene import Light, LightKind, Pattern
+from .falloff import DISTANCES, NONE, falloff
 from .nodes import Values, follow
+from .patterns import cells_of, directions
 from .textures import Places
-
-#: Directions of a lamp are told apart by angles from its axis and around it.
-_CELLS = 512, 1024
-
-#: The same where a ball's normals are averaged, which leaves nothing fine: by so many of them. And places that tell whether that must be.
-_COARSE, _NORMALS, _LOOKS = (64, 128), 256, 64
 
 
 def light(lamp, name, matrix, report):
@@ -28,35 +24,68 @@ def light(lamp, name, matrix, report):
         values.note("a scale of 0", "it does not shine")
         return None
     axes = (matrix[:3, :3] / lengths).T
-    strength, pattern = _strength(lamp, values, axes)
+    strength, pattern, (exponent, smooth) = _strength(lamp, values, axes)
     if np.any(strength < 0):
         values.note("negative strength", "it does not shine")
         return None
     portal = lamp.type == "AREA" and hasattr(lamp, "cycles") and lamp.cycles.is_portal
     if portal or not strength.any() or (pattern is not None and not pattern.cells.any()):
         return None
-    placed = {"name": name, "position": matrix[:3, 3].copy(), "axis": -axes[2]}
+    # What is the strength at a metre is the host's times 1 / (1 + smooth).
+    strength = strength * (1 + smooth)
+    placed = {"name": name, "position": matrix[:3, 3].copy(), "axis": -axes[2], "falloff": exponent, "smooth": smooth}
     if pattern is not None:
         placed["pattern"] = pattern
     return _KINDS[lamp.type](lamp, matrix, axes, strength, placed, values)
 
 
 def _strength(lamp, values, axes):
-    """What Cycles multiplies the light's geometric factor with, (3,): colour times power, and the Emission node; and a host.scene.Pattern
-    if that differs with direction, or None."""
+    """What Cycles multiplies the light's geometric factor with, (3,): colour times power, and the Emission node; a host.scene.Pattern if that
+    differs with direction, or None; and the host's falloff and smooth."""
     strength = np.array(lamp.color, np.float64) * lamp.energy
     # Both came after Blender 4.2.
     if getattr(lamp, "use_temperature", False):
         strength = strength * np.array(lamp.temperature_color, np.float64)
     strength = strength * 2.0 ** getattr(lamp, "exposure", 0.0)
     if not lamp.use_nodes or lamp.node_tree is None:
-        return strength, None
+        return strength, None, NONE
     trial = values.quiet()
     emission = _emission(lamp.node_tree, trial)
-    if trial.varies and lamp.type in ("POINT", "SPOT"):
-        return strength, _pattern(lamp, values, axes)
-    values.report.extend(trial.report)
-    return strength * emission, None
+    if not trial.varies:
+        values.report.extend(trial.report)
+        return strength * emission, None, NONE
+    if lamp.type == "SUN":
+        return strength * _emissions(lamp, values, distance=np.full((1, 1), np.inf))[0], None, NONE
+    trial = values.quiet()
+    along = _emissions(lamp, trial, distance=DISTANCES)
+    if lamp.type == "AREA" or not len(trial.report):
+        values.report.extend(trial.report)
+        return strength * along[0], None, _falloff(values, along[None])
+    away = directions(_reach(lamp), 8, 8)
+    places = {"away": np.repeat(away, len(DISTANCES), axis=0), "distance": np.tile(DISTANCES, (len(away), 1))}
+    along = _emissions(lamp, values.quiet(), away_in_world=places["away"] @ axes, **places)
+    return strength, _pattern(lamp, values, axes), _falloff(values, along.reshape(len(away), len(DISTANCES), 3))
+
+
+def _emissions(lamp, values, **places):
+    """The Emission node's light where places are, float64 (n, 3): finite and >= 0."""
+    # What is no number is dark.
+    with np.errstate(all="ignore"):
+        found = _emission(lamp.node_tree, values.at(Places(**places)))
+    return np.clip(np.nan_to_num(np.broadcast_to(found, (len(places["distance"]), 3)), posinf=0.0), 0, 1e30)
+
+
+def _falloff(values, strengths):
+    """The host's falloff and smooth of strengths at DISTANCES in some directions, (m, n, 3)."""
+    shining = strengths[:, 0] > 0
+    found = falloff((strengths[:, 1:] / np.where(shining, strengths[:, 0], 1)[:, None]).swapaxes(1, 2)[shining].T) if shining.any() else NONE
+    if found is None:
+        values.note("a strength that changes with distance", "the one at a metre, at all distances", in_fog=True)
+    return found or NONE
+
+
+def _reach(lamp):
+    return min(lamp.spot_size / 2, math.pi) if lamp.type == "SPOT" else math.pi
 
 
 def _emission(tree, values):
@@ -71,70 +100,14 @@ def _emission(tree, values):
 
 
 def _pattern(lamp, values, axes):
-    """The Emission node's light in all directions that a lamp shines in."""
-    reach = min(lamp.spot_size / 2, math.pi) if lamp.type == "SPOT" else math.pi
-    along = np.stack([axes[0], axes[1], -axes[2]])
+    """The Emission node's light a metre away in all directions that a lamp shines in."""
 
     def shines(normals, leaving):
-        """Light of places with some normals that leaves them along directions, (n, 3) both, of the lamp's own space."""
-        with np.errstate(all="ignore"):
-            places = Places(away=normals, away_in_world=normals @ axes, leaving=leaving @ axes)
-            found = _emission(lamp.node_tree, values.at(places))
-        # What is no number is dark.
-        return np.clip(np.nan_to_num(np.broadcast_to(found, normals.shape), posinf=0.0), 0, 1e30)
+        near = np.full((len(normals), 1), DISTANCES[0])
+        return _emissions(lamp, values, away=normals, away_in_world=normals @ axes, leaving=leaving @ axes, distance=near)
 
-    # The ball of a lamp with a size has a normal at each place that is seen; a disk that faces what it lights has one, as a point has.
-    if lamp.shadow_soft_size > 0 and not lamp.use_soft_falloff and _heeds_normals(shines, values):
-        return Pattern(_of_ball(shines, reach), along, reach)
-    away = _directions(*_CELLS, reach)
-    return Pattern(shines(away, away).reshape(*_CELLS, 3).astype(np.float32), along, reach)
-
-
-def _directions(rows, columns, reach):
-    """Unit vectors in the middles of cells of a Pattern, in the lamp's own space: float64 (rows * columns, 3)."""
-    angle, turn = (np.arange(rows) + 0.5) * (reach / rows), (np.arange(columns) + 0.5) * (2 * math.pi / columns)
-    angle, turn = np.meshgrid(angle, turn, indexing="ij")
-    # A lamp shines along its -Z.
-    return np.stack([np.sin(angle) * np.cos(turn), np.sin(angle) * np.sin(turn), -np.cos(angle)], axis=-1).reshape(-1, 3)
-
-
-def _heeds_normals(shines, values):
-    """Whether light depends on the normal where it leaves; that it depends on its direction too is said."""
-    random = np.random.default_rng(0).normal(size=(2, _LOOKS, 3))
-    normals, leaving = random / np.linalg.norm(random, axis=-1, keepdims=True)
-    one = np.broadcast_to(normals[:1], normals.shape)
-    by_normal, by_direction = shines(normals, one), shines(one, leaving)
-    if not (by_normal != by_normal[0]).any():
-        return False
-    if (by_direction != by_direction[0]).any():
-        values.note("a pattern of a ball by normals and directions", "coarser than 3 degrees by directions", in_fog=True)
-    return True
-
-
-def _of_ball(shines, reach):
-    """Cells of what all places of a ball that are seen from far away send there, each as large as it is seen: float32 (rows, columns, 3)."""
-    rows, columns = _COARSE
-    away = _directions(rows, columns, reach)
-    # Normals around a direction, as many for the same area that is seen: evenly over a disk (Vogel's spiral), and up from there.
-    radius, turn = np.sqrt((np.arange(_NORMALS) + 0.5) / _NORMALS), np.arange(_NORMALS) * (math.pi * (3 - math.sqrt(5)))
-    disk = np.stack([radius * np.cos(turn), radius * np.sin(turn), np.sqrt(1 - radius**2)], axis=-1)
-    side = np.cross(away, np.where(np.abs(away[:, 2:]) < 0.9, [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]))
-    side /= np.linalg.norm(side, axis=1, keepdims=True)
-    total = np.zeros_like(away)
-    for x, y, z in disk:
-        total += shines(x * side + y * np.cross(away, side) + z * away, away)
-    coarse = (total / _NORMALS).reshape(rows, columns, 3)
-    # What lies beyond a pole is half a turn away.
-    ends = [np.roll(coarse[row], columns // 2, axis=0)[None] for row in (0, -1)]
-    coarse = np.concatenate([ends[0], coarse, ends[1] if reach == math.pi else coarse[-1:]])
-    # Between the middles of coarse cells, and around.
-    place = [(np.arange(fine) + 0.5) * (few / fine) - 0.5 for fine, few in zip(_CELLS, _COARSE)]
-    low = [np.floor(at).astype(int) for at in place]
-    rest = [(at - below)[:, None, None] for at, below in zip(place, low)]
-    by_rows = (1 - rest[0]) * coarse[low[0] + 1] + rest[0] * coarse[low[0] + 2]
-    turned = np.moveaxis(by_rows, 1, 0)
-    cells = (1 - rest[1]) * turned[low[1] % columns] + rest[1] * turned[(low[1] + 1) % columns]
-    return np.moveaxis(cells, 0, 1).astype(np.float32)
+    is_ball = lamp.shadow_soft_size > 0 and not lamp.use_soft_falloff
+    return Pattern(cells_of(shines, _reach(lamp), is_ball, values), np.stack([axes[0], axes[1], -axes[2]]), _reach(lamp))
 
 
 def _point_intensity(lamp, strength):

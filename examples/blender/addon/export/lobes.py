@@ -5,8 +5,8 @@ import numpy as np
 
 from ..host.scene import MATERIAL
 
-#: The fields that are weights per channel.
-WEIGHTS = tuple(name for name in MATERIAL.names if MATERIAL[name].shape)
+#: The fields that are weights per channel, of all light.
+WEIGHTS = tuple(name for name in MATERIAL.names if MATERIAL[name].shape and name != "shadow")
 
 
 class Lobes:
@@ -16,6 +16,8 @@ class Lobes:
     def __init__(self):
         self.weights = {name: np.zeros(3) for name in WEIGHTS}
         self.emission = np.zeros(3)
+        #: What goes straight on of light on its way from a lamp, as a weight; None: what is transparent.
+        self.shadow = None
         # Lobes that have an ior or a roughness: (largest weight, ior or None, roughness), numbers as in arithmetic.py.
         self._specular = []
 
@@ -34,8 +36,9 @@ class Lobes:
 
     @property
     def passing(self):
-        """What decides how light goes on behind the surface, and what it sends out: weights and radiance, (12,) or (n, 12)."""
-        parts = [self.weights[name] for name in ("transparent", "translucent", "glass_transmission")] + [self.emission]
+        """What decides how light goes on behind the surface, and what it sends out: weights and radiance, (15,) or (n, 15)."""
+        parts = [self.weights[name] for name in ("transparent", "translucent", "glass_transmission")]
+        parts += [self.weights["transparent"] if self.shadow is None else self.shadow, self.emission]
         return np.concatenate(np.broadcast_arrays(*parts), axis=-1)
 
     def row(self, note):
@@ -51,6 +54,8 @@ class Lobes:
             note("reflects more light than it receives", f"all of its lobes are scaled by {scale.min():.3g}")
         for name, weight in self.weights.items():
             rows[name] = weight * scale[:, None]
+        rows["has_shadow"] = self.shadow is not None
+        rows["shadow"] = rows["transparent"] if self.shadow is None else np.clip(self.shadow, 0, 1)
         rows["ior"] = self._strongest(1, note, "indices of refraction", 1.0, count)
         rows["alpha"] = self._strongest(2, note, "roughnesses", 0.0, count) ** 2
         return rows

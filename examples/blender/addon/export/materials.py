@@ -52,14 +52,26 @@ def _lobes(values, material):
     lobes = Lobes()
     output = material.node_tree.get_output_node("CYCLES")
     # Without one there is nothing in it: black.
-    if output is not None:
-        if not leads_somewhere(output.inputs["Surface"]) and leads_somewhere(output.inputs["Volume"]):
-            lobes.add(transparent=1.0)
-        add_surface(values, output.inputs["Surface"], (), 1.0, lobes)
-        _note_displacement(values, material, output)
-        if lobes.weights["transparent"].any() and not material.use_transparent_shadow:
-            values.note("Transparent Shadows is off", "light passes what is transparent")
+    if output is None:
+        return lobes
+    surface = output.inputs["Surface"]
+    if not leads_somewhere(surface) and leads_somewhere(output.inputs["Volume"]):
+        lobes.add(transparent=1.0)
+        return lobes
+    add_surface(values, surface, (), 1.0, lobes)
+    _note_displacement(values, material, output)
+    lobes.shadow = _shadow(values, material, surface, lobes)
     return lobes
+
+
+def _shadow(values, material, surface, lobes):
+    """What a surface lets through of light on its way from a lamp, as Lobes have it."""
+    if not material.use_transparent_shadow:
+        return np.zeros(3) if lobes.weights["transparent"].any() else None
+    seen = Lobes()
+    add_surface(values.for_shadows(), surface, (), 1.0, seen)
+    shadow, transparent = seen.weights["transparent"], lobes.weights["transparent"]
+    return None if np.array_equal(np.broadcast_to(shadow, np.broadcast_shapes(shadow.shape, transparent.shape)), transparent) else shadow
 
 
 def is_patterned(material):

@@ -83,13 +83,15 @@ class Values:
     Numbers are floats and colours float64 (3,); where they vary over the n places that they are asked for, (n, 1) and (n, 3).
     """
 
-    def __init__(self, source, report, in_fog=False, places=None, pictures=None):
+    def __init__(self, source, report, in_fog=False, places=None, pictures=None, for_shadows=False):
         """in_fog: whether the values are those of fog or of a lamp, so that what is not known is missing in fog.
 
         places: textures.Places; None: what varies from place to place is not known. pictures: of images that have been read.
+        for_shadows: whether a shadow ray asks, and not any other.
         """
         self.source, self.report, self._in_fog, self._places = source, report, in_fog, places
         self._pictures = {} if pictures is None else pictures
+        self._for_shadows = for_shadows
         #: Whether a value has been asked for that varies from place to place.
         self.varies = False
 
@@ -104,6 +106,10 @@ class Values:
     def quiet(self):
         """The same, without a report."""
         return Values(self.source, Report(), self._in_fog, self._places, self._pictures)
+
+    def for_shadows(self):
+        """The same for shadow rays, without a report."""
+        return Values(self.source, Report(), self._in_fog, self._places, self._pictures, True)
 
     def number(self, node, identifier, groups, missing=0.0):
         """A number. `missing`: what it is if this version of Blender has no such input."""
@@ -167,6 +173,9 @@ class Values:
             value = _drawn(end.node.name, 1 if end.socket.type == "VALUE" else 3)
         elif end.node.type == "TEX_IMAGE":
             value = self._image(end, argument)
+        elif end.socket.identifier == "Is Shadow Ray" and end.node.type == "LIGHT_PATH" and not self._in_fog:
+            # Surfaces are looked at twice: materials.py.
+            value = float(self._for_shadows)
         elif end.node.type in TEXTURES and self._places is None:
             self.varies = True
             raise NotConstant(end.node.name)

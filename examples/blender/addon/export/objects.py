@@ -1,16 +1,29 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The objects and instances of an evaluated depsgraph -> geometry, fog and lights."""
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 from covbeam.session import Geometry
 
 from ..host import ask
-from ..host.scene import MATERIAL, Light, LightKind
-from .flags import note_instancer_flags, note_left_out, note_light_flags
+from ..host.scene import MATERIAL, OBJECT_RULES, Light, LightKind, Rays
+from .flags import hidden_from, note_fog_flags, note_left_out, note_light_flags
 from .lights import light
+from .linking import BLOCKERS, RECEIVERS, Linking
 from .meshes import FARTHEST, in_world, inset, reach
 from .shapes import TOO_FAR, Shapes
 from .volumes import Filled, Frame
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What of Blender's something placed comes from."""
+
+    name: str
+    #: As of linking.Linking.
+    pointers: tuple
+    hidden: Rays
 
 
 class Objects:
@@ -24,68 +37,111 @@ class Objects:
         self.geometry = Geometry(has_digest=depsgraph.scene_eval.render.use_motion_blur)
         self.lights, self.filled, self.object_volumes, self.object_closed = [], [], [], []
         self._report, self._view_layer = report, depsgraph.view_layer_eval
-        # Objects that make instances and have been looked at.
-        self._instancers = set()
+        # By object: the Origin. By light: the keys of its collections.
+        self._origins, self._linked = [], []
+        self._receivers, self._blockers = Linking(RECEIVERS), Linking(BLOCKERS)
         self._shapes = Shapes(self.geometry, depsgraph, report, poll)
-        # Corners of emitting triangles by material number: lists of float32 (n, 3, 3).
+        # Corners of emitting triangles by number of the material, what it is hidden from, and keys of collections: lists of float32 (n, 3, 3).
         self._emitting = {}
-        # Largest coordinate of all that is placed [m], and what only bounds fog: shapes, transforms and names.
+        # Largest coordinate of all that is placed [m], and what only bounds fog: arguments of _bound.
         self._reach, self._bounds = 0.0, []
         for count, instance in enumerate(depsgraph.object_instances):
             if count % 64 == 0:
                 ask(poll)
             if instance.show_self and shows(instance.object):
                 self._add(instance)
-        for shape, matrix, name in self._bounds:
-            self._bound(shape, matrix, name)
-        for number, corners in self._emitting.items():
+        for bound in self._bounds:
+            self._bound(*bound)
+        for (number, hidden, *keys), corners in self._emitting.items():
+            self._linked.append(keys)
             self.lights.append(
                 Light(
                     name=self._shapes.materials[number].name,
                     kind=LightKind.MESH,
                     radiance=self._shapes.materials[number].emission,
                     triangles=np.concatenate(corners),
+                    hidden_from=hidden,
                 )
             )
+        self._link()
 
     @property
     def materials(self):
         """MATERIAL, (n,)."""
         return np.array([m.row for m in self._shapes.materials], MATERIAL)
 
+    def heeded(self, volumes):
+        """The same host.scene.Volumes, of `filled`, with the rules of what they fill; the world's is in the sets that no collection has."""
+        of_volumes = {int(volume): number for number, volume in enumerate(self.object_volumes) if volume >= 0}
+        made = [replace(volume, **self._rules_of(of_volumes.get(number))) for number, volume in enumerate(volumes)]
+        for number, volume in enumerate(volumes):
+            rules = [self._rules_of(of_volumes.get(part)) for part in volume.parts]
+            if any(each != rules[0] for each in rules):
+                self._report.add(
+                    f'Volume of "{volume.name}"', "overlaps fog that other lamps light, or other rays see", "they light and see both alike", in_fog=True
+                )
+            if rules:
+                made[number] = replace(volume, **rules[0])
+        return made
+
+    def _rules_of(self, number):
+        """Of a volume by the number of the object that it fills; None: of the world's."""
+        if number is None:
+            return {"light_set": self._world_set}
+        hidden, light_set, shadow_set = self.object_rules[number].tolist()
+        return {"hidden_from": Rays(hidden), "light_set": light_set, "shadow_set": shadow_set}
+
+    def _link(self):
+        """Makes `object_rules`, and links the lights."""
+        self.object_rules = np.zeros(len(self._origins), OBJECT_RULES)
+        self.object_rules["hidden_from"] = [origin.hidden for origin in self._origins]
+        things = [*(origin.pointers for origin in self._origins), None]
+        both = [each.sets(things) for each in (self._receivers, self._blockers)]
+        if None in both:
+            self._report.add("Light Linking", "more than 64 sets of objects", "lamps light, and are shadowed by, everything", in_fog=True)
+            both = [self._receivers.none(things)] * 2
+        (lit, unlit), (shadowed, unshadowed) = both
+        self.object_rules["light_set"], self.object_rules["shadow_set"] = lit[:-1], shadowed[:-1]
+        self._world_set = int(lit[-1])
+        self.lights = [
+            replace(each, unlit=unlit(receivers), unshadowed=unshadowed(blockers))
+            for each, (receivers, blockers) in zip(self.lights, self._linked)
+        ]
+
     def _add(self, instance):
         # Object and matrix are Blender's only until the next instance: nothing of them is kept.
         thing = instance.object
         matrix = np.array(instance.matrix_world, np.float64)
         maker = instance.parent if instance.is_instance else None
-        if maker is not None and maker.as_pointer() not in self._instancers:
-            self._instancers.add(maker.as_pointer())
-            # Blender has triangles of curves and the like as instances that they make themselves.
-            if maker.original != thing.original:
-                note_instancer_flags(maker, self._view_layer, self._report)
+        # Blender has triangles of curves and the like as instances that they make themselves.
+        maker = None if maker is None or maker.original == thing.original else maker
+        hidden = hidden_from(thing, maker, self._view_layer)
+        pointers = thing.original.as_pointer(), maker.original.as_pointer() if maker is not None else None
         if thing.type in ("MESH", "VOLUME"):
             shape = self._shapes.shape(thing)
             if shape is not None:
-                self._place(shape, matrix, thing.name)
+                keys = (self._receivers.of(thing), self._blockers.of(thing)) if shape.emitting else ()
+                self._place(shape, matrix, Origin(thing.name, pointers, hidden), keys)
         elif thing.type == "LIGHT":
             note_light_flags(thing, self._report)
-            made = light(thing.data, thing.name, matrix, self._report) if thing.visible_volume_scatter else None
+            made = light(thing.data, thing.name, matrix, self._report)
             if made is not None:
-                self.lights.append(made)
+                self.lights.append(replace(made, hidden_from=hidden))
+                self._linked.append((self._receivers.of(thing), self._blockers.of(thing)))
         else:
             note_left_out(thing, self._report)
 
-    def _place(self, shape, matrix, name):
+    def _place(self, shape, matrix, origin, keys):
+        """Places a Shape. keys: of the collections of what shines."""
         if not reach(shape.mesh, matrix) <= FARTHEST:
-            self._report.add(f'Object "{name}"', *TOO_FAR)
+            self._report.add(f'Object "{origin.name}"', *TOO_FAR)
             return
         self._reach = max(self._reach, reach(shape.mesh, matrix))
         invertible = _invertible(matrix)
         if shape.fog is not None and shape.is_bound and invertible:
-            self._bounds.append((shape, matrix, name))
+            self._bounds.append((shape, matrix, origin, keys))
             return
-        number = len(self.object_volumes)
-        self.object_closed.append(shape.is_solid)
+        number = self._number(origin, shape.is_solid)
         world = None
         if shape.fog is not None or shape.emitting or not invertible:
             world = in_world(shape.mesh, matrix)
@@ -99,27 +155,35 @@ class Objects:
         if shape.fog is None:
             self.object_volumes.append(-1)
         else:
-            self.object_volumes.append(len(self.filled))
-            self._fill(shape, matrix, name, world.min(axis=0), world.max(axis=0))
-        for material, corners in shape.emitting:
-            self._emitting.setdefault(material, []).append(world[corners])
+            self._fill(shape, matrix, origin, world.min(axis=0), world.max(axis=0))
+        self._shine(shape, world, origin, keys)
 
-    def _bound(self, shape, matrix, name):
+    def _bound(self, shape, matrix, origin, keys):
         """Places an object that does nothing but bound fog, once `_reach` is known: drawn in by a hair."""
-        number, world = len(self.object_volumes), in_world(shape.mesh, matrix)
+        number, world = self._number(origin, False), in_world(shape.mesh, matrix)
         smaller, low, high = inset(matrix, world.min(axis=0), world.max(axis=0), self._reach, number)
         material = shape.materials if isinstance(shape.materials, int) else -1
         self.geometry.add_instance(shape.number, smaller, number, material)
-        self.object_volumes.append(len(self.filled))
-        self.object_closed.append(False)
-        self._fill(shape, matrix, name, low, high)
-        for material, corners in shape.emitting:
-            self._emitting.setdefault(material, []).append(world[corners])
+        self._fill(shape, matrix, origin, low, high)
+        self._shine(shape, world, origin, keys)
 
-    def _fill(self, shape, matrix, name, low, high):
-        """Adds the fog that fills a shape between two corners [m]."""
+    def _number(self, origin, is_closed):
+        """The number of an object of an Origin."""
+        self._origins.append(origin)
+        self.object_closed.append(is_closed)
+        return len(self._origins) - 1
+
+    def _fill(self, shape, matrix, origin, low, high):
+        """Fills the last object, of a shape between two corners [m], with its fog."""
+        note_fog_flags(origin.name, origin.hidden, self._report)
+        self.object_volumes.append(len(self.filled))
         frame = Frame(matrix, *shape.texture_space, shape.grids)
-        self.filled.append(Filled(name, shape.fog, np.float64(low), np.float64(high), frame))
+        self.filled.append(Filled(origin.name, shape.fog, np.float64(low), np.float64(high), frame))
+
+    def _shine(self, shape, world, origin, keys):
+        """Notes the triangles of a shape that shine. world: its vertices [m]; keys: of its collections."""
+        for material, corners in shape.emitting:
+            self._emitting.setdefault((material, origin.hidden, *keys), []).append(world[corners])
 
 
 def _invertible(matrix):

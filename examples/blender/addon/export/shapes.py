@@ -38,7 +38,7 @@ class Shape:
     #: Whether it does nothing but bound fog; and whether it is of glass and closed.
     is_bound: bool
     is_solid: bool
-    #: For each material whose light reaches fog: its number and the corners of its triangles, int32 (n, 3).
+    #: For each material that shines: its number and the corners of its triangles, int32 (n, 3).
     emitting: list
     #: What it holds of its own, or None.
     grids: Grids | None = None
@@ -51,7 +51,7 @@ class Shapes:
         #: materials.Translated, by material number.
         self.materials = []
         self._geometry, self._depsgraph, self._report = geometry, depsgraph, report
-        self._view_layer, self._poll = depsgraph.view_layer_eval, poll
+        self._poll = poll
         # By what identifies them in Blender as long as the depsgraph lives:
         self._numbers, self._shapes, self._meshes, self._cuts, self._patterned = {}, {}, {}, {}, {}
 
@@ -64,7 +64,7 @@ class Shapes:
 
     def _make(self, thing):
         source = f'Object "{thing.name}"'
-        note_mesh_flags(thing, self._view_layer, self._report)
+        note_mesh_flags(thing, self._report)
         if gas_domain(thing) is not None:
             return self._of_smoke(thing, source)
         if thing.type == "VOLUME":
@@ -89,13 +89,13 @@ class Shapes:
         rows = np.array([self.materials[m].row for m in used], MATERIAL)
         return Shape(
             mesh=mesh,
-            is_bound=bool((rows["transparent"] >= 1).all()),
+            is_bound=_lets_all_through(rows),
             is_solid=bool((rows["glass_transmission"] > 0).any()) and is_closed(mesh),
             materials=materials,
             number=made[key],
             fog=self._fog(mesh, [self.materials[m].fog for m in used if self.materials[m].fog is not None], source),
             texture_space=np.array([thing.data.texspace_location, thing.data.texspace_size], np.float64),
-            emitting=self._emitting(mesh, materials, used) if thing.visible_volume_scatter else [],
+            emitting=self._emitting(mesh, materials, used),
         )
 
     def _in_pieces(self, thing, mesh, slots, source):
@@ -108,13 +108,13 @@ class Shapes:
             return None
         return Shape(
             mesh=made,
-            is_bound=bool((np.array([self.materials[m].row for m in made.used], MATERIAL)["transparent"] >= 1).all()),
+            is_bound=_lets_all_through(np.array([self.materials[m].row for m in made.used], MATERIAL)),
             is_solid=is_solid,
             materials=materials,
             number=number,
             fog=fog,
             texture_space=np.array([thing.data.texspace_location, thing.data.texspace_size], np.float64),
-            emitting=self._emitting(made, materials, made.used) if thing.visible_volume_scatter else [],
+            emitting=self._emitting(made, materials, made.used),
         )
 
     def _cut(self, data, mesh, slots, source):
@@ -248,3 +248,8 @@ class Shapes:
     def _emitting(self, mesh, materials, used):
         shining = [int(m) for m in used if self.materials[m].emission.any()]
         return [(m, mesh.corners if len(used) == 1 else mesh.corners[materials == m]) for m in shining]
+
+
+def _lets_all_through(rows):
+    """Whether surfaces of some MATERIAL do nothing."""
+    return bool((np.minimum(rows["transparent"], rows["shadow"]) >= 1).all())

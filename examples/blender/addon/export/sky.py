@@ -1,16 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A world's background -> host.scene.Light."""
 
+from dataclasses import replace
+
 import numpy as np
 from mathutils import Euler
 
-from ..host.scene import Light, LightKind
+from ..host.scene import Light, LightKind, Rays
 from .images import SKY_COLUMNS, blocks
 from .materials import has_nodes
 from .nodes import Values, closures, find, follow
 from .other_blender import Failed
 from .sky_texture import sky_of
 from .textures import Places
+
+#: By a setting of a world's Ray Visibility that is off: what does not see its background.
+_RAYS = {"diffuse": Rays.DIFFUSE, "glossy": Rays.GLOSSY, "transmission": Rays.TRANSMISSION, "scatter": Rays.VOLUME}
 
 
 def sky(world, report, poll):
@@ -21,6 +26,11 @@ def sky(world, report, poll):
     """
     if world is None:
         return []
+    hidden = Rays(sum(rays for name, rays in _RAYS.items() if not getattr(world.cycles_visibility, name)))
+    return [replace(light, hidden_from=hidden) for light in _lights(world, report, poll)]
+
+
+def _lights(world, report, poll):
     values = Values(f'World "{world.name}"', report, in_fog=True)
     if not has_nodes(world):
         return _light(world, np.array(world.color, np.float64), None)
@@ -35,10 +45,7 @@ def sky(world, report, poll):
         suns = [light for node, of in skies.values() if (light := _sun(world, values, surface, node, skies, of)) is not None]
     else:
         report.extend(trial.report)
-    lights = _light(world, constant, picture) + suns
-    if lights and not (world.cycles_visibility.scatter and world.cycles_visibility.diffuse):
-        values.note("Ray Visibility of the background", "it lights fog and surfaces all the same", in_fog=True)
-    return lights
+    return _light(world, constant, picture) + suns
 
 
 def _skies(tree, poll):

@@ -30,6 +30,8 @@ class Places:
     away: np.ndarray | None = None
     away_in_world: np.ndarray | None = None
     leaving: np.ndarray | None = None
+    #: From a lamp [m], float64 (n, 1); infinity: from a sun.
+    distance: np.ndarray | None = None
     #: grids.Lookup of what a volume holds there; surface_places.OnSurface.
     held: object = None
     surface: object = None
@@ -72,6 +74,20 @@ def _geometry(node, output, argument, places):
     leaving = away if places.leaving is None else places.leaving
     found = {"Position": places.world, "Normal": away, "True Normal": away, "Incoming": leaving}
     return _known(node, output, found.get(output.identifier))
+
+
+#: By output of a Light Falloff node, the power of the distance that its light is multiplied with.
+_FALLOFF = {"Quadratic": 0, "Linear": 1, "Constant": 2}
+
+
+def _falloff(node, output, argument, places):
+    distance, strength = _known(node, output, places.distance), argument("Strength")
+    # Cycles' suns are infinitely far away, and do not fall off.
+    if np.isinf(distance).all():
+        return strength
+    squared, smooth = distance**2, np.maximum(argument("Smooth"), 0)
+    smoothed = np.where(smooth > 0, squared / np.where(smooth > 0, smooth + squared, 1), 1)
+    return strength * smoothed * distance ** _FALLOFF[output.identifier]
 
 
 def _known(node, output, value):
@@ -256,6 +272,7 @@ TEXTURES = {
     "VOLUME_INFO": _volume_info,
     "UVMAP": _uv_map,
     "VERTEX_COLOR": _colour_attribute,
+    "LIGHT_FALLOFF": _falloff,
 }
 
 #: What stands for an input "Vector" without a link: a field of Places.

@@ -8,9 +8,24 @@ from dataclasses import dataclass, field, replace
 from enum import IntEnum
 
 import numpy as np
-from covbeam.session import MATERIAL, Geometry
+from covbeam.session import MATERIAL, OBJECT_RULES, Geometry, Rays
 
-__all__ = ["MATERIAL", "Aperture", "Camera", "Density", "Glow", "Light", "LightKind", "Pattern", "Phase", "Projection", "Scene", "Volume"]
+__all__ = [
+    "MATERIAL",
+    "OBJECT_RULES",
+    "Aperture",
+    "Camera",
+    "Density",
+    "Glow",
+    "Light",
+    "LightKind",
+    "Pattern",
+    "Phase",
+    "Projection",
+    "Rays",
+    "Scene",
+    "Volume",
+]
 
 
 class LightKind(IntEnum):
@@ -82,6 +97,14 @@ class Light:
     sky: np.ndarray | None = None
     #: WORLD: the direction in `sky` is this matrix times that in the scene; a rotation, float64 of shape (3, 3).
     turn: np.ndarray = field(default_factory=lambda: np.eye(3))
+    #: What does not see it: it does not fall on what these rays leave.
+    hidden_from: Rays = Rays(0)
+    #: Sets of objects and volumes that its light does not fall on straight, and of those that cast no shadow of it: a bit each.
+    unlit: int = 0
+    unshadowed: int = 0
+    #: Of all but suns and worlds: its straight light is times d^falloff d^2 / (smooth + d^2) at a distance d [m].
+    falloff: float = 0.0
+    smooth: float = 0.0
 
 
 class Phase(IntEnum):
@@ -137,6 +160,11 @@ class Volume:
     #: Indices of the volumes whose sum this is, where all of them and no others are; empty: it is one of a scene's own. The world's is in
     #: all of them.
     parts: tuple[int, ...] = ()
+    #: CAMERA: the camera does not see it; SHADOW: it dims no straight light.
+    hidden_from: Rays = Rays(0)
+    #: Sets that it is in, for lamps that light some only, and that some only dim.
+    light_set: int = 0
+    shadow_set: int = 0
 
 
 @dataclass(frozen=True)
@@ -213,6 +241,8 @@ class Scene:
     object_volumes: np.ndarray
     #: Which objects have an inside: bool, (m,). Fog inside of those of glass is kept apart from that outside.
     object_closed: np.ndarray
+    #: By which rays and lamps objects are not heeded: OBJECT_RULES, (m,).
+    object_rules: np.ndarray
     volumes: list[Volume]
     #: Index in `volumes` of what is outside of all objects, or -1.
     world_volume: int
