@@ -43,8 +43,6 @@ def _world(scene):
 
 
 def _objects(scene):
-    add(bpy.data.hair_curves.new("Hair Curves"))
-    add(bpy.data.pointclouds.new("Points"))
     cloud = bpy.data.volumes.new("Cloud")
     cloud.filepath = "/there/is/no/cloud.vdb"
     cloud.materials.append(scenes.material("Cloudy", volume=shader("VolumePrincipled")))
@@ -52,9 +50,6 @@ def _objects(scene):
     pencil = bpy.ops.object.grease_pencil_add if bpy.app.version >= (4, 3) else bpy.ops.object.gpencil_add
     pencil(type="EMPTY")
     bpy.context.object.name = "Pencil"
-    scenes.box("Fluffy").modifiers.new("Hair", "PARTICLE_SYSTEM")
-    system = bpy.data.objects["Fluffy"].particle_systems[0]
-    system.name, system.settings.type = "Fur", "HAIR"
     smoke = scenes.box("Smoke").modifiers.new("Fluid", "FLUID")
     smoke.fluid_type = "DOMAIN"
     # Nothing is simulated: that aborts in the bpy package.
@@ -64,11 +59,8 @@ def _objects(scene):
     (modifier if bpy.app.version >= (5, 0) else diced.cycles).use_adaptive_subdivision = True
     scenes.box("Broken").data.vertices[0].co.x = float("inf")
     return (
-        _all('Object "Hair Curves"', "hair curves")
-        | _all('Object "Points"', "point cloud")
-        | _all('Object "Cloud"', "OpenVDB file cloud.vdb (cloud.vdb not found)")
+        _all('Object "Cloud"', "OpenVDB file cloud.vdb (cloud.vdb not found)")
         | _all('Object "Pencil"', "grease pencil")
-        | _all('Object "Fluffy"', "hair of particle system Fur")
         | _all('Object "Smoke"', "smoke domain without smoke")
         | _all('Object "Diced"', "adaptive subdivision")
         | _all('Object "Broken"', "coordinates that are too large")

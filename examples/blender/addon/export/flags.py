@@ -18,9 +18,7 @@ _FOG = Rays.CAMERA | Rays.SHADOW
 
 #: Types of objects that have no triangles.
 _LEFT_OUT = {
-    "CURVES": "hair curves",
     "CURVE": None,
-    "POINTCLOUD": "point cloud",
     "GPENCIL": "grease pencil",
     "GREASEPENCIL": "grease pencil",
 }
@@ -52,9 +50,6 @@ def note_mesh_flags(thing, report):
     source = f'Object "{thing.name}"'
     if _is_diced(thing):
         report.add(source, "adaptive subdivision", "as subdivided as the levels of the modifier say")
-    for system in thing.particle_systems:
-        if system.settings.type == "HAIR" and system.settings.render_type == "PATH":
-            report.add(source, f"hair of particle system {system.name}", "left out", in_fog=True)
 
 
 def _is_diced(thing):

@@ -12,7 +12,7 @@ from .flags import hidden_from, note_fog_flags, note_left_out, note_light_flags
 from .lights import light
 from .linking import BLOCKERS, RECEIVERS, Linking
 from .meshes import FARTHEST, in_world, inset, reach
-from .shapes import TOO_FAR, Shapes
+from .shapes import KINDS, TOO_FAR, Shapes
 from .volumes import Filled, Frame
 
 
@@ -50,6 +50,8 @@ class Objects:
                 ask(poll)
             if instance.show_self and shows(instance.object):
                 self._add(instance)
+            if instance.show_particles and shows(instance.object):
+                self._add_hair(instance)
         for bound in self._bounds:
             self._bound(*bound)
         for (number, hidden, *keys), corners in self._emitting.items():
@@ -112,24 +114,34 @@ class Objects:
         # Object and matrix are Blender's only until the next instance: nothing of them is kept.
         thing = instance.object
         matrix = np.array(instance.matrix_world, np.float64)
-        maker = instance.parent if instance.is_instance else None
-        # Blender has triangles of curves and the like as instances that they make themselves.
-        maker = None if maker is None or maker.original == thing.original else maker
-        hidden = hidden_from(thing, maker, self._view_layer)
-        pointers = thing.original.as_pointer(), maker.original.as_pointer() if maker is not None else None
-        if thing.type in ("MESH", "VOLUME"):
+        origin = self._origin(instance)
+        if thing.type in KINDS:
             shape = self._shapes.shape(thing)
             if shape is not None:
                 keys = (self._receivers.of(thing), self._blockers.of(thing)) if shape.emitting else ()
-                self._place(shape, matrix, Origin(thing.name, pointers, hidden), keys)
+                self._place(shape, matrix, origin, keys)
         elif thing.type == "LIGHT":
             note_light_flags(thing, self._report)
             made = light(thing.data, thing.name, matrix, self._report)
             if made is not None:
-                self.lights.append(replace(made, hidden_from=hidden))
+                self.lights.append(replace(made, hidden_from=origin.hidden))
                 self._linked.append((self._receivers.of(thing), self._blockers.of(thing)))
         else:
             note_left_out(thing, self._report)
+
+    def _origin(self, instance):
+        """The Origin of what an instance places."""
+        thing, maker = instance.object, instance.parent if instance.is_instance else None
+        # Blender has triangles of curves and the like as instances that they make themselves.
+        maker = None if maker is None or maker.original == thing.original else maker
+        pointers = thing.original.as_pointer(), maker.original.as_pointer() if maker is not None else None
+        return Origin(thing.name, pointers, hidden_from(thing, maker, self._view_layer))
+
+    def _add_hair(self, instance):
+        thing, shape = instance.object, self._shapes.hair(instance.object)
+        if shape is not None:
+            keys = (self._receivers.of(thing), self._blockers.of(thing)) if shape.emitting else ()
+            self._place(shape, np.array(instance.matrix_world, np.float64), self._origin(instance), keys)
 
     def _place(self, shape, matrix, origin, keys):
         """Places a Shape. keys: of the collections of what shines."""

@@ -12,11 +12,16 @@ from .grids import Grids
 from .lobes import Lobes
 from .materials import Translated, filling, is_patterned, looked_at, translate
 from .meshes import FARTHEST, Triangles, box, is_closed, reach, triangles
+from .points import balls
 from .quarters import Pieces, mesh_of
 from .smoke import gas_domain, smoke
+from .strands import of_curves, of_particles, tubes
 from .surface_places import Surface
 from .vdb import vdb
 from .volumes import Fog
+
+#: Types of objects that have Shapes.
+KINDS = {"MESH", "VOLUME", "CURVES", "POINTCLOUD"}
 
 #: What the report says of what is beyond meshes.FARTHEST.
 TOO_FAR = ("coordinates that are too large or no numbers", "left out")
@@ -56,10 +61,17 @@ class Shapes:
         self._numbers, self._shapes, self._meshes, self._cuts, self._patterned = {}, {}, {}, {}, {}
 
     def shape(self, thing):
-        """The Shape of an evaluated object that is a mesh or a volume, or None if it has nothing to render."""
+        """The Shape of an evaluated object of a type in KINDS, or None if it has nothing to render."""
         key = (thing.original.as_pointer(), thing.data.as_pointer())
         if key not in self._shapes:
             self._shapes[key] = self._make(thing)
+        return self._shapes[key]
+
+    def hair(self, thing):
+        """The Shape of the hair of an evaluated object's particle systems, or None without any."""
+        key = (thing.original.as_pointer(), "hair")
+        if key not in self._shapes:
+            self._shapes[key] = self._of_strands(thing, of_particles(thing, self._depsgraph))
         return self._shapes[key]
 
     def _make(self, thing):
@@ -69,12 +81,22 @@ class Shapes:
             return self._of_smoke(thing, source)
         if thing.type == "VOLUME":
             return self._of_vdb(thing, source)
+        if thing.type == "CURVES":
+            return self._of_strands(thing, of_curves(thing.data, self._depsgraph.scene_eval))
+        if thing.type == "POINTCLOUD":
+            return self._of_many(thing, *balls(thing.data), "points")
         mesh, made = self._mesh(thing.data, source)
         if mesh is None:
             return None
         slots = [slot.material for slot in thing.material_slots] or [None]
         if any(self._is_patterned(slots[min(slot, len(slots) - 1)]) for slot in mesh.used):
             return self._in_pieces(thing, mesh, slots, source)
+        space = np.array([thing.data.texspace_location, thing.data.texspace_size], np.float64)
+        return self._plain(thing, mesh, made, slots, source, space)
+
+    def _plain(self, thing, mesh, made, slots, source, space):
+        """The Shape of Triangles of an object whose materials are the same all over. made: numbers in the geometry, by what triangles know;
+        space: Shape.texture_space."""
         of_slots = np.array([self._number(material) for material in slots], np.int32)
         # A slot that does not exist is the last one.
         used = np.unique(of_slots[np.minimum(mesh.used, len(slots) - 1)])
@@ -94,7 +116,7 @@ class Shapes:
             materials=materials,
             number=made[key],
             fog=self._fog(mesh, [self.materials[m].fog for m in used if self.materials[m].fog is not None], source),
-            texture_space=np.array([thing.data.texspace_location, thing.data.texspace_size], np.float64),
+            texture_space=space,
             emitting=self._emitting(mesh, materials, used),
         )
 
@@ -176,6 +198,21 @@ class Shapes:
             self._patterned[pointer] = is_patterned(material)
         return self._patterned[pointer]
 
+    def _of_strands(self, thing, strands):
+        """The Shape of an object's strands.Strands, or None for None."""
+        return self._of_many(thing, *tubes(strands), "hairs") if strands is not None and self._view_layer.use_strand else None
+
+    def _of_many(self, thing, mesh, every, what):
+        """The Shape of Triangles that stand for many small things, one for each so many, or None."""
+        source = f'Object "{thing.name}"'
+        if every > 1:
+            self._report.add(source, f"more {what} than are rendered", f"one of each {every}, as wide as all of them")
+        if mesh is None or self._is_far(mesh, source):
+            return None
+        slots = [slot.material for slot in thing.material_slots] or [None]
+        # Volumes fill meshes only.
+        return replace(self._plain(thing, mesh, {}, slots, source, np.zeros((2, 3))), fog=None)
+
     def _of_smoke(self, thing, source):
         """The Shape of a smoke domain, or None if there is nothing to render."""
         grids = smoke(thing, self._depsgraph)
@@ -222,11 +259,15 @@ class Shapes:
         pointer = data.as_pointer()
         if pointer not in self._meshes:
             mesh = triangles(data)
-            if mesh is not None and not reach(mesh, np.eye(4)) <= FARTHEST:
-                self._report.add(source, *TOO_FAR)
-                mesh = None
-            self._meshes[pointer] = mesh, {}
+            self._meshes[pointer] = None if mesh is None or self._is_far(mesh, source) else mesh, {}
         return self._meshes[pointer]
+
+    def _is_far(self, mesh, source):
+        """Whether Triangles are left out for their coordinates; this is reported."""
+        far = not reach(mesh, np.eye(4)) <= FARTHEST
+        if far:
+            self._report.add(source, *TOO_FAR)
+        return far
 
     def _number(self, material):
         """Number of a bpy.types.Material, or of what stands for None."""
