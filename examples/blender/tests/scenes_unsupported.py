@@ -166,11 +166,13 @@ def _textures(scene):
     for name, (surface, what) in materials.items():
         scenes.box(name, material=scenes.material(name, surface))
         expected.add((f'Material "{name}"', what))
-    for method, what in (("DISPLACEMENT", "displacement"), ("BUMP", "bump or normal map")):
+    for method, what in (("DISPLACEMENT", "displacement by Light Path"), ("BUMP", "bump or normal map of a matt surface")):
         material = scenes.material(method, shader("BsdfDiffuse"))
         material.displacement_method = method
         tree = material.node_tree
-        tree.links.new(node(tree, "Displacement").outputs[0], tree.nodes["Material Output"].inputs["Displacement"])
+        displacement = node(tree, "Displacement")
+        tree.links.new(node(tree, "LightPath").outputs["Ray Length"], displacement.inputs["Height"])
+        tree.links.new(displacement.outputs[0], tree.nodes["Material Output"].inputs["Displacement"])
         scenes.box(method, material=material)
         expected.add((f'Material "{method}"', what))
     return expected

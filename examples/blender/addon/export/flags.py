@@ -48,11 +48,12 @@ def note_fog_flags(name, hidden, report):
 def note_mesh_flags(thing, report):
     """Reports settings of an evaluated object that has triangles, or is a volume."""
     source = f'Object "{thing.name}"'
-    if _is_diced(thing):
+    if is_diced(thing):
         report.add(source, "adaptive subdivision", "as subdivided as the levels of the modifier say")
 
 
-def _is_diced(thing):
+def is_diced(thing):
+    """Whether Cycles cuts an evaluated object's mesh as finely as the picture shows."""
     # Before Blender 5.0 it was a setting of the object's for Cycles, since then it is one of the modifier's.
     # Instances are Blender's for a moment: settings of Python's asked of one would never be freed.
     settings = [getattr(thing.original, "cycles", None), *thing.modifiers]

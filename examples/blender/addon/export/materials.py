@@ -59,7 +59,6 @@ def _lobes(values, material):
         lobes.add(transparent=1.0)
         return lobes
     add_surface(values, surface, (), 1.0, lobes)
-    _note_displacement(values, material, output)
     lobes.shadow = _shadow(values, material, surface, lobes)
     return lobes
 
@@ -108,15 +107,6 @@ def filling(material, report):
 def leads_somewhere(socket):
     """Whether a shader is linked to this input."""
     return follow(socket).node is not None
-
-
-def _note_displacement(values, material, output):
-    if not leads_somewhere(output.inputs["Displacement"]):
-        return
-    if material.displacement_method == "BUMP":
-        values.note("bump or normal map", "ignored")
-    else:
-        values.note("displacement", "the surface stays where it is; use a Displace modifier instead")
 
 
 def world_fog(world, report):

@@ -21,6 +21,9 @@ class Triangles:
     normals: np.ndarray | None
     #: Largest absolute coordinates [m], float32 (3,); NaN if one is none.
     extent: np.ndarray
+    #: Of triangles that have been cut: of which of Blender's each is a part, int (m,), and shares of its corners at those of the part, float64
+    #: (m, 3, 3). None: all are whole.
+    part_of: tuple | None = None
 
 
 def triangles(mesh):
@@ -75,11 +78,15 @@ def _mend(normals, positions, corners):
     square = np.einsum("mck,mck->mc", normals, normals)
     bad = ~(np.abs(square - 1) < 5e-4)
     if bad.any():
-        a, b, c = (positions[corners[:, k]] for k in range(3))
-        across = np.cross(b - a, c - a)
-        length = np.linalg.norm(across, axis=1, keepdims=True)
-        flat = np.where(length > 0, across / np.where(length > 0, length, 1), np.float32([0, 0, 1]))
-        normals[bad] = np.broadcast_to(flat[:, None], normals.shape)[bad]
+        normals[bad] = np.broadcast_to(flat_normals(positions, corners)[:, None], normals.shape)[bad]
+
+
+def flat_normals(positions, corners):
+    """Unit normals of triangles, (m, 3); upright where they have no area."""
+    a, b, c = (positions[corners[:, k]] for k in range(3))
+    across = np.cross(b - a, c - a)
+    length = np.linalg.norm(across, axis=1, keepdims=True)
+    return np.where(length > 0, across / np.where(length > 0, length, 1), np.float32([0, 0, 1]))
 
 
 def is_closed(mesh):

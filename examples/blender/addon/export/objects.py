@@ -116,7 +116,7 @@ class Objects:
         matrix = np.array(instance.matrix_world, np.float64)
         origin = self._origin(instance)
         if thing.type in KINDS:
-            shape = self._shapes.shape(thing)
+            shape = self._shapes.shape(thing, matrix)
             if shape is not None:
                 keys = (self._receivers.of(thing), self._blockers.of(thing)) if shape.emitting else ()
                 self._place(shape, matrix, origin, keys)

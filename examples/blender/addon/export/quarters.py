@@ -66,10 +66,13 @@ def piece_at(shares, level):
     return number
 
 
-def mesh_of(mesh, pieces):
+def mesh_of(mesh, pieces, normals=None):
     """The Triangles that are some Pieces of those of a mesh, and which piece each is of: int (m,). Their slots are the pieces' kinds.
 
     Where a piece meets smaller ones it is cut so that they share their corners.
+
+    normals: function of triangles of the mesh, (n,), and shares of their corners (n, 3), that returns unit normals there (n, 3); None: they are
+    between those of the mesh.
     """
     finest = int(pieces.level.max(initial=0))
     ends = np.zeros((len(pieces.level), 3, 2), np.int64)
@@ -106,8 +109,11 @@ def mesh_of(mesh, pieces):
     _, first, index = np.unique(names, return_index=True, return_inverse=True)
     shares = _shares(at / 2**finest)
     positions = np.einsum("nkc,ncx->nkx", shares, mesh.positions[mesh.corners[triangle]].astype(np.float64))
-    normals = None
-    if mesh.normals is not None:
+    if normals is not None:
+        # Once for each place of a triangle.
+        _, places, which = np.unique(np.stack([np.repeat(triangle, 3), index.ravel()]), axis=1, return_index=True, return_inverse=True)
+        normals = normals(np.repeat(triangle, 3)[places], shares.reshape(-1, 3)[places])[which.ravel()].reshape(-1, 3, 3).astype(np.float32)
+    elif mesh.normals is not None:
         normals = np.einsum("nkc,ncx->nkx", shares, mesh.normals[triangle])
         length = np.linalg.norm(normals, axis=2, keepdims=True)
         # Of normals that cancel each other out the first corner's is left.
@@ -120,6 +126,7 @@ def mesh_of(mesh, pieces):
         used=np.unique(kinds),
         normals=normals,
         extent=mesh.extent,
+        part_of=(triangle, shares) if mesh.part_of is None else (mesh.part_of[0][triangle], shares @ mesh.part_of[1][triangle]),
     )
     return made, of
 

@@ -17,6 +17,7 @@ from .quarters import Pieces, mesh_of
 from .smoke import gas_domain, smoke
 from .strands import of_curves, of_particles, tubes
 from .surface_places import Surface
+from .uneven import Uneven
 from .vdb import vdb
 from .volumes import Fog
 
@@ -59,12 +60,13 @@ class Shapes:
         self._poll = poll
         # By what identifies them in Blender as long as the depsgraph lives:
         self._numbers, self._shapes, self._meshes, self._cuts, self._patterned = {}, {}, {}, {}, {}
+        self._uneven = Uneven(report, poll)
 
-    def shape(self, thing):
-        """The Shape of an evaluated object of a type in KINDS, or None if it has nothing to render."""
-        key = (thing.original.as_pointer(), thing.data.as_pointer())
+    def shape(self, thing, matrix):
+        """The Shape of an evaluated object of a type in KINDS that is placed by a transform (4, 4), or None if it has nothing to render."""
+        key = (thing.original.as_pointer(), thing.data.as_pointer(), self._uneven.key(thing, matrix))
         if key not in self._shapes:
-            self._shapes[key] = self._make(thing)
+            self._shapes[key] = self._make(thing, matrix)
         return self._shapes[key]
 
     def hair(self, thing):
@@ -74,7 +76,7 @@ class Shapes:
             self._shapes[key] = self._of_strands(thing, of_particles(thing, self._depsgraph))
         return self._shapes[key]
 
-    def _make(self, thing):
+    def _make(self, thing, matrix):
         source = f'Object "{thing.name}"'
         note_mesh_flags(thing, self._report)
         if gas_domain(thing) is not None:
@@ -89,8 +91,15 @@ class Shapes:
         if mesh is None:
             return None
         slots = [slot.material for slot in thing.material_slots] or [None]
+        key = self._uneven.key(thing, matrix)
+        surface = Surface(thing.data, mesh)
+        if key is not None:
+            surface, made = self._uneven.made(surface, key, thing, matrix)
+            mesh = surface.mesh
+            if self._is_far(mesh, source):
+                return None
         if any(self._is_patterned(slots[min(slot, len(slots) - 1)]) for slot in mesh.used):
-            return self._in_pieces(thing, mesh, slots, source)
+            return self._in_pieces(thing, surface, slots, source, key)
         space = np.array([thing.data.texspace_location, thing.data.texspace_size], np.float64)
         return self._plain(thing, mesh, made, slots, source, space)
 
@@ -120,11 +129,11 @@ class Shapes:
             emitting=self._emitting(mesh, materials, used),
         )
 
-    def _in_pieces(self, thing, mesh, slots, source):
-        """The Shape of an object of whose materials one differs from place to place; None if nothing is left of it."""
-        key = thing.data.as_pointer(), *(slot and slot.as_pointer() for slot in slots)
+    def _in_pieces(self, thing, surface, slots, source, uneven):
+        """The Shape of an object of whose materials one differs from place to place; None if nothing is left of it. uneven: Uneven.key."""
+        key = thing.data.as_pointer(), uneven, *(slot and slot.as_pointer() for slot in slots)
         if key not in self._cuts:
-            self._cuts[key] = self._cut(thing.data, mesh, slots, source)
+            self._cuts[key] = self._cut(surface, slots, source)
         made, materials, number, fog, is_solid = self._cuts[key]
         if made is None:
             return None
@@ -139,10 +148,11 @@ class Shapes:
             emitting=self._emitting(made, materials, made.used),
         )
 
-    def _cut(self, data, mesh, slots, source):
+    def _cut(self, surface, slots, source):
         """What _in_pieces needs: the mesh of the pieces, their materials, its number, what fills it, and whether it is of glass and closed."""
+        mesh = surface.mesh
         of_triangles, parts = np.minimum(mesh.slots, len(slots) - 1), []
-        surface, clear, fogs = Surface(data, mesh), [], []
+        clear, fogs = [], []
         for slot in np.unique(of_triangles):
             triangles, material = np.flatnonzero(of_triangles == slot), slots[slot]
             if self._is_patterned(material):

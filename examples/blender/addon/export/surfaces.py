@@ -11,15 +11,9 @@ def add_surface(values, socket, groups, weight, lobes):
     """Adds the closures that lead to the shader input `socket`, times `weight`, to `lobes`. values: nodes.Values."""
     for node, of, share in closures(values, socket, groups, weight):
         if node.type in _CLOSURES:
-            _note_normal(values, node)
             _CLOSURES[node.type](values, node, of, share, lobes)
         else:
             values.note(node.bl_label, "black there")
-
-
-def _note_normal(values, node):
-    if any(values.linked(node, name) for name in ("Normal", "Coat Normal")):
-        values.note("bump or normal map", "ignored")
 
 
 def _diffuse(values, node, groups, weight, lobes):

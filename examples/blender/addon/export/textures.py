@@ -13,6 +13,7 @@ from .arithmetic import NotConstant, as_colour
 from .ies import Unreadable, measured
 from .images import SKY_COLUMNS, blocks, is_multiplied, linear
 from .noise import fractal, hashed, perlin
+from .relief import RELIEF
 
 #: Vectors are not larger.
 _FAR = 1e12
@@ -35,6 +36,8 @@ class Places:
     #: grids.Lookup of what a volume holds there; surface_places.OnSurface.
     held: object = None
     surface: object = None
+    #: relief.Standing of places on a surface, three by three.
+    standing: object = None
     #: sky_texture.Sky, or why there is none, by pointer of Sky Texture nodes; and suns to show, as radiance (3,), by the same.
     skies: dict | None = None
     suns: dict | None = None
@@ -273,6 +276,7 @@ TEXTURES = {
     "UVMAP": _uv_map,
     "VERTEX_COLOR": _colour_attribute,
     "LIGHT_FALLOFF": _falloff,
+    **RELIEF,
 }
 
 #: What stands for an input "Vector" without a link: a field of Places.
