@@ -206,7 +206,7 @@ def _volumes(scene):
     mixed.data.materials.append(bpy.data.materials["Noisy Fog"])
     mixed.data.polygons[0].material_index, mixed.location = 1, (0, 40, 0)
     scenes.grid("Open", material=bpy.data.materials["Two Fogs"]).location = (5, 40, 0)
-    for name, what in (("Mixed", "several materials with volumes"), ("Open", "a volume in a mesh that is not closed")):
+    for name, what in (("Mixed", "several materials with volumes"), ("Open", "a volume in a mesh that is open")):
         expected.add((f'Object "{name}"', what))
     return expected
 

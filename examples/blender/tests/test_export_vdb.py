@@ -253,13 +253,6 @@ class Vdb(SeenThrough):
         self.assertEqual((made.volumes, str(report)), ([], ""))
         self.see_through()
 
-    def test_volumes_that_blender_makes_are_named(self):
-        thing = volume("", PRINCIPLED)
-        thing.modifiers.new("Made", "MESH_TO_VOLUME").object = scenes.box("Box")
-        made, report = scenes.exported()
-        self.assertEqual(made.volumes, [])
-        self.assertRegex(str(report), "OpenVDB volume that modifiers or geometry nodes make: left out; bake it to a file")
-
     def test_a_blender_that_fails_or_hangs_is_stopped(self):
         path = self.folder / "fog.vdb"
         shutil.copy(FOLDER / "straight.vdb", path)

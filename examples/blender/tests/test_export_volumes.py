@@ -262,7 +262,9 @@ class Volumes(unittest.TestCase):
 
     def test_an_open_mesh_with_a_volume_is_named(self):
         scenes.grid(material=scenes.material("Fog", volume=shader("VolumeScatter")))
-        self.assertIn("not closed", str(scenes.exported()[1]))
+        (entry,) = scenes.exported()[1].entries
+        self.assertIn("in a mesh that is open", entry.what)
+        self.assertTrue(entry.in_fog)
 
 
 if __name__ == "__main__":

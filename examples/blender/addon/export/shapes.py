@@ -7,6 +7,7 @@ import numpy as np
 
 from ..host.scene import MATERIAL
 from .cutting import cut
+from .enclosure import wrong
 from .flags import note_mesh_flags
 from .grids import Grids
 from .lobes import Lobes
@@ -23,6 +24,9 @@ from .volumes import Fog
 
 #: Types of objects that have Shapes.
 KINDS = {"MESH", "VOLUME", "CURVES", "POINTCLOUD"}
+
+#: The share of rays that may meet faces of fog in a wrong order: they hit edges.
+_WRONG = 0.01
 
 #: What the report says of what is beyond meshes.FARTHEST.
 TOO_FAR = ("coordinates that are too large or no numbers", "left out")
@@ -238,7 +242,7 @@ class Shapes:
         """The Shape of a volume object, or None if there is nothing to render."""
         material = thing.material_slots[0].material if thing.material_slots else None
         if material is None:
-            if thing.data.filepath:
+            if thing.data.filepath or not thing.data.is_evaluated:
                 self._report.add(source, "OpenVDB volume without a material", "left out; give it one with a Principled Volume", True)
             return None
         fog = filling(material, self._report)
@@ -292,8 +296,8 @@ class Shapes:
             return None
         if len(fogs) > 1:
             self._report.add(source, "several materials with volumes", "the first of them fills all of it", True)
-        if not is_closed(mesh):
-            self._report.add(source, "a volume in a mesh that is not closed", "fog is missing or too much in places")
+        if wrong(mesh, self._poll) > _WRONG:
+            self._report.add(source, "a volume in a mesh that is open, inside out or goes through itself", "it ends elsewhere than in Cycles", True)
         return fogs[0]
 
     def _emitting(self, mesh, materials, used):

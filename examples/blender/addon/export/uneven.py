@@ -9,7 +9,6 @@ from .flags import is_diced
 from .materials import has_nodes
 from .quarters import Pieces, mesh_of
 from .relief import Ground, is_turned
-from .surface_places import Surface
 
 #: Pieces of a mesh that is cut before it is moved.
 _MOST = 1 << 18

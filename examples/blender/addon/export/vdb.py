@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""OpenVDB files of Volume objects -> Grids: another Blender reads them, as it may be brought to its end by a bad one."""
+"""Volume objects -> Grids: another Blender reads their OpenVDB files, as it may be brought to its end by a bad one."""
 
 import json
+import tempfile
 from dataclasses import dataclass
 from functools import lru_cache
+from hashlib import sha256
 from pathlib import Path
 
 import bpy
@@ -18,6 +20,9 @@ _NO_FRAME = 2**31 - 1
 
 #: How much farther along each axis Cycles shows everything, in cells.
 _FARTHER = 0.5 if bpy.app.version < (5, 0) else 0.0
+
+#: Bytes before a file's grids that are another each time: magic number, versions, and the file's own number.
+_HEAD = 57
 
 #: What is to be done about a bad file.
 _REMEDY = "left out; set its path, or write the file anew"
@@ -44,24 +49,27 @@ def vdb(volume, names, source, report, poll):
 
     - source: of the report; poll: as for export.
     """
-    if not volume.is_evaluated:
-        report.add(source, "OpenVDB volume that modifiers or geometry nodes make", "left out; bake it to a file and load that", True)
-        return None
+    # Blender has what modifiers or geometry nodes make as data without an original.
+    is_made = not volume.is_evaluated
     grids = volume.grids
     # This reads no more than what the file has, as Blender does to draw it.
-    if not grids.is_loaded and not grids.error_message:
+    if not is_made and not grids.is_loaded and not grids.error_message:
         grids.load()
-    if not names or not volume.filepath or grids.frame == _NO_FRAME:
+    if not names or (not is_made and (not volume.filepath or grids.frame == _NO_FRAME)):
         return None
-    if not grids.frame_filepath:
+    if not is_made and not grids.frame_filepath:
         reason = grids.error_message or "it cannot be read"
         report.add(source, f"OpenVDB file {Path(volume.filepath).name} ({reason})", _REMEDY, True)
         return None
     path = Path(grids.frame_filepath)
-    what = f"OpenVDB file {path.name}"
+    what = "volume that modifiers or geometry nodes make" if is_made else f"OpenVDB file {path.name}"
+    wanted = tuple(sorted(names))
     try:
-        stat = path.stat()
-        found = _read(str(path), stat.st_mtime_ns, stat.st_size, tuple(sorted(names)), Unseen(poll))
+        if is_made:
+            found = _read_made(grids, wanted, poll)
+        else:
+            stat = path.stat()
+            found = _read(str(path), stat.st_mtime_ns, stat.st_size, wanted, Unseen(poll))
     except OSError as reason:
         report.add(source, f"{what} ({reason.strerror})", _REMEDY, True)
         return None
@@ -87,10 +95,36 @@ def vdb(volume, names, source, report, poll):
     return Grids(found.grids.get, lattices)
 
 
+def _read_made(grids, names, poll):
+    """The _Read of bpy.types.VolumeGrids that are in no file, by way of one, or why there is none, as text."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "made.vdb"
+        if not grids.save(filepath=str(path)):
+            return grids.error_message or "it cannot be written"
+        # The same grids have the same file, but for the random number in its head, and are read once.
+        return _read(_Made(path, sha256(path.read_bytes()[_HEAD:]).digest()), 0, path.stat().st_size, names, Unseen(poll))
+
+
+class _Made:
+    """The path of a file that is known by what is in it."""
+
+    def __init__(self, path, digest):
+        self._path, self._digest = path, digest
+
+    def __eq__(self, other):
+        return isinstance(other, _Made) and self._digest == other._digest
+
+    def __hash__(self):
+        return hash(self._digest)
+
+    def __str__(self):
+        return str(self._path)
+
+
 @lru_cache(maxsize=8)
 def _read(path, changed, size, names, poll):
     """The _Read of a file, or why there is none, as text: a bad file is not tried again before it changes."""
-    question = {"path": path, "names": names, "most": density.MOST, "seconds": int(other_blender.PATIENCE) + 60}
+    question = {"path": str(path), "names": names, "most": density.MOST, "seconds": int(other_blender.PATIENCE) + 60}
     try:
         answer, arrays = answered("vdb_read.py", json.dumps(question), poll.what)
         return answer["error"] if "error" in answer else _understood(answer, iter(arrays))
