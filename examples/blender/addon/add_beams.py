@@ -16,6 +16,8 @@ def _problem(context):
         return "Add Beams needs a scene that Cycles renders: choose Cycles as the render engine."
     if scene.camera is None:
         return "The scene has no camera: add one, or make one active (Ctrl Numpad 0)."
+    if not beam_render.rendered(scene, context.view_layer):
+        return "No view layer is rendered: switch on Use for Rendering in the properties of one."
     if scene.render.use_multiview:
         return "Stereoscopy is not supported: switch it off in the output properties."
     return beam_render.folder_problem(scene)
@@ -124,11 +126,11 @@ _kept = []
 def _replace(operator, render):
     """Sets up the nodes. While it was rendered, the artist may have gone to another scene."""
     scene = bpy.data.scenes.get(render.scene)
-    view_layer = scene and scene.view_layers.get(render.view_layer)
-    if view_layer is None:
-        operator.report({"ERROR"}, "The scene or its view layer was removed or renamed while it was rendered.")
+    view_layers = [scene and scene.view_layers.get(name) for name in render.view_layers]
+    if None in view_layers:
+        operator.report({"ERROR"}, "The scene or a view layer was removed or renamed while it was rendered.")
         return {"CANCELLED"}
-    latest.get().advice += compositor.add(scene, view_layer, render)
+    latest.get().advice += compositor.add(scene, view_layers, render)
     operator.report({"INFO"}, f"Beams added: {render.path(render.first)}")
     return {"FINISHED"}
 

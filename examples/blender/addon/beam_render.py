@@ -21,14 +21,14 @@ _MARK = "covbeam_copy"
 
 @dataclass(frozen=True)
 class BeamRender:
-    """A render of every step-th frame from first to last of a scene's view layer into files, by way of a copy.
+    """A render of every step-th frame from first to last of a scene's view layers into a file a frame, by way of a copy.
 
-    begun: in the time of files [s].
+    view_layers: as `rendered` gives them. begun: in the time of files [s].
     """
 
     copy: str
     scene: str
-    view_layer: str
+    view_layers: tuple[str, ...]
     first: int
     last: int
     step: int
@@ -36,7 +36,7 @@ class BeamRender:
     begun: float
 
     def path(self, frame):
-        return os.path.join(self.folder, f"{_stem(self.view_layer)}_{frame:04}.exr")
+        return os.path.join(self.folder, f"{_stem(self.view_layers)}_{frame:04}.exr")
 
     def missing(self):
         """Paths of frames that have not been written since the render has begun."""
@@ -45,8 +45,9 @@ class BeamRender:
         return [path for path in paths if not os.path.isfile(path) or os.path.getmtime(path) < self.begun - 2]
 
 
-def _stem(view_layer):
-    return f"beams_{bpy.path.clean_name(view_layer)}"
+def _stem(view_layers):
+    """How names of files begin: with all view layers, as far as names of files are that long."""
+    return f"beams_{bpy.path.clean_name('_'.join(view_layers))[:100]}"
 
 
 def _folder(scene):
@@ -70,11 +71,20 @@ def folder_problem(scene):
     return None
 
 
-def begin(scene, view_layer, animation):
-    """Makes the copy that is rendered."""
+def rendered(scene, active):
+    """Names of the scene's view layers that F12 renders, the artist's active one first if it is among them: tuple."""
+    if scene.render.use_single_layer and not bpy.app.background:
+        return (active.name,)
+    names = [layer.name for layer in scene.view_layers if layer.use]
+    return tuple(sorted(names, key=lambda name: name != active.name))
+
+
+def begin(scene, active, animation):
+    """Makes the copy that is rendered. active: the artist's ViewLayer."""
     discard()
     first, last = (scene.frame_start, scene.frame_end) if animation else (scene.frame_current, scene.frame_current)
     folder = _folder(scene)
+    view_layers = rendered(scene, active)
     copy = scene.copy()
     copy.name = f"{scene.name} (beams)"
     copy[_MARK] = True
@@ -82,22 +92,23 @@ def begin(scene, view_layer, animation):
     copy.frame_start, copy.frame_end = first, last
     step = copy.frame_step = scene.frame_step if animation else 1
     for layer in copy.view_layers:
-        layer.use = layer.name == view_layer.name
+        layer.use = layer.name in view_layers
     render = copy.render
     render.engine = CovbeamEngine.bl_idname
+    render.use_single_layer = False
     render.use_compositing = False
     render.use_sequencer = False
     render.use_freestyle = False
     render.use_overwrite = True
     render.use_placeholder = False
     render.use_file_extension = True
-    render.filepath = os.path.join(folder, f"{_stem(view_layer.name)}_####")
+    render.filepath = os.path.join(folder, f"{_stem(view_layers)}_####")
     output = render.image_settings
     if bpy.app.version >= (5, 0, 0):
         output.media_type = "MULTI_LAYER_IMAGE"
     output.file_format = "OPEN_EXR_MULTILAYER"
     output.color_depth = "32"
-    return BeamRender(copy.name, scene.name, view_layer.name, first, last, step, folder, time())
+    return BeamRender(copy.name, scene.name, view_layers, first, last, step, folder, time())
 
 
 def render(beams, *context):

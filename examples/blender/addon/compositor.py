@@ -1,20 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nodes that put covbeam's fog light in the place of Cycles':
+"""Nodes that put covbeam's fog light in the place of Cycles', in each view layer:
 
     (noisy) image of Cycles - volume direct - volume indirect [-> denoise] + in-scattered light of covbeam
 
-Cycles' fog is subtracted, not switched off: that is exact whatever the scene has, and undone by taking nodes away.
+Cycles' fog is subtracted, not switched off: that is exact whatever the scene has, and undone by taking nodes away. In frames that have no
+beams a switch behind the sum lets Cycles' image through as it is.
 
 They stand between the render layers and whatever these went to, carry a mark, and are made once.
 """
 
 import bpy
 
-#: Custom property of our nodes: what a node is for. The last one is the sum.
+#: Custom properties of our nodes: what a node is for, and the name of its view layer. The last one is the switch.
 _ROLE = "covbeam"
-_SUM = "sum"
+_LAYER = "covbeam_layer"
+_SWITCH = "switch"
 
-#: Custom properties of the sum: the socket of the render layers that it stands for, and passes that were off before.
+#: Custom properties of the switch: the socket of the render layers that it stands for, and passes that were off before.
 _SOURCE = "covbeam_source"
 _SWITCHED_ON = "covbeam_passes"
 
@@ -57,7 +59,7 @@ def _output_input(tree):
 
 
 def _ours(tree):
-    return {node[_ROLE]: node for node in tree.nodes if _ROLE in node}
+    return [node for node in tree.nodes if _ROLE in node]
 
 
 def has_beams(scene):
@@ -66,20 +68,20 @@ def has_beams(scene):
 
 
 def _render_layers(tree, scene, view_layer):
-    """The node that gives the view layer's passes; made if there is none."""
+    """The nodes that give the view layer's passes, at least one: it is made if there is none."""
     nodes = [node for node in tree.nodes if node.bl_idname == "CompositorNodeRLayers"]
-    for node in nodes:
-        if node.scene == scene and node.layer == view_layer.name:
-            return node
-    node = tree.nodes.new("CompositorNodeRLayers")
-    node.scene = scene
-    node.layer = view_layer.name
-    node.location = (-600, 0)
-    return node
+    found = [node for node in nodes if node.scene == scene and node.layer == view_layer.name]
+    if not found:
+        node = tree.nodes.new("CompositorNodeRLayers")
+        node.scene = scene
+        node.layer = view_layer.name
+        node.location = (-600, 0 if not nodes else min(node.location.y for node in nodes) - 700)
+        found = [node]
+    return found
 
 
 def _mix(tree, role, operation, label):
-    """A node that computes with two colours, and its sockets: node, A, B, result."""
+    """A node that computes with two colours, and its sockets: node, factor, A, B, result."""
     # Blender 5.0 has another kind of node than those before, with sockets for each kind of data; some are enabled.
     new = bpy.app.version >= (5, 0, 0)
     node = tree.nodes.new("ShaderNodeMix" if new else "CompositorNodeMixRGB")
@@ -90,11 +92,11 @@ def _mix(tree, role, operation, label):
     node[_ROLE] = role
     factor, a, b = [socket for socket in node.inputs if socket.enabled][:3]
     factor.default_value = 1.0
-    return node, a, b, next(socket for socket in node.outputs if socket.enabled)
+    return node, factor, a, b, next(socket for socket in node.outputs if socket.enabled)
 
 
-def _image_node(tree, beams):
-    """A node that shows the file of each frame; before and after them, that of the nearest one."""
+def _image_node(tree, beams, view_layer):
+    """A node that shows the view layer's picture in the file of each frame."""
     image = bpy.data.images.load(beams.path(beams.first), check_existing=True)
     image.source = "SEQUENCE"
     # The compositor's preview keeps what it has loaded.
@@ -107,48 +109,59 @@ def _image_node(tree, beams):
     node.frame_start = beams.first
     node.frame_offset = beams.first - 1
     node.use_auto_refresh = True
-    node.layer = beams.view_layer
+    node.layer = view_layer.name
     return node
 
 
 def _source(layers):
-    """The socket of the render layers that the artist uses: the denoised image, else the noisy one."""
-    linked = [name for name in ("Image", "Noisy Image") if name in layers.outputs and layers.outputs[name].is_linked]
-    return layers.outputs[linked[0] if linked else "Image"]
+    """The name of the sockets of the render layers that the artist uses: the denoised image, else the noisy one."""
+    names = ("Image", "Noisy Image")
+    linked = [name for name in names if any(name in node.outputs and node.outputs[name].is_linked for node in layers)]
+    return linked[0] if linked else "Image"
 
 
-def add(scene, view_layer, beams):
-    """Sets up the nodes, in the place of those from an earlier call. Returns what the artist should know."""
+def add(scene, view_layers, beams):
+    """Sets up the nodes of view layers, in the place of all from an earlier call. The first one goes to the output if nothing does.
+
+    Returns what the artist should know.
+    """
     advice = []
     if not scene.render.use_compositing:
         scene.render.use_compositing = True
         advice.append("Compositing was off in the output properties: it is on now.")
     remove(scene)
+    tree = _make_tree(scene)
+    for view_layer in view_layers:
+        advice += _add(tree, scene, view_layer, beams)
+    return advice
+
+
+def _add(tree, scene, view_layer, beams):
+    """Sets up the nodes of one view layer. Returns what the artist should know."""
+    advice = []
     switched_on = [name for name in _VOLUME_PASSES if not getattr(view_layer.cycles, name)]
     for name in switched_on:
         setattr(view_layer.cycles, name, True)
-
-    tree = _make_tree(scene)
-    layers = _render_layers(tree, scene, view_layer)
-    source = _source(layers)
-    targets = [link.to_socket for link in source.links]
+    all_layers = _render_layers(tree, scene, view_layer)
+    layers, source = all_layers[0], _source(all_layers)
+    targets = [link.to_socket for node in all_layers if source in node.outputs for link in node.outputs[source].links]
     output = _output_input(tree)
     if not targets and not output.is_linked:
         targets = [output]
     if not targets:
         advice.append(
-            "The compositor's output does not come from the render layers: connect the node Add Light in Fog where it "
+            f'The picture of the view layer "{view_layer.name}" goes nowhere in the compositor: connect its node {_label(beams)} where it '
             "belongs."
         )
 
     # Cycles denoises its image, not its passes of fog light: only from the noisy image can they be subtracted.
-    denoised = source.name == "Image" and scene.cycles.use_denoising and view_layer.cycles.use_denoising
-    light = layers.outputs["Noisy Image"] if denoised else source
+    denoised = source == "Image" and scene.cycles.use_denoising and view_layer.cycles.use_denoising
+    light = layers.outputs["Noisy Image" if denoised else source]
     x, y = layers.location.x + 320, layers.location.y
     nodes = []
     for names in _VOLUME_SOCKETS:
         volume = next(layers.outputs[name] for name in names if name in layers.outputs)
-        node, a, b, result = _mix(tree, volume.name, "SUBTRACT", f"Without {volume.name}")
+        node, _, a, b, result = _mix(tree, volume.name, "SUBTRACT", f"Without {volume.name}")
         tree.links.new(light, a)
         tree.links.new(volume, b)
         nodes.append(node)
@@ -163,19 +176,42 @@ def add(scene, view_layer, beams):
             "Cycles denoises this scene: the nodes take its noisy image, remove Cycles' fog light from it, and denoise "
             "what is left."
         )
-    image = _image_node(tree, beams)
-    node, a, b, result = _mix(tree, _SUM, "ADD", "Add Light in Fog")
+    image = _image_node(tree, beams, view_layer)
+    node, _, a, b, result = _mix(tree, "sum", "ADD", "Add Light in Fog")
     tree.links.new(light, a)
     tree.links.new(image.outputs[_PASS], b)
-    for target in targets:
-        tree.links.new(result, target)
-    node[_SOURCE] = source.name
+    nodes.append(node)
+    node, factor, a, b, switched = _mix(tree, _SWITCH, "MIX", _label(beams))
+    tree.links.new(layers.outputs[source], a)
+    tree.links.new(result, b)
+    _drive(factor, beams)
+    node[_SOURCE] = source
     node[_SWITCHED_ON] = {"view_layer": view_layer.name, "passes": ",".join(switched_on)}
     nodes.append(node)
+    for target in targets:
+        tree.links.new(switched, target)
     for index, node in enumerate(nodes):
         node.location = (x + 200 * index, y)
+        node[_LAYER] = view_layer.name
     image.location = (x, y - 300)
+    image[_LAYER] = view_layer.name
     return advice
+
+
+def _label(beams):
+    """Of the switch: which frames have beams."""
+    if beams.first == beams.last:
+        return f"Light in Fog: frame {beams.first}"
+    every = "" if beams.step == 1 else f", every {beams.step}"
+    return f"Light in Fog: frames {beams.first} to {beams.last}{every}"
+
+
+def _drive(factor, beams):
+    """Makes a factor 1 in frames that have beams, and 0 in all others."""
+    driver = factor.driver_add("default_value").driver
+    driver.type = "SCRIPTED"
+    # Blender computes expressions that are as simple as this one itself, without its permission to run scripts.
+    driver.expression = f"{beams.first} <= frame <= {beams.last} and fmod(frame - {beams.first}, {beams.step}) == 0"
 
 
 def remove(scene):
@@ -184,19 +220,18 @@ def remove(scene):
         return
     tree = _tree(scene)
     ours = _ours(tree)
-    last = ours.get(_SUM)
-    if last is not None:
-        layers = next((node for node in map(_feeding_layers, ours.values()) if node is not None), None)
+    for last in [node for node in ours if _SWITCHED_ON in node]:
+        switched_on = last[_SWITCHED_ON]
+        layers = next(filter(None, (_feeding_layers(node) for node in ours if node.get(_LAYER) == last.get(_LAYER))), None)
         result = next(socket for socket in last.outputs if socket.enabled)
         if layers is not None:
             for link in list(result.links):
                 tree.links.new(layers.outputs[last[_SOURCE]], link.to_socket)
-        switched_on = last[_SWITCHED_ON]
         view_layer = scene.view_layers.get(switched_on["view_layer"])
         if view_layer is not None:
             for name in filter(None, switched_on["passes"].split(",")):
                 setattr(view_layer.cycles, name, False)
-    for node in ours.values():
+    for node in ours:
         image = node.image if node.bl_idname == "CompositorNodeImage" else None
         tree.nodes.remove(node)
         if image is not None and image.users == 0:

@@ -159,13 +159,13 @@ class Nodes(AddBeams):
         self.scene.cycles.use_denoising = True
         tree = compositor._make_tree(self.scene)
         tree.nodes.clear()
-        layers = compositor._render_layers(tree, self.scene, self.layer)
+        (layers,) = compositor._render_layers(tree, self.scene, self.layer)
         denoise = tree.nodes.new("CompositorNodeDenoise")
         tree.links.new(layers.outputs["Noisy Image"], denoise.inputs["Image"])
         tree.links.new(denoise.outputs["Image"], compositor._output_input(tree))
         bpy.ops.covbeam.add_beams()
         self.assertEqual(self.names().count("CompositorNodeDenoise"), 1)
-        self.assertEqual(denoise.inputs["Image"].links[0].from_node.label, "Add Light in Fog")
+        self.assertEqual(denoise.inputs["Image"].links[0].from_node.label, "Light in Fog: frame 1")
         bpy.ops.covbeam.remove_beams()
         self.assertEqual(denoise.inputs["Image"].links[0].from_socket.name, "Noisy Image")
 
@@ -323,13 +323,122 @@ class Lacking(AddBeams):
         self.assertEqual(bpy.ops.covbeam.add_beams(), {"FINISHED"})
 
 
+class LayersAndFrames(AddBeams):
+    """Blue tells which view layer and frame a picture is of."""
+
+    def setUp(self):
+        super().setUp()
+        self.layer.name = "Near"
+        self.far = self.scene.view_layers.new("Far")
+        self.scene.view_layers.new("Unused").use = False
+        self.addCleanup(setattr, fake_host.Session, "picture", fake_host.Session.picture)
+
+        def picture(session, poll=None):
+            _, layer, frame = latest.get().title.split(", ")
+            return fake_host.picture(40, 20, self.number(layer, int(frame.split()[1])))
+
+        fake_host.Session.picture = picture
+
+    @staticmethod
+    def number(layer, frame):
+        return 100 * (1 + ("Near", "Far").index(layer)) + frame
+
+    def wire(self):
+        """An artist's nodes: Near - Far / 2, both with their fog."""
+        tree = compositor._make_tree(self.scene)
+        node, factor, a, b, result = compositor._mix(tree, "", "SUBTRACT", "artist")
+        del node["covbeam"]
+        factor.default_value = 0.5
+        for layer, socket in ((self.layer, a), (self.far, b)):
+            (layers,) = compositor._render_layers(tree, self.scene, layer)
+            tree.links.new(layers.outputs["Image"], socket)
+        tree.links.new(result, compositor._output_input(tree))
+        return a, b
+
+    def animation(self, first, last):
+        """Means of blue in frames of the composited animation, as it is rendered from the command line: {frame: mean}."""
+        self.scene.frame_start, self.scene.frame_end, self.scene.frame_step = first, last, 1
+        harness.write_exr(self.scene.render.image_settings, layers=False)
+        self.scene.render.filepath = str(self.folder / "frame_####")
+        bpy.ops.render.render(animation=True)
+        frames = range(first, last + 1)
+        return {frame: exr.read(self.folder / f"frame_{frame:04}.exr")["B"].mean() for frame in frames}
+
+    def expected(self, frame):
+        return (self.number("Near", frame) - self.number("Far", frame) / 2) / 2
+
+    def test_all_view_layers_that_are_rendered_have_their_own_beams_in_one_file(self):
+        a, b = self.wire()
+        bpy.ops.covbeam.add_beams()
+        self.assertEqual([path.name for path in (self.folder / "beams").iterdir()], ["beams_Near_Far_0001.exr"])
+        np.testing.assert_allclose(self.final()[..., 2], self.expected(1), rtol=0, atol=1e-4)
+        names = self.names()
+        bpy.ops.covbeam.add_beams()
+        self.assertEqual(self.names(), names)
+        np.testing.assert_allclose(self.final()[..., 2], self.expected(1), rtol=0, atol=1e-4)
+
+    def test_removing_them_restores_each_view_layer(self):
+        a, b = self.wire()
+        before = self.final()
+        self.far.cycles.use_pass_volume_indirect = True
+        bpy.ops.covbeam.add_beams()
+        bpy.ops.covbeam.remove_beams()
+        for layer, socket in ((self.layer, a), (self.far, b)):
+            (link,) = socket.links
+            self.assertEqual((link.from_node.bl_idname, link.from_node.layer), ("CompositorNodeRLayers", layer.name))
+            self.assertFalse(layer.cycles.use_pass_volume_direct)
+        self.assertFalse(self.layer.cycles.use_pass_volume_indirect)
+        self.assertTrue(self.far.cycles.use_pass_volume_indirect)
+        np.testing.assert_array_equal(self.final(), before)
+
+    def test_without_nodes_the_active_view_layer_goes_to_the_output(self):
+        bpy.ops.covbeam.add_beams()
+        np.testing.assert_allclose(self.final()[..., 2], self.number("Near", 1) / 2, rtol=0, atol=1e-4)
+        (advice,) = (line for line in latest.get().advice if "goes nowhere" in line)
+        self.assertIn('"Far"', advice)
+
+    def test_no_view_layer_in_use_is_told(self):
+        for layer in self.scene.view_layers:
+            layer.use = False
+        with self.assertRaisesRegex(RuntimeError, "No view layer is rendered"):
+            bpy.ops.covbeam.add_beams()
+
+    def test_an_animation_has_beams_in_its_frames_and_cycles_fog_in_all_others(self):
+        self.wire()
+        cycles = self.animation(1, 24)
+        # No view layer of Cycles' has as much light as beams here, and there is some.
+        self.assertTrue(all(0 < blue < 10 for blue in cycles.values()))
+        self.scene.frame_start, self.scene.frame_end, self.scene.frame_step = 5, 20, 3
+        bpy.ops.covbeam.add_beams(animation=True)
+        self.assertEqual(len(list((self.folder / "beams").iterdir())), 6)
+        (label,) = {node.label for node in self.tree().nodes if node.get("covbeam") == "switch"}
+        self.assertEqual(label, "Light in Fog: frames 5 to 20, every 3")
+        found = self.animation(1, 24)
+        for frame, blue in found.items():
+            if frame in (5, 8, 11, 14, 17, 20):
+                self.assertAlmostEqual(blue, self.expected(frame), delta=1e-3, msg=str(frame))
+            else:
+                self.assertEqual(blue, cycles[frame], frame)
+
+    def test_a_denoised_frame_without_beams_is_cycles_own(self):
+        self.scene.cycles.use_denoising = True
+        self.wire()
+        before = self.animation(2, 2)
+        bpy.ops.covbeam.add_beams()
+        self.assertEqual(self.animation(2, 2), before)
+
+    def test_removing_them_leaves_no_driver(self):
+        bpy.ops.covbeam.add_beams()
+        self.assertEqual(len(self.tree().animation_data.drivers), 2)
+        bpy.ops.covbeam.remove_beams()
+        self.assertEqual(len(self.tree().animation_data.drivers), 0)
+
+
 class Files(AddBeams):
-    def test_only_the_active_view_layer_is_rendered_and_the_scene_is_left_alone(self):
-        self.scene.view_layers.new("Second")
+    def test_the_scene_is_left_alone(self):
         self.scene.render.filepath = "kept"
         scenes = len(bpy.data.scenes)
         bpy.ops.covbeam.add_beams()
-        self.assertEqual(len(fake_host.Session.settings), 1)
         self.assertEqual(len(bpy.data.scenes), scenes)
         self.assertEqual((self.scene.render.engine, self.scene.render.filepath), ("CYCLES", "kept"))
 
