@@ -14,9 +14,7 @@ from time import time
 import bpy
 
 from .engine import CovbeamEngine
-
-#: Marks copies of scenes, so that one left behind by an undo while it was rendered is found.
-_MARK = "covbeam_copy"
+from .export import copies
 
 
 @dataclass(frozen=True)
@@ -85,12 +83,19 @@ def begin(scene, active, animation):
     first, last = (scene.frame_start, scene.frame_end) if animation else (scene.frame_current, scene.frame_current)
     folder = _folder(scene)
     view_layers = rendered(scene, active)
+    step = scene.frame_step if animation else 1
+    if scene.rigidbody_world is not None:
+        copies.note_places(scene, [scene.view_layers[name] for name in view_layers], _times(scene.render, range(first, last + 1, step)))
     copy = scene.copy()
+    if copy.rigidbody_world is not None:
+        # It has nothing of the simulation, and would begin another one with the same bodies.
+        copy.rigidbody_world.enabled = False
     copy.name = f"{scene.name} (beams)"
-    copy[_MARK] = True
+    copy[copies.MARK] = scene.render.pixel_aspect_x, scene.render.pixel_aspect_y
+    copy.render.pixel_aspect_x = copy.render.pixel_aspect_y = 1.0
     copy.covbeam.beyond = False
     copy.frame_start, copy.frame_end = first, last
-    step = copy.frame_step = scene.frame_step if animation else 1
+    copy.frame_step = step
     for layer in copy.view_layers:
         layer.use = layer.name in view_layers
     render = copy.render
@@ -111,6 +116,15 @@ def begin(scene, active, animation):
     return BeamRender(copy.name, scene.name, view_layers, first, last, step, folder, time())
 
 
+def _times(render, frames):
+    """When frames are looked at [frames], with RenderSettings."""
+    if not render.use_motion_blur:
+        return [float(frame) for frame in frames]
+    from .export.motion import INSTANTS, moments
+
+    return [time for frame in frames for time in (frame, *(frame + moments(render, INSTANTS)))]
+
+
 def render(beams, *context):
     """Renders the copy; `context` as of Blender's operators. Raises RuntimeError with what Blender reports."""
     # A still is an animation of one frame: Blender then puts the frame's number into the name.
@@ -119,5 +133,6 @@ def render(beams, *context):
 
 def discard():
     """Removes the copy, and any that an undo has left behind."""
-    for scene in [scene for scene in bpy.data.scenes if _MARK in scene]:
+    copies.forget_places()
+    for scene in [scene for scene in bpy.data.scenes if copies.MARK in scene]:
         bpy.data.scenes.remove(scene)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..host.scene import Aperture, Camera, Projection
+from .copies import pixel_aspect, transform
 from .report import Untranslatable
 
 
@@ -74,7 +75,7 @@ def camera(depsgraph, camera_object, width, height, border):
     evaluated = camera_object.evaluated_get(depsgraph)
     data = evaluated.data
     plane = flat(frame_matrix(depsgraph, evaluated, width, height)) if data.type in {"PERSP", "ORTHO"} else panorama(evaluated)
-    place = axes(np.array(evaluated.matrix_world, np.float64))
+    place = axes(transform(depsgraph, evaluated))
     lens = aperture(data, depsgraph, place)
     # Cycles' rays begin there too: without, fog is 1 % darker at the default of 0.1 m.
     return plane.camera(place, width, height, border, near=data.clip_start, aperture=lens)
@@ -82,9 +83,8 @@ def camera(depsgraph, camera_object, width, height, border):
 
 def frame_matrix(depsgraph, evaluated, width, height):
     """Blender's projection (4, 4) of a camera for pictures of width x height pixels; of a panorama that of its frame in the viewport."""
-    render = depsgraph.scene_eval.render
-    aspect = {"scale_x": render.pixel_aspect_x, "scale_y": render.pixel_aspect_y}
-    return np.array(evaluated.calc_matrix_camera(depsgraph, x=width, y=height, **aspect), np.float64)
+    scale_x, scale_y = pixel_aspect(depsgraph.scene_eval)
+    return np.array(evaluated.calc_matrix_camera(depsgraph, x=width, y=height, scale_x=scale_x, scale_y=scale_y), np.float64)
 
 
 def flat(projection):
@@ -145,11 +145,11 @@ def aperture(data, depsgraph, place):
     position, _, _, forward = place
     focus = dof.focus_distance
     if dof.focus_object is not None:
-        matrix = dof.focus_object.evaluated_get(depsgraph).matrix_world
+        matrix = transform(depsgraph, dof.focus_object.evaluated_get(depsgraph))
         bone = dof.focus_object.pose and dof.focus_object.pose.bones.get(dof.focus_subtarget)
         if bone:
-            matrix = matrix @ bone.matrix
-        focus = abs((np.array(matrix.translation, np.float64) - position) @ forward)
+            matrix = matrix @ np.array(bone.matrix, np.float64)
+        focus = abs((matrix[:3, 3] - position) @ forward)
     # Parallel rays have no focal length; there Cycles counts with 1 m.
     length = 1.0 if data.type == "ORTHO" else data.lens * 1e-3
     radius = length / (2 * max(dof.aperture_fstop, 1e-5))

@@ -8,6 +8,7 @@ from covbeam.session import Geometry
 
 from ..host import ask
 from ..host.scene import MATERIAL, OBJECT_RULES, Light, LightKind, Rays
+from .copies import instance_transform
 from .flags import hidden_from, note_fog_flags, note_left_out, note_light_flags
 from .lights import light
 from .linking import BLOCKERS, RECEIVERS, Linking
@@ -36,7 +37,7 @@ class Objects:
         # Motion blur compares what is there at its instants.
         self.geometry = Geometry(has_digest=depsgraph.scene_eval.render.use_motion_blur)
         self.lights, self.filled, self.object_volumes, self.object_closed = [], [], [], []
-        self._report, self._view_layer = report, depsgraph.view_layer_eval
+        self._report, self._depsgraph, self._view_layer = report, depsgraph, depsgraph.view_layer_eval
         # By object: the Origin. By light: the keys of its collections.
         self._origins, self._linked = [], []
         self._receivers, self._blockers = Linking(RECEIVERS), Linking(BLOCKERS)
@@ -113,7 +114,7 @@ class Objects:
     def _add(self, instance):
         # Object and matrix are Blender's only until the next instance: nothing of them is kept.
         thing = instance.object
-        matrix = np.array(instance.matrix_world, np.float64)
+        matrix = instance_transform(self._depsgraph, instance)
         origin = self._origin(instance)
         if thing.type in KINDS:
             shape = self._shapes.shape(thing, matrix)
@@ -141,7 +142,7 @@ class Objects:
         thing, shape = instance.object, self._shapes.hair(instance.object)
         if shape is not None:
             keys = (self._receivers.of(thing), self._blockers.of(thing)) if shape.emitting else ()
-            self._place(shape, np.array(instance.matrix_world, np.float64), self._origin(instance), keys)
+            self._place(shape, instance_transform(self._depsgraph, instance), self._origin(instance), keys)
 
     def _place(self, shape, matrix, origin, keys):
         """Places a Shape. keys: of the collections of what shines."""

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rigid bodies stand for Add Beams where F12 has them, and all that hangs on them does: a lamp, the camera, instances."""
+
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+import bpy
+import harness
+import numpy as np
+from mathutils import Vector
+
+import addon
+from addon.engine import CovbeamEngine
+from addon.export import motion
+
+
+class _Look(bpy.types.RenderEngine):
+    """What F12 has."""
+
+    bl_idname = "LOOK"
+    bl_label = "Look"
+    seen = []
+
+    def update(self, data, depsgraph):
+        camera = depsgraph.scene.camera.evaluated_get(depsgraph)
+        lamps = [tuple(instance.matrix_world.translation) for instance in depsgraph.object_instances if instance.object.type == "LIGHT"]
+        self.seen.append((np.array(camera.matrix_world.translation), sorted(lamps)))
+
+    def render(self, depsgraph):
+        self.end_result(self.begin_result(0, 0, 8, 8))
+
+
+class RigidBodies(unittest.TestCase):
+    """A cube that falls with the camera, a lamp and an instance of another lamp on it, in fog of the world."""
+
+    def setUp(self):
+        bpy.ops.wm.read_factory_settings()
+        addon.register()
+        bpy.utils.register_class(_Look)
+        self.addCleanup(addon.unregister)
+        self.addCleanup(bpy.utils.unregister_class, _Look)
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        _Look.seen.clear()
+        scene = self.scene = bpy.context.scene
+        scene.render.engine = "CYCLES"
+        scene.render.resolution_x = scene.render.resolution_y = 8
+        tree = scene.world.node_tree
+        fog = tree.nodes.new("ShaderNodeVolumeScatter")
+        fog.inputs["Density"].default_value = 0.1
+        tree.links.new(fog.outputs["Volume"], tree.nodes["World Output"].inputs["Volume"])
+        self.cube = bpy.data.objects["Cube"]
+        self.cube.rotation_euler = (0.3, 0.2, 0.1)
+        bpy.context.view_layer.objects.active = self.cube
+        bpy.ops.rigidbody.object_add()
+        # Falls, and turns as it hits what lies below.
+        bpy.ops.mesh.primitive_plane_add(size=20, location=(0.5, 0, -1.8))
+        bpy.ops.rigidbody.object_add()
+        bpy.context.object.rigid_body.type = "PASSIVE"
+        group = bpy.data.collections.new("Lamps")
+        inner = bpy.data.objects.new("Inner", bpy.data.lights.new("Inner", "POINT"))
+        inner.location = (0, 0, 2)
+        group.objects.link(inner)
+        maker = bpy.data.objects.new("Maker", None)
+        maker.instance_type, maker.instance_collection = "COLLECTION", group
+        scene.collection.objects.link(maker)
+        for thing in (scene.camera, bpy.data.objects["Light"], maker):
+            thing.parent = self.cube
+        scene.covbeam.folder = str(self.folder)
+
+    def play(self, last):
+        for frame in range(1, last + 1):
+            self.scene.frame_set(frame)
+
+    def compare(self, first, last=None):
+        """Camera and lamps of frames (of the current one if there is no last), for F12 and for Add Beams. Returns the camera's places."""
+        self.scene.frame_start, self.scene.frame_end = first, last or first
+        found = []
+        exposures = motion.exposures
+
+        def noted(*given):
+            scenes, report = exposures(*given)
+            found.append((scenes[0].camera.position, sorted(tuple(light.position) for light in scenes[0].lights)))
+            return scenes, report
+
+        before = Vector(self.cube.evaluated_get(bpy.context.evaluated_depsgraph_get()).matrix_world.translation)
+        # Where things are is all that matters here.
+        with mock.patch.object(motion, "exposures", noted), mock.patch.object(CovbeamEngine, "_render", lambda engine, job: None):
+            bpy.ops.covbeam.add_beams(animation=last is not None)
+        self.scene.render.filepath = str(self.folder / "look")
+        self.scene.render.engine = "LOOK"
+        bpy.ops.render.render(animation=last is not None)
+        self.scene.render.engine = "CYCLES"
+        self.assertEqual(len(found), len(_Look.seen))
+        for (place, lamps), (expected, expected_lamps) in zip(found, _Look.seen):
+            # Single precision of lengths of 10 m.
+            np.testing.assert_allclose(place, expected, rtol=0, atol=1e-5)
+            np.testing.assert_allclose(lamps, expected_lamps, rtol=0, atol=1e-5)
+        after = self.cube.evaluated_get(bpy.context.evaluated_depsgraph_get()).matrix_world.translation
+        self.assertEqual((self.scene.frame_current, after), (self.frame, before))
+        return [place for place, _ in found]
+
+    def at(self, frame):
+        self.frame = frame
+        self.scene.frame_set(frame)
+
+    def test_a_simulation_that_was_played(self):
+        start = np.array(self.scene.camera.matrix_world.translation)
+        self.play(20)
+        self.at(20)
+        (place,) = self.compare(20)
+        self.assertGreater(np.abs(place - start).max(), 0.3)
+
+    def test_an_animation_from_its_middle_while_its_last_frame_is_shown(self):
+        self.play(20)
+        self.at(20)
+        places = self.compare(18, 20)
+        self.assertGreater(np.abs(places[0] - places[2]).max(), 1e-3)
+
+    def test_an_animation_from_its_beginning(self):
+        self.at(1)
+        self.compare(1, 8)
+
+    def test_a_baked_simulation(self):
+        self.scene.rigidbody_world.point_cache.frame_end = 20
+        with bpy.context.temp_override(point_cache=self.scene.rigidbody_world.point_cache):
+            bpy.ops.ptcache.bake(bake=True)
+        self.at(3)
+        self.compare(9, 11)
+
+    def test_what_was_not_simulated(self):
+        self.at(11)
+        self.compare(11)
+        _Look.seen.clear()
+        self.compare(9, 11)
+
+
+if __name__ == "__main__":
+    harness.main()
