@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rigid bodies stand for Add Beams where F12 has them, and all that hangs on them does: a lamp, the camera, instances."""
+"""What the copy of a scene that Add Beams renders has of the scene itself: rigid bodies stand where F12 has them, with all that hangs on them
+(a lamp, the camera, instances), and pixels have their shape."""
 
 import tempfile
 import unittest
@@ -136,6 +137,40 @@ class RigidBodies(unittest.TestCase):
         self.compare(11)
         _Look.seen.clear()
         self.compare(9, 11)
+
+
+class Pixels(unittest.TestCase):
+    def test_the_camera_sees_pixels_that_are_not_square(self):
+        bpy.ops.wm.read_factory_settings()
+        addon.register()
+        self.addCleanup(addon.unregister)
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        scene = bpy.context.scene
+        render = scene.render
+        render.engine = "CYCLES"
+        render.resolution_x, render.resolution_y, render.resolution_percentage = 24, 16, 100
+        render.pixel_aspect_x, scene.camera.data.shift_y = 1.7, 0.1
+        scene.covbeam.folder = folder.name
+        found = []
+        exposures = motion.exposures
+
+        def noted(*given):
+            scenes, report = exposures(*given)
+            found.append(scenes[0].camera)
+            return scenes, report
+
+        with mock.patch.object(motion, "exposures", noted), mock.patch.object(CovbeamEngine, "_render", lambda engine, job: None):
+            bpy.ops.covbeam.add_beams()
+        # A file is there: Blender 5.0.1 writes no layers of other pixels than square ones.
+        self.assertEqual(len(list(Path(folder.name).iterdir())), 1)
+        (camera,) = found
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        matrix = np.array(scene.camera.calc_matrix_camera(depsgraph, x=24, y=16, scale_x=1.7, scale_y=1.0))
+        for x, y, corner in ((0, 0, (-1, 1)), (24, 16, (1, -1))):
+            x, y, _, w = matrix @ (camera.left + x * camera.step[0], camera.top - y * camera.step[1], -1, 1)
+            np.testing.assert_allclose((x / w, y / w), corner, rtol=0, atol=1e-6)
+        self.assertAlmostEqual(render.pixel_aspect_x, 1.7, places=6)
 
 
 if __name__ == "__main__":
