@@ -23,7 +23,6 @@ def _all(source, *whats):
 
 def _settings(scene):
     scene.render.use_multiview = True
-    scene.cycles.film_exposure = 2.0
     layer = bpy.context.view_layer
     layer.use_solid = layer.use_volumes = False
     layer.material_override = bpy.data.materials.new("Override")
@@ -31,7 +30,7 @@ def _settings(scene):
     camera.dof.use_dof = True
     camera.clip_end, camera.clip_start = 15.0, 0.1
     return (
-        _all('Scene "Scene"', "stereoscopy", "Film Exposure")
+        _all('Scene "Scene"', "stereoscopy")
         | _all('View layer "ViewLayer"', "Surfaces", "Volumes", "material override")
         | _all('Camera "Camera"', "objects beyond Clip End", "Clip End, which ends the fog")
     )

@@ -65,6 +65,8 @@ class BeamsAgainstCycles(unittest.TestCase):
         tree.links.new(fire.outputs[0], both.inputs[1])
         tree.links.new(both.outputs[0], output.inputs["Volume"])
         self.scene.cycles.samples = 256
+        # Of the film, which light in fog has as all other light.
+        self.scene.cycles.film_exposure = 1.7
         self.compare()
 
     def compare(self):

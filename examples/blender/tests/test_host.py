@@ -65,6 +65,17 @@ class Fisheye(unittest.TestCase):
 class Sessions(unittest.TestCase):
     """Whole pictures."""
 
+    def test_an_exposure_is_a_factor_on_light_and_on_nothing_else(self):
+        sky = Light("", LightKind.WORLD, sky=np.full((1, 1, 3), 2, np.float32))
+        fog = scenes.volume("fog", 0.6, 0, low=-1, high=1)
+        made = scenes.scene([(scenes.icosphere(1.0), scenes.BOUND, 0)], [sky], [fog], scenes.camera((0, 0, 3), (0, 0, 0), 40, 8, 8))
+        plain, exposed = rendered(made), rendered(replace(made, exposure=1.7))
+        for name in ("in_scattered", "first", "error"):
+            self.assertGreater(getattr(plain, name).max(), 0)
+            np.testing.assert_array_equal(getattr(exposed, name), np.float32(1.7) * getattr(plain, name))
+        for name in ("radius", "bandwidth"):
+            np.testing.assert_array_equal(getattr(exposed, name), getattr(plain, name))
+
     def test_a_cloud_under_an_even_sky_is_as_bright_as_an_even_sky_but_for_what_is_seen_through_it(self):
         # Of any density and with any number of scatterings, as long as nothing is absorbed.
         sky = Light("", LightKind.WORLD, sky=np.full((1, 1, 3), 2, np.float32))

@@ -10,7 +10,7 @@ from .camera import camera, frame
 from .materials import world_fog
 from .objects import Objects
 from .report import Report
-from .settings import note_clipping, note_settings
+from .settings import exposure, note_clipping, note_settings
 from .sky import sky
 from .volumes import Filled, volumes
 
@@ -66,5 +66,6 @@ def _read(depsgraph, shows, report, poll):
         world_volume=world_volume,
         lights=lights,
         camera=None,
+        exposure=exposure(depsgraph.scene_eval),
     )
     return scene, fog

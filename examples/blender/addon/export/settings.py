@@ -13,8 +13,6 @@ def note_settings(depsgraph, camera_object, report):
         report.add(f'Camera "{camera_object.name}"', "shape of a panorama's aperture", "turned otherwise about each ray")
     if scene.render.use_multiview:
         report.add(source, "stereoscopy", "one view, from the camera itself")
-    if hasattr(scene, "cycles") and scene.cycles.film_exposure != 1:
-        report.add(source, "Film Exposure of Cycles", "1")
     if hasattr(scene, "covbeam") and scene.covbeam.orders == "ALL":
         report.add(source, "limits of Cycles' Light Paths", "light of all orders, as Light in Advanced says")
     source = f'View layer "{layer.name}"'
@@ -23,6 +21,11 @@ def note_settings(depsgraph, camera_object, report):
     for name, what in (("use_solid", "Surfaces"), ("use_volumes", "Volumes")):
         if not getattr(layer, name):
             report.add(source, f"{what} are filtered out", "they are rendered")
+
+
+def exposure(scene):
+    """The factor on all light of a scene's picture: Film Exposure of Cycles, without which there is none of its settings."""
+    return scene.cycles.film_exposure if hasattr(scene, "cycles") else 1.0
 
 
 def note_clipping(depsgraph, camera_object, camera, bounds, world_fog, report):

@@ -248,3 +248,5 @@ class Scene:
     world_volume: int
     lights: list[Light]
     camera: Camera
+    #: Factor on all light of the picture, >= 0.
+    exposure: float = 1.0

@@ -60,6 +60,9 @@ _LAYERS = {
     "error": Layer.ERROR,
 }
 
+#: Fields of Picture that grow with the exposure.
+_LIGHT = ("in_scattered", "first", "error")
+
 
 class Session(session.Session):
     """Renders the passes of one picture of a host.scene.Scene, or of the same one at several instants while a shutter is open.
@@ -72,12 +75,15 @@ class Session(session.Session):
         chosen = {each.name: getattr(settings, each.name) for each in fields(settings)}
         super().__init__(described(scene), **chosen, **more)
         self._is_mirrored = _is_mirrored(scene.camera)
+        self._exposure = np.float32(scene.exposure)
 
     def picture(self, poll=None):
         """The Picture of the passes done, at least one."""
         # It is made with the first layer; the others are there then.
         of_layer = super().picture
         found = {name: of_layer(layer, poll) for name, layer in _LAYERS.items()}
+        if self._exposure != 1:
+            found |= {name: found[name] * self._exposure for name in _LIGHT}
         if self._is_mirrored:
             found = {name: np.ascontiguousarray(values[:, ::-1]) for name, values in found.items()}
         return Picture(**found)
@@ -85,7 +91,7 @@ class Session(session.Session):
 
 def described(scene):
     """The covbeam.session.Scene of a host.scene.Scene."""
-    given = {part.name: getattr(scene, part.name) for part in fields(scene)}
+    given = {part.name: getattr(scene, part.name) for part in fields(scene) if part.name != "exposure"}
     if _is_mirrored(scene.camera):
         given["camera"] = _mirrored(scene.camera)
     return session.Scene(**given, fog_alone=True)
