@@ -25,6 +25,13 @@ PASSES = (
 )
 
 
+def _passes(view_layer):
+    """PASSES, and those of the view layer's light groups."""
+    from .passes import group_pass
+
+    return PASSES + tuple((group_pass(group.name), 3, "RGB", "COLOR") for group in view_layer.lightgroups)
+
+
 class CovbeamEngine(bpy.types.RenderEngine):
     """Renders the light that fog scatters towards the camera, and nothing else: surfaces are black."""
 
@@ -40,7 +47,7 @@ class CovbeamEngine(bpy.types.RenderEngine):
     view3d = None
 
     def update_render_passes(self, scene, view_layer):
-        for name, channels, letters, kind in PASSES:
+        for name, channels, letters, kind in _passes(view_layer):
             self.register_pass(scene, view_layer, name, channels, letters, kind)
 
     def update(self, data, depsgraph):
@@ -58,7 +65,7 @@ class CovbeamEngine(bpy.types.RenderEngine):
     def render(self, depsgraph):
         job, self.job = self.job, None
         view_layer = depsgraph.view_layer.name
-        for name, channels, letters, _ in PASSES[1:]:
+        for name, channels, letters, _ in _passes(depsgraph.view_layer)[1:]:
             self.add_pass(name, channels, letters, layer=view_layer)
         # Blender crashes when it saves a picture that nothing has been put into.
         self.end_result(self.begin_result(0, 0, 1, 1, layer=view_layer))
@@ -70,6 +77,7 @@ class CovbeamEngine(bpy.types.RenderEngine):
 
     def _render(self, job):
         from .first_look import first_look, pixel_size
+        from .host.groups import GroupSession, split
         from .host.session import Session
         from .passes import Passes, put
 
@@ -91,7 +99,11 @@ class CovbeamEngine(bpy.types.RenderEngine):
                 put(self, result, first_look(job.scene, job.settings, pixel, self.goes_on))
                 taken = text.duration(perf_counter() - job.start)
                 job.record.figures.append(f"First look, in pixels of {pixel} x {pixel}: after {taken}")
-            with closing(Session(job.scene, job.settings, self.goes_on, job.instants)) as session:
+            if job.groups:
+                made = GroupSession(split([job.scene, *job.instants], job.groups), job.settings, self.goes_on)
+            else:
+                made = Session(job.scene, job.settings, self.goes_on, job.instants)
+            with closing(made) as session:
                 passes = Passes(self, session, job.budget, result, job.start)
                 passes.run()
         finally:
@@ -156,6 +168,7 @@ class _Job:
         chosen = scene.covbeam
         self.record = record
         self.view_layer = depsgraph.view_layer.name
+        self.groups = [group.name for group in depsgraph.view_layer.lightgroups]
         self.budget = Budget(chosen.passes, chosen.time_limit)
         self.settings = session_settings(scene)
         self.start = perf_counter()

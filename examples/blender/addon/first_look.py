@@ -36,7 +36,8 @@ def first_look(scene, settings, pixel, poll):
         session.restart(_PHOTONS, plain=True)
         session.render_pass(poll)
         picture = session.picture(poll)
-    return Picture(**{part.name: _enlarged(getattr(picture, part.name), pixel, camera) for part in fields(picture)})
+    layers = [part.name for part in fields(picture) if part.name != "groups"]
+    return Picture(**{name: _enlarged(getattr(picture, name), pixel, camera) for name in layers})
 
 
 def _enlarged(values, pixel, camera):

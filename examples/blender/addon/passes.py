@@ -121,6 +121,11 @@ class Passes:
         self._shown = self.session.passes
 
 
+def group_pass(group):
+    """The name of a light group's pass, as Blender names Cycles': at most 63 bytes."""
+    return f"In-Scattered_{group}".encode()[:63].decode(errors="ignore")
+
+
 def put(engine, result, picture):
     """Hands a host.session.Picture to Blender, which shows it.
 
@@ -137,7 +142,11 @@ def put(engine, result, picture):
         "Bandwidth": picture.bandwidth,
         "Standard Error": picture.error,
     }
+    values |= {group_pass(name): light for name, light in picture.groups.items()}
     for layer in result.layers[0].passes:
+        # Of groups that are dark, and of all in a first look, there is nothing.
+        if layer.name not in values:
+            continue
         # Blender counts rows from the bottom.
         layer.rect.foreach_set(np.ascontiguousarray(values[layer.name][::-1], np.float32).reshape(-1))
     engine.update_result(result)

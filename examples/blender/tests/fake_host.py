@@ -4,7 +4,7 @@
 import sys
 import time
 import types
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -29,6 +29,7 @@ class Picture:
     radius: np.ndarray
     bandwidth: np.ndarray
     error: np.ndarray
+    groups: dict = field(default_factory=dict)
 
 
 class Geometry:

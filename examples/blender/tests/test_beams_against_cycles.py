@@ -69,6 +69,40 @@ class BeamsAgainstCycles(unittest.TestCase):
         self.scene.cycles.film_exposure = 1.7
         self.compare()
 
+    def test_each_light_group_has_the_light_that_cycles_has_of_it(self):
+        scene, layer = self.scene, bpy.context.view_layer
+        # Without surfaces and a background all of Cycles' light is the fog's.
+        bpy.data.objects.remove(bpy.data.objects["Plane"])
+        bpy.ops.mesh.primitive_plane_add(size=1, location=(-0.5, 0.2, -1.6))
+        screen, lamp = bpy.context.object, bpy.data.objects["Light"]
+        screen.visible_camera = False
+        material = bpy.data.materials.new("Screen")
+        material.use_nodes = True
+        material.node_tree.nodes["Principled BSDF"].inputs["Emission Strength"].default_value = 30
+        material.node_tree.nodes["Principled BSDF"].inputs["Emission Color"].default_value = (1, 0.8, 0.5, 1)
+        screen.data.materials.append(material)
+        for name, thing in (("key", lamp), ("screen", screen)):
+            layer.lightgroups.add(name=name)
+            thing.lightgroup = name
+        scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = 24, 16, 512
+        scene.covbeam.passes, scene.covbeam.photons = 24, 40000
+        harness.write_exr(scene.render.image_settings)
+        scene.render.filepath = str(self.folder / "groups")
+        bpy.ops.render.render(write_still=True)
+        bpy.ops.covbeam.add_beams()
+        cycles, beams = exr.read(self.folder / "groups.exr"), exr.read(self.folder / f"beams_{layer.name}_0001.exr")
+        total = 0
+        for name in ("key", "screen"):
+            expected, found = (
+                np.array([channels[f"{layer.name}.{kind}_{name}.{letter}"].mean() for letter in "RGB"])
+                for kind, channels in (("Combined", cycles), ("In-Scattered", beams))
+            )
+            print(f"figures: {name} over Cycles: {found / expected}")
+            # Noise of Cycles' mean is 1 %.
+            np.testing.assert_allclose(found, expected, rtol=0.03)
+            total = total + beams[f"{layer.name}.In-Scattered_{name}.G"]
+        np.testing.assert_array_equal(total, beams[f"{layer.name}.In-Scattered.G"])
+
     def compare(self):
         cycles = self.quarters("cycles")
         bpy.ops.covbeam.add_beams()

@@ -25,6 +25,8 @@ class Origin:
     #: As of linking.Linking.
     pointers: tuple
     hidden: Rays
+    #: Its light group's name; empty: none.
+    group: str
 
 
 class Objects:
@@ -42,7 +44,7 @@ class Objects:
         self._origins, self._linked = [], []
         self._receivers, self._blockers = Linking(RECEIVERS), Linking(BLOCKERS)
         self._shapes = Shapes(self.geometry, depsgraph, report, poll)
-        # Corners of emitting triangles by number of the material, what it is hidden from, and keys of collections: lists of float32 (n, 3, 3).
+        # Corners of emitting triangles by number of the material, what it is hidden from, light group, and keys of collections: lists of float32 (n, 3, 3).
         self._emitting = {}
         # Largest coordinate of all that is placed [m], and what only bounds fog: arguments of _bound.
         self._reach, self._bounds = 0.0, []
@@ -55,12 +57,13 @@ class Objects:
                 self._add_hair(instance)
         for bound in self._bounds:
             self._bound(*bound)
-        for (number, hidden, *keys), corners in self._emitting.items():
+        for (number, hidden, group, *keys), corners in self._emitting.items():
             self._linked.append(keys)
             self.lights.append(
                 Light(
                     name=self._shapes.materials[number].name,
                     kind=LightKind.MESH,
+                    group=group,
                     radiance=self._shapes.materials[number].emission,
                     triangles=np.concatenate(corners),
                     hidden_from=hidden,
@@ -125,7 +128,7 @@ class Objects:
             note_light_flags(thing, self._report)
             made = light(thing.data, thing.name, matrix, self._report)
             if made is not None:
-                self.lights.append(replace(made, hidden_from=origin.hidden))
+                self.lights.append(replace(made, hidden_from=origin.hidden, group=origin.group))
                 self._linked.append((self._receivers.of(thing), self._blockers.of(thing)))
         else:
             note_left_out(thing, self._report)
@@ -136,7 +139,7 @@ class Objects:
         # Blender has triangles of curves and the like as instances that they make themselves.
         maker = None if maker is None or maker.original == thing.original else maker
         pointers = thing.original.as_pointer(), maker.original.as_pointer() if maker is not None else None
-        return Origin(thing.name, pointers, hidden_from(thing, maker, self._view_layer))
+        return Origin(thing.name, pointers, hidden_from(thing, maker, self._view_layer), thing.lightgroup)
 
     def _add_hair(self, instance):
         thing, shape = instance.object, self._shapes.hair(instance.object)
@@ -196,7 +199,7 @@ class Objects:
     def _shine(self, shape, world, origin, keys):
         """Notes the triangles of a shape that shine. world: its vertices [m]; keys: of its collections."""
         for material, corners in shape.emitting:
-            self._emitting.setdefault((material, origin.hidden, *keys), []).append(world[corners])
+            self._emitting.setdefault((material, origin.hidden, origin.group, *keys), []).append(world[corners])
 
 
 def _invertible(matrix):

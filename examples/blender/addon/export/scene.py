@@ -51,7 +51,8 @@ def _read(depsgraph, shows, report, poll):
     lights = list(objects.lights)
     # Fog without end lets nothing through from infinitely far away.
     if fog is None:
-        lights += sky(world, report, poll)
+        # Without a world there is no sky.
+        lights += [replace(light, group=world.lightgroup) for light in sky(world, report, poll)]
     if fog is not None:
         world_volume = len(filled)
         filled.append(Filled(world.name, fog, np.full(3, -np.inf), np.full(3, np.inf)))

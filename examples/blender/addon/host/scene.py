@@ -64,6 +64,8 @@ class Light:
 
     name: str
     kind: LightKind
+    #: The light group that it is in; empty: none.
+    group: str = ""
     #: [m]
     position: np.ndarray = field(default_factory=lambda: np.zeros(3))
     #: Unit.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Renders a scene pass by pass: the library's session of what was exported."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 from covbeam import session
@@ -49,6 +49,8 @@ class Picture:
     bandwidth: np.ndarray
     #: Standard error of the luminance of all light: (h, w). 0 after a single pass.
     error: np.ndarray
+    #: `first` by light groups, of host.groups.GroupSession: what each of them adds to it.
+    groups: dict[str, np.ndarray] = field(default_factory=dict)
 
 
 #: The library's layers, by field of Picture.
