@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import latest, requirements, text
+from . import caustics, latest, requirements, text
 from .add_beams import COVBEAM_OT_add_beams, COVBEAM_OT_remove_beams, COVBEAM_OT_replace_fog
 from .engine import CovbeamEngine
 from .presets import COVBEAM_OT_preset, Preset
@@ -75,6 +75,7 @@ class COVBEAM_PT_beams(_RenderPanel, bpy.types.Panel):
         settings = context.scene.covbeam
         _draw_sampling(self.layout, settings)
         self.layout.prop(settings, "folder")
+        text.draw(self.layout, caustics.hint(context.scene), icon="INFO")
         column = self.layout.column(align=True)
         row = column.row(align=True)
         row.operator(COVBEAM_OT_add_beams.bl_idname, text="Add Beams", icon="LIGHT_SUN").animation = False

@@ -13,7 +13,7 @@ import numpy as np
 from in_blender import InBlender
 
 import addon
-from addon import budget, first_look, latest, panels, passes, requirements, text
+from addon import budget, caustics, first_look, latest, panels, passes, requirements, text
 from addon.engine import CovbeamEngine
 from addon.presets import Preset
 
@@ -498,6 +498,30 @@ class Panels(InBlender):
             drawn = self.draw(engine)
             self.assertIn('Object "Cube": hair: left out', drawn)
             self.assertIn("Geometry: 12 triangles, 0.0 MB", drawn)
+
+    def test_artists_are_told_beforehand_whether_beams_are_worth_their_time(self):
+        def hint():
+            # What was found is good for two seconds.
+            caustics._latest = (0, 0.0, False)
+            return " ".join(self.draw("CYCLES"))
+
+        material = bpy.data.objects["Cube"].data.materials[0]
+        tree = material.node_tree
+        shader = tree.nodes["Principled BSDF"]
+        self.assertIn("Nothing here focuses light", hint())
+        for name in ("Metallic", "Transmission Weight"):
+            shader.inputs[name].default_value, shader.inputs["Roughness"].default_value = 1.0, 0.1
+            self.assertIn("throw light into the fog", hint())
+            shader.inputs["Roughness"].default_value = 0.6
+            self.assertIn("Nothing here focuses light", hint())
+            shader.inputs[name].default_value = 0.0
+        # Also within groups; not where it is not rendered.
+        group = bpy.data.node_groups.new("Group", "ShaderNodeTree")
+        group.nodes.new("ShaderNodeBsdfGlass")
+        tree.nodes.new("ShaderNodeGroup").node_tree = group
+        self.assertIn("throw light into the fog", hint())
+        bpy.data.objects["Cube"].hide_render = True
+        self.assertIn("Nothing here focuses light", hint())
 
     def test_a_problem_takes_the_place_of_settings(self):
         self.addCleanup(setattr, requirements, "_found", None)

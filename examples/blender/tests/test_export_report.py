@@ -17,6 +17,21 @@ from addon.export.scene import export  # noqa: E402
 
 
 class ReportTest(unittest.TestCase):
+    def test_sixty_lamps_with_the_same_fault_are_one_short_line(self):
+        scenes.empty()
+        for number in range(60):
+            data = bpy.data.lights.new(f"Spot {number:02}", "SPOT")
+            data.energy, data.use_soft_falloff, data.shadow_soft_size = 100, False, 0.1
+            scenes.add(data)
+        _, report = scenes.exported()
+        (entry,) = report.entries
+        self.assertEqual(len(entry.sources), 60)
+        self.assertRegex(str(report), r'^Light "Spot[ .0-9]+" and 59 more: spot without Soft Falloff: ')
+        few = Report()
+        for name in "ABC":
+            few.add(name, "what", "instead", in_fog=True)
+        self.assertEqual([str(few), few.entries[0].in_fog], ["A, B, C: what: instead", True])
+
     def test_everything_unsupported_is_named_and_nothing_else(self):
         expected = scenes_unsupported.build()
         _, report = export(bpy.context.evaluated_depsgraph_get())

@@ -4,6 +4,10 @@
 from dataclasses import dataclass
 
 
+#: Of more sources than this an entry names but the first: a line is to be read.
+_NAMED = 3
+
+
 class Untranslatable(Exception):
     """Nothing sensible can be rendered; the message names the object and the remedy."""
 
@@ -21,7 +25,10 @@ class Entry:
     in_fog: bool = False
 
     def __str__(self):
-        return f"{', '.join(self.sources)}: {self.what}: {self.instead}"
+        named = ", ".join(self.sources)
+        if len(self.sources) > _NAMED:
+            named = f"{self.sources[0]} and {len(self.sources) - 1} more"
+        return f"{named}: {self.what}: {self.instead}"
 
 
 class Report:
