@@ -82,6 +82,7 @@ pub use light_field::{Curvature, FluenceSpectrum, LightField};
 pub use march::{MARCH_KNOTS, March, MarchCell, MarchError, MarchKnot, MarchSample};
 pub use medium::{
     Column, Density, DensityGrid, Derivatives, ExponentialDensity, Knot, Medium, PhaseFunction, PhaseKind,
+    PhaseShare,
 };
 pub use pair::{Gathered, gather_pair};
 pub use segment::Segment;

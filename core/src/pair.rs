@@ -99,7 +99,7 @@ pub(crate) fn along_beam(column: &Column, distance: f32) -> f32 {
 /// - `column` \[m\]: along the beam and the eye ray together.
 #[inline(always)]
 pub(crate) fn product(medium: &Medium, position: Vec3, cos_theta: f32, column: f32) -> Vec3 {
-    let scale = medium.density.at(position) * medium.phase.evaluate(cos_theta);
+    let scale = medium.density.at(position) * medium.phases(cos_theta);
     medium.scattering * medium.transmittance(column) * scale
 }
 

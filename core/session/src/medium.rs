@@ -8,7 +8,7 @@ pub mod volume;
 use crate::medium::density::MediumDensity;
 use crate::medium::glow::Glow;
 use crate::visibility::Heed;
-use covbeam::Medium;
+use covbeam::{Medium, PhaseShare};
 use std::sync::Arc;
 
 /// Index into [`Scene::media`](crate::scene::Scene::media).
@@ -19,6 +19,8 @@ pub type MediumId = u32;
 pub struct SceneMedium {
     /// Coefficients at density 1, and the phase function.
     pub medium: Medium<'static>,
+    /// Phase functions beside that one's, of media that overlap.
+    pub more: Vec<PhaseShare>,
     /// Relative density.
     pub density: MediumDensity,
     /// Light that it sends out of itself; a scene's lights have it, too, as [`Light::Glow`](crate::light::kinds::Light::Glow). None: it is dark.

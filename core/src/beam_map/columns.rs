@@ -3,7 +3,7 @@
 use super::cancel::{Poll, STRETCH, Stop};
 use super::room::{fitted, tabulate, with_room};
 use crate::beam::Beam;
-use crate::medium::{Column, Density, ExponentialDensity, Knot, Medium, PhaseFunction};
+use crate::medium::{Column, Density, ExponentialDensity, Knot, Medium, PhaseFunction, PhaseShare};
 use crate::pair::along_beam;
 use crate::voxels::GridLayout;
 use glam::Vec3;
@@ -13,10 +13,11 @@ use std::vec::Vec;
 const BUNCH: usize = 1 << 12;
 
 /// Which medium a map was built in.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub(super) struct MediumKey {
     coefficients: [Vec3; 2],
     phase: PhaseFunction,
+    more: Vec<PhaseShare>,
     exponential: Option<ExponentialDensity>,
     voxels: Option<(GridLayout, usize)>,
 }
@@ -30,7 +31,7 @@ impl MediumKey {
             Density::Grid(grid) => voxels = Some(grid.identity()),
         }
         let coefficients = [medium.scattering, medium.absorption];
-        Self { coefficients, phase: medium.phase, exponential, voxels }
+        Self { coefficients, phase: medium.phase, more: medium.more.to_vec(), exponential, voxels }
     }
 }
 

@@ -428,9 +428,26 @@ fn cell<S: Simd>(simd: S, at: f32x8<S>, last: f32) -> (f32x8<S>, f32x8<S>) {
     (low, at - low)
 }
 
+/// [`Medium::phases`], bit for bit.
+#[inline(always)]
+pub(super) fn phases<S: Simd>(simd: S, medium: &Medium, cos_theta: f32x8<S>) -> [f32x8<S>; 3] {
+    if medium.more.is_empty() {
+        return [phase(simd, &medium.phase, cos_theta); 3];
+    }
+    let cosines: Floats = cos_theta.into();
+    let mut values = [[0.0; LANES]; 3];
+    for (lane, cosine) in cosines.into_iter().enumerate() {
+        let found = medium.phases(cosine);
+        for (channel, values) in values.iter_mut().enumerate() {
+            values[lane] = found[channel];
+        }
+    }
+    values.map(|values| load(simd, &values))
+}
+
 /// [`PhaseFunction::evaluate`], bit for bit.
 #[inline(always)]
-pub(super) fn phase<S: Simd>(simd: S, phase: &PhaseFunction, cos_theta: f32x8<S>) -> f32x8<S> {
+fn phase<S: Simd>(simd: S, phase: &PhaseFunction, cos_theta: f32x8<S>) -> f32x8<S> {
     if phase.kind == PhaseKind::Isotropic {
         return f32x8::splat(simd, phase.evaluate(0.0));
     }

@@ -2,7 +2,7 @@
 
 use super::cancel::{Poll, Stop};
 use super::columns::BeamColumns;
-use super::eight::{Pairs, phase, transmittance, vector};
+use super::eight::{Pairs, phases, transmittance, vector};
 use super::rays::RayTables;
 use super::room::make_room;
 use super::search::Shade;
@@ -61,19 +61,19 @@ impl Shade for OurMedium<'_> {
         if pairs.accepted == 0 {
             return Ok(());
         }
-        let mut scale = phase(simd, &self.medium.phase, pairs.cos_theta);
+        let mut scale = phases(simd, self.medium, pairs.cos_theta);
         let column = if matches!(self.medium.density, Density::Uniform) {
             pairs.beam_distance + pairs.ray_distance
         } else {
             let (column, density) = self.columns(ray, pairs, poll)?;
-            scale = load(simd, &density) * scale;
+            scale = scale.map(|scale| load(simd, &density) * scale);
             load(simd, &column)
         };
         let Medium { scattering, .. } = *self.medium;
         let transmittance = transmittance(simd, self.medium, column);
-        let mut radiance = [scale; 3];
+        let mut radiance = scale;
         for channel in 0..3 {
-            let product = scattering[channel] * transmittance[channel] * scale;
+            let product = scattering[channel] * transmittance[channel] * scale[channel];
             radiance[channel] = product * load(simd, &pairs.block.power[channel]) * pairs.kernel;
         }
         self.gathered[ray].add_lanes(pairs.accepted, radiance, pairs.radius, pairs.sigma);

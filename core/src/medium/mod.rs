@@ -3,6 +3,7 @@
 mod column;
 mod density;
 mod derivatives;
+mod mixture;
 mod phase;
 mod voxel_density;
 
@@ -10,6 +11,7 @@ use column::OPAQUE_DEPTH;
 pub use column::{Column, Knot};
 pub use density::{Density, ExponentialDensity};
 pub use derivatives::Derivatives;
+pub use mixture::PhaseShare;
 pub use phase::{PhaseFunction, PhaseKind};
 pub use voxel_density::DensityGrid;
 
@@ -36,6 +38,8 @@ pub struct Medium<'a> {
     pub absorption: Vec3,
     /// How scattered light is spread.
     pub phase: PhaseFunction,
+    /// Phase functions of what is scattered otherwise: of media that overlap.
+    pub more: &'a [PhaseShare],
     /// Relative density, which scales both coefficients.
     pub density: Density<'a>,
 }
@@ -49,6 +53,7 @@ impl Medium<'_> {
             scattering: Vec3::splat(scattering),
             absorption: Vec3::splat(absorption),
             phase: PhaseFunction::ISOTROPIC,
+            more: &[],
             density: Density::Uniform,
         }
     }

@@ -34,7 +34,7 @@ impl KeptMedium {
         };
         let Medium { scattering, absorption, phase, .. } = medium;
         Ok(Self {
-            coefficients: Medium { scattering, absorption, phase, density: Density::Uniform },
+            coefficients: Medium { scattering, absorption, phase, more: &[], density: Density::Uniform },
             density,
         })
     }

@@ -75,6 +75,7 @@ pub(crate) unsafe fn read_medium<'a>(
         scattering: options.scattering.into(),
         absorption: options.absorption.into(),
         phase: phase(field!(whole, phase))?,
+        more: &[],
         density: Density::Uniform,
     };
     if !medium.extinction().element_sum().is_finite() {

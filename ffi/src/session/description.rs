@@ -7,8 +7,8 @@ use crate::status::{Failure, covbeam_status::*, fail};
 use ::covbeam_geometry::shape::Shape;
 use ::covbeam_session::camera::{Frame, Projection};
 use ::covbeam_session::describe::{
-    CameraFields, Description, Light, LightFields, LightKind, MaterialFields, ObjectFields, ShapeFields,
-    Volume, VolumeFields,
+    CameraFields, Description, Light, LightFields, LightKind, LobeFields, MaterialFields, ObjectFields,
+    ShapeFields, Volume, VolumeFields,
 };
 use ::covbeam_session::material::Asks;
 use ::covbeam_session::scene::{Rays, Sees};
@@ -91,6 +91,7 @@ pub(super) unsafe fn described<'a>(
         contents.array(volume.densities.unwrap_or_default());
         contents.array(volume.glow.unwrap_or_default());
         contents.array(volume.parts);
+        contents.note(&volume.lobes);
         Ok(volume)
     };
     let volumes = volumes.iter().enumerate().map(volume).collect::<Result<_, Failure>>()?;
@@ -173,16 +174,24 @@ fn no(message: core::fmt::Arguments) -> Failure {
 /// All arrays that it names are readable while the result lives.
 unsafe fn volume<'a>(index: usize, given: &covbeam_volume) -> Result<Volume<'a>, Failure> {
     let covbeam_volume { density, glow, parts, density_cells, glow_cells, part_count, .. } = *given;
+    let covbeam_volume { lobes, lobe_count, .. } = *given;
     let (is_even, is_dark) = (density.is_null(), glow.is_null());
     let named = |name: &str| format!("volumes[{index}].{name}");
     // SAFETY: by this function's contract.
-    let (densities, glow, parts) = unsafe {
+    let (densities, glow, parts, lobes) = unsafe {
         (
             array(density, if is_even { 0 } else { product(&density_cells) }, &named("density"))?,
             array(glow.cast(), if is_dark { 0 } else { product(&glow_cells) }, &named("glow"))?,
             array(parts, part_count as usize, &named("parts"))?,
+            array(lobes, lobe_count as usize, &named("lobes"))?,
         )
     };
+    let lobe = |given: &covbeam_phase_lobe| LobeFields {
+        phase: given.phase,
+        asymmetry: given.asymmetry,
+        share: given.share,
+    };
+    let lobes = lobes.iter().map(lobe).collect();
     let fields = VolumeFields {
         scattering: given.scattering,
         absorption: given.absorption,
@@ -203,7 +212,13 @@ unsafe fn volume<'a>(index: usize, given: &covbeam_volume) -> Result<Volume<'a>,
         light_set: given.light_set,
         shadow_set: given.shadow_set,
     };
-    Ok(Volume { fields, densities: (!is_even).then_some(densities), glow: (!is_dark).then_some(glow), parts })
+    Ok(Volume {
+        fields,
+        densities: (!is_even).then_some(densities),
+        glow: (!is_dark).then_some(glow),
+        parts,
+        lobes,
+    })
 }
 
 /// Of counts; what is too large no array has.

@@ -166,8 +166,24 @@ pub struct covbeam_volume {
     /// And for those of which some only cast shadows: of others' straight light it takes from what it scatters as much as if it reached to the lamp, and
     /// nothing from all else.
     pub shadow_set: u32,
+    /// How many phase functions there are beside its own, of which it is a mixture.
+    pub lobe_count: u32,
+    /// These.
+    pub lobes: *const covbeam_phase_lobe,
+}
+
+/// A phase function of a mixture.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct covbeam_phase_lobe {
+    /// A value of covbeam_phase_kind.
+    pub phase: u32,
     /// Not read.
     pub unused: u32,
+    /// Mean cosine of Henyey-Greenstein, in (-1, 1).
+    pub asymmetry: f64,
+    /// How much of what is scattered it spreads, per channel, 0 to 1; all of a volume sum to no more than 1.
+    pub share: [f64; 3],
 }
 
 /// Kinds of lights.

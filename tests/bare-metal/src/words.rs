@@ -119,7 +119,7 @@ impl<'t> Words<'t> {
             }
             _ => Density::Grid(voxels?),
         };
-        Some(Medium { scattering, absorption, phase, density })
+        Some(Medium { scattering, absorption, phase, more: &[], density })
     }
 
     pub fn shape(&mut self) -> Option<KernelShape> {

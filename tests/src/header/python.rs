@@ -9,10 +9,11 @@ const STRUCTS: [&str; 7] =
     ["grid_layout", "phase", "medium", "column", "kernel", "schedule", "march_expected"];
 
 /// Structs of sessions, those that others have before these.
-const SESSION_STRUCTS: [&str; 27] = [
+const SESSION_STRUCTS: [&str; 28] = [
     "material",
     "object",
     "shape",
+    "phase_lobe",
     "volume",
     "light",
     "camera",

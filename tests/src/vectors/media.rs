@@ -45,7 +45,7 @@ pub(super) fn medium(hard: &mut Hard) -> Medium<'static> {
         }
     };
     let (scattering, absorption) = (coefficients(0.1), coefficients(0.5));
-    Medium { scattering, absorption, phase: hard.phase(), density: Density::Uniform }
+    Medium { scattering, absorption, phase: hard.phase(), more: &[], density: Density::Uniform }
 }
 
 fn medium_calls(script: &mut Script, hard: &mut Hard, fog: &Fog) {

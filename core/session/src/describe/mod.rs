@@ -18,7 +18,7 @@ pub use lights::{Light, LightFields, LightKind};
 pub use materials::MaterialFields;
 pub use meshes::MeshArrays;
 pub use shapes::ShapeFields;
-pub use volumes::{Volume, VolumeFields};
+pub use volumes::{LobeFields, Volume, VolumeFields};
 
 use crate::host::{Host, HostScene};
 use crate::light::shown::Shown;

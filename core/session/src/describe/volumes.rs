@@ -8,7 +8,7 @@ use crate::medium::glow::Glow;
 use crate::medium::volume::{MAX_DENSITY, MAX_VOXELS, Volume as Voxels};
 use crate::scene::{Light as RenderLight, MediumDensity, MediumId, SceneMedium};
 use crate::work::failure::{Result, invalid};
-use covbeam::{ExponentialDensity, GridLayout, Medium, PhaseFunction, PhaseKind};
+use covbeam::{ExponentialDensity, GridLayout, Medium, PhaseFunction, PhaseKind, PhaseShare};
 use covbeam_geometry::MAX_COORDINATE;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
@@ -55,8 +55,19 @@ pub struct VolumeFields {
     pub shadow_set: u32,
 }
 
+/// A phase function of a mixture.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LobeFields {
+    /// As of [`VolumeFields`].
+    pub phase: u32,
+    /// As of [`VolumeFields`].
+    pub asymmetry: f64,
+    /// How much of what is scattered it spreads, per channel, 0 to 1.
+    pub share: [f64; 3],
+}
+
 /// The same with its arrays.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Volume<'a> {
     /// All that is a number.
     pub fields: VolumeFields,
@@ -66,6 +77,8 @@ pub struct Volume<'a> {
     pub glow: Option<&'a [[f32; 3]]>,
     /// Numbers of the volumes that this is the sum of, where all of them and no others are.
     pub parts: &'a [i32],
+    /// Phase functions beside its own, of which it is a mixture.
+    pub lobes: Vec<LobeFields>,
 }
 
 impl Volume<'_> {
@@ -83,18 +96,10 @@ impl Volume<'_> {
     fn medium(&self, index: usize) -> Result<SceneMedium> {
         let fields = Fields::of("volumes", index);
         let coefficient = |name, value| fields.color(name, value, f64::from(MAX_COORDINATE));
-        let kind = match self.fields.phase {
-            0 => PhaseKind::Isotropic,
-            1 => PhaseKind::HenyeyGreenstein,
-            2 => PhaseKind::Rayleigh,
-            other => return Err(fields.wrong("phase", other, "0, 1 or 2")),
-        };
-        let most = f64::from(1.0_f32.next_down());
-        let asymmetry = fields.number("asymmetry", self.fields.asymmetry, -most..=most)?;
         let medium = Medium {
             scattering: coefficient("scattering", self.fields.scattering)?,
             absorption: coefficient("absorption", self.fields.absorption)?,
-            phase: PhaseFunction { kind, asymmetry },
+            phase: phase(&fields, self.fields.phase, self.fields.asymmetry)?,
             ..Medium::default()
         };
         let density = match self.densities {
@@ -112,7 +117,22 @@ impl Volume<'_> {
         let glow = self.glow.map(|glow| self.glow(&fields, glow)).transpose()?.flatten().map(Arc::new);
         let VolumeFields { hidden_from, light_set, shadow_set, .. } = self.fields;
         let heed = fields.heed(hidden_from, light_set, shadow_set)?;
-        Ok(SceneMedium { medium, density, glow, heed })
+        Ok(SceneMedium { medium, more: self.more(&fields)?, density, glow, heed })
+    }
+
+    /// Its phase functions beside the first.
+    fn more(&self, fields: &Fields) -> Result<Vec<PhaseShare>> {
+        let more = |lobe: &LobeFields| {
+            let phase = phase(fields, lobe.phase, lobe.asymmetry)?;
+            Ok(PhaseShare { phase, share: fields.color("lobes[].share", lobe.share, 1.0)? })
+        };
+        let more = self.lobes.iter().map(more).collect::<Result<Vec<_>>>()?;
+        // A share may be off by the rounding of a sum.
+        let total: Vec3 = more.iter().map(|more| more.share).sum();
+        if total.max_element() > 1.0 + 1e-4 {
+            return Err(fields.wrong("lobes[].share", total, "shares that sum to no more than 1"));
+        }
+        Ok(more)
     }
 
     /// Whether its density falls with height.
@@ -299,4 +319,16 @@ impl Media {
         let extinction = medium.scattering + medium.absorption;
         Vec3::from(extinction.to_array().map(|extinction| if extinction == 0.0 { 1.0 } else { 0.0 }))
     }
+}
+
+/// A phase function by its number.
+fn phase(fields: &Fields, kind: u32, asymmetry: f64) -> Result<PhaseFunction> {
+    let kind = match kind {
+        0 => PhaseKind::Isotropic,
+        1 => PhaseKind::HenyeyGreenstein,
+        2 => PhaseKind::Rayleigh,
+        other => return Err(fields.wrong("phase", other, "0, 1 or 2")),
+    };
+    let most = f64::from(1.0_f32.next_down());
+    Ok(PhaseFunction { kind, asymmetry: fields.number("asymmetry", asymmetry, -most..=most)? })
 }

@@ -260,8 +260,8 @@ impl Straight<'_> {
             return Vec3::ZERO;
         }
         let incoming = (place - from).normalize_or_zero();
-        let phase = fog.phase.evaluate(-incoming.dot(segment.ray.direction));
-        let amount = fog.scattering * (fog.density.at(place) * phase);
+        let phases = fog.phases(-incoming.dot(segment.ray.direction));
+        let amount = fog.scattering * (fog.density.at(place) * phases);
         flux_density
             * links.falloff.at(place.distance(from))
             * amount

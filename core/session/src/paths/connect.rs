@@ -56,7 +56,7 @@ impl Transport<'_> {
         let point = photon.origin + s * direction;
         let scattering = fog.scattering * fog.density.at(point);
         let scattered = photon.faded(s) * photon.power * inside.lit(s) * scattering / density;
-        self.connect(point, out, |to_camera| scattered * fog.phase.evaluate(direction.dot(to_camera)));
+        self.connect(point, out, |to_camera| scattered * fog.phases(direction.dot(to_camera)));
     }
 
     /// Connects light that a diffuse surface has reflected.

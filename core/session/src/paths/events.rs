@@ -34,8 +34,8 @@ pub(super) enum Ways<'h> {
 impl Transport<'_> {
     /// The collision of light that has gone along a direction to a place in a medium.
     #[inline]
-    pub(super) fn collision(&self, fog: &Medium, along: Vec3, place: Vec3) -> Scattering<'static> {
-        Scattering::Medium { phase: fog.phase, place, along, blurs: self.acts(Operator::Scattering) }
+    pub(super) fn collision<'f>(&self, fog: &'f Medium<'f>, along: Vec3, place: Vec3) -> Scattering<'f> {
+        Scattering::Medium { fog, place, along, blurs: self.acts(Operator::Scattering) }
     }
 
     /// A photon meets a surface.

@@ -230,7 +230,9 @@ impl Walk<'_, '_> {
         let [u, v] = sampler.uniform_pair();
         let limit = self.transport.limits.at(by.place(), photon.events);
         let Some(u) = photon.survive_by_weight(limit, u, out) else { return false };
-        photon.scatter(self.transport.scene, by, by.direction([u, v]));
+        let direction = by.direction([u, v]);
+        photon.power = scaled(photon.power, by.weight(direction), &mut out.energy.roulette);
+        photon.scatter(self.transport.scene, by, direction);
         true
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::bounces::Bounce;
 use crate::light::cosine_direction;
-use covbeam::{LightField, Medium, PhaseFunction};
+use covbeam::{LightField, Medium};
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 
@@ -10,7 +10,7 @@ use glam::Vec3;
 pub(super) enum Scattering<'h> {
     /// A collision.
     Medium {
-        phase: PhaseFunction,
+        fog: &'h Medium<'h>,
         /// Where.
         place: Vec3,
         /// The direction that the light comes along.
@@ -60,8 +60,17 @@ impl Scattering<'_> {
     #[inline]
     pub(super) fn direction(&self, xi: [f32; 2]) -> Vec3 {
         match *self {
-            Self::Medium { phase, along, .. } => phase.sample(along, xi),
+            Self::Medium { fog, along, .. } => fog.sample_direction(along, xi),
             Self::Surface { normal, .. } => cosine_direction(normal, xi),
+        }
+    }
+
+    /// What light weighs that goes on along such a direction, per channel.
+    #[inline]
+    pub(super) fn weight(&self, direction: Vec3) -> Vec3 {
+        match *self {
+            Self::Medium { fog, along, .. } => fog.sampling_weight(along.dot(direction)),
+            Self::Surface { .. } => Vec3::ONE,
         }
     }
 
@@ -78,8 +87,9 @@ impl Scattering<'_> {
     #[inline]
     pub(super) fn turn(&self, field: &mut LightField, direction: Vec3) {
         match *self {
-            Self::Medium { phase, blurs, .. } => {
-                field.scatter(direction, if blurs { phase.angular_variance() } else { f32::INFINITY });
+            Self::Medium { fog, along, blurs, .. } => {
+                let variance = || fog.angular_variance(along.dot(direction));
+                field.scatter(direction, if blurs { variance() } else { f32::INFINITY });
             }
             Self::Surface { normal, .. } => field.diffuse(normal, direction),
         }

@@ -252,7 +252,7 @@ impl Walker<'_> {
             let weight = weight * share * fog.scattering[channel] / extinction;
             if distance < reach {
                 let origin = origin + distance * direction;
-                let direction = fog.phase.sample(direction, xi);
+                let direction = fog.sample_direction(direction, xi);
                 let bounces = importon.bounces + 1;
                 let (specular, ray) = (false, Rays::VOLUME);
                 let way = Importon { origin, direction, weight, specular, ray, bounces, ..*importon };

@@ -79,6 +79,7 @@ pub(crate) fn medium(
 ) -> SceneMedium {
     SceneMedium {
         medium: Medium { phase, ..Medium::homogeneous(scattering, absorption) },
+        more: Vec::new(),
         density,
         glow: None,
         heed: Heed::default(),

@@ -9,7 +9,7 @@ pub fn all(scene: &Scene) -> Vec<Medium<'_>> {
     (0..scene.region_count()).map(|region| of(scene.medium_of(region as u32))).collect()
 }
 
-fn of(SceneMedium { medium, density, .. }: &SceneMedium) -> Medium<'_> {
+fn of(SceneMedium { medium, more, density, .. }: &SceneMedium) -> Medium<'_> {
     let density = match density {
         MediumDensity::Uniform => Density::Uniform,
         MediumDensity::Exponential(exponential) => Density::Exponential(*exponential),
@@ -17,7 +17,7 @@ fn of(SceneMedium { medium, density, .. }: &SceneMedium) -> Medium<'_> {
             DensityGrid::new(volume.layout, &volume.values).expect("the scene's volume was validated"),
         ),
     };
-    Medium { density, ..*medium }
+    Medium { more, density, ..*medium }
 }
 
 /// The column along a ray, to 5e-4 in the optical depth of the channel that is attenuated most; `knots` is the table's

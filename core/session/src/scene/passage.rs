@@ -193,7 +193,13 @@ mod tests {
 
     fn tinted(scattering: [f32; 3], absorption: f32) -> SceneMedium {
         let medium = Medium { scattering: scattering.into(), ..Medium::homogeneous(0.0, absorption) };
-        SceneMedium { medium, density: MediumDensity::Uniform, glow: None, heed: Heed::default() }
+        SceneMedium {
+            medium,
+            more: Vec::new(),
+            density: MediumDensity::Uniform,
+            glow: None,
+            heed: Heed::default(),
+        }
     }
 
     /// A box of fog in haze, around a ball if it is of something.

@@ -92,7 +92,7 @@ pub(crate) const LAMP: LightFields = LightFields {
 };
 
 pub(crate) fn volume(fields: VolumeFields) -> Volume<'static> {
-    Volume { fields, densities: None, glow: None, parts: &[] }
+    Volume { fields, densities: None, glow: None, parts: &[], lobes: Vec::new() }
 }
 
 pub(crate) fn light(fields: LightFields) -> Light<'static> {

@@ -10,6 +10,7 @@ from ..host.scene import Glow, Phase, Volume
 from . import blackbody, phases
 from .density import bake
 from .grids import Asked, Grids, Lookup
+from .mixture import Part, mixed
 from .nodes import Values, closures
 from .textures import Places
 
@@ -79,7 +80,7 @@ class Sum:
 
     def __init__(self):
         self.scattering, self.absorption, self.emission = np.zeros(3), np.zeros(3), np.zeros(3)
-        # (scattering coefficient, mean cosine, is it Rayleigh's)
+        #: mixture.Part of each.
         self.phases = []
 
     def scatter(self, coefficient, asymmetry, rayleigh=False):
@@ -88,7 +89,7 @@ class Sum:
         if coefficient.any():
             # Cycles leaves out the last thousandth before +-1 too.
             cosine = min(max(float(np.nan_to_num(np.mean(asymmetry))), -0.999), 0.999)
-            self.phases.append((float(coefficient.sum()) / coefficient.size, cosine, rayleigh))
+            self.phases.append(Part(coefficient, Phase.RAYLEIGH if rayleigh else Phase.HENYEY_GREENSTEIN, 0.0 if rayleigh else cosine))
 
     def absorb(self, coefficient):
         self.absorption = self.absorption + _sound(coefficient)
@@ -150,22 +151,6 @@ def fog(values, socket, may_vary=False):
     if made.varies:
         return made
     return None if made.at().is_nothing else made
-
-
-def _phase(values, lobes):
-    """Mean cosine and host.scene.Phase of a sum of phase functions."""
-    if not lobes:
-        return 0.0, Phase.ISOTROPIC
-    if all(rayleigh for _, _, rayleigh in lobes):
-        return 0.0, Phase.RAYLEIGH
-    weights, cosines = (np.array([lobe[k] for lobe in lobes]) for k in range(2))
-    asymmetry = float(weights @ cosines / weights.sum())
-    if np.ptp(cosines) > 1e-6 or any(rayleigh for _, _, rayleigh in lobes):
-        values.note("sum of different phase functions", f"Henyey-Greenstein with their mean cosine, {asymmetry:.3g}")
-    # As Cycles: so little anisotropy is none.
-    if abs(asymmetry) < 1e-3:
-        return 0.0, Phase.ISOTROPIC
-    return asymmetry, Phase.HENYEY_GREENSTEIN
 
 
 def _add(values, socket, groups, weight, total):
@@ -240,7 +225,7 @@ def _asymmetry(values, node, groups):
     else:
         cosine = phases.fournier_forand(values.number(node, "Backscatter", groups), values.number(node, "IOR", groups))
     name = kind.replace("_", "-").title()
-    values.note(f"{name} phase function", f"Henyey-Greenstein with its mean cosine, {cosine:.3g}")
+    values.note(f"{name} phase function", f"Henyey-Greenstein with its mean cosine, {cosine:.3g}", in_fog=True)
     return cosine, False
 
 
@@ -307,13 +292,14 @@ def _volume(parts, poll):
         scattering, absorption, emission, lobes = _added(parts)
         if emission.any():
             glow = Glow(low, np.maximum(high, low + _THINNEST), np.float32(emission).reshape(1, 1, 1, 3))
-    asymmetry, phase = _phase(values, lobes)
+    phase, asymmetry, lobes = mixed(values, lobes)
     return Volume(
         name=parts[0].name,
         scattering=scattering,
         absorption=absorption,
         phase=phase,
         asymmetry=asymmetry,
+        lobes=lobes,
         min=low,
         max=high,
         density=density,

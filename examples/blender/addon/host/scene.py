@@ -155,6 +155,8 @@ class Volume:
     phase: Phase = Phase.ISOTROPIC
     #: Mean cosine of Henyey-Greenstein, in (-1, 1), forward positive.
     asymmetry: float = 0.0
+    #: Phase functions beside that, of which it is a mixture: Phase, mean cosine, and share of what is scattered, float64 (3,), each.
+    lobes: tuple = ()
     #: How much of the medium there is; None: 1 everywhere.
     density: Density | None = None
     #: What it sends out, however much of it there is; None: it is dark. The world's is.

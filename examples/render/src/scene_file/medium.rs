@@ -39,12 +39,13 @@ pub(crate) fn read_media<'a>(
             phase: table
                 .optional("phase")
                 .map_or(Ok(PhaseFunction::ISOTROPIC), |field| read_phase(&field))?,
+            more: &[],
             density: Density::Uniform,
         };
         let density = table
             .optional("density")
             .map_or(Ok(MediumDensity::Uniform), |field| read_density(&field, &medium, &mut voxels, files))?;
-        media.push(SceneMedium { medium, density, glow: None, heed: Heed::default() });
+        media.push(SceneMedium { medium, more: Vec::new(), density, glow: None, heed: Heed::default() });
         names.push(text);
     }
     Ok((media, names))

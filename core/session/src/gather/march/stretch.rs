@@ -91,8 +91,8 @@ impl<'a> Stretch<'a> {
             return Vec3::ZERO;
         }
         let incoming = (place - from).normalize_or_zero();
-        let phase = fog.phase.evaluate(-incoming.dot(ray.direction));
-        let amount = fog.scattering * (fog.density.at(place) * phase);
+        let phases = fog.phases(-incoming.dot(ray.direction));
+        let amount = fog.scattering * (fog.density.at(place) * phases);
         // What other media on its way leave of light is found together with what stands there.
         let left = match scene.may_be_seen_through() {
             true => Vec3::ONE,

@@ -56,7 +56,7 @@ impl Tree<'_, '_> {
         for (direction, factor) in candidates.into_iter().zip(factors) {
             if factor > 0.0 {
                 let mut child = photon.clone();
-                child.power = power * factor;
+                child.power = power * factor * by.weight(direction);
                 child.scatter(self.transport.scene, by, direction);
                 add(&mut out.energy.roulette, -child.power);
                 self.wait(Branch { photon: child, sampler: sampler.branch(), depth }, out);

@@ -105,6 +105,7 @@ class Volume:
     - scattering, absorption: coefficients where the relative density is 1 [1/m], (3,).
     - min, max: corners of what it fills; not read for the world's and for what fills shapes.
     - phase: 0 isotropic, 1 Henyey-Greenstein with the mean cosine `asymmetry`, 2 Rayleigh.
+    - lobes: phase functions beside that, of which it is a mixture: (phase, asymmetry, share of what is scattered (3,)) each.
     - density, glow: None, or Voxels: relative densities, and emission coefficients [W/(m^3 sr)].
     - parts: of a sum: the indices of the volumes that overlap where it counts.
     - scale_height: of the world's: height in which its density falls to 1/e [m], along `up` from `origin`, where it is 1; 0: it does not.
@@ -118,6 +119,7 @@ class Volume:
     max: np.ndarray = field(default_factory=_zero)
     phase: int = 0
     asymmetry: float = 0.0
+    lobes: tuple = ()
     density: Voxels | None = None
     glow: Voxels | None = None
     parts: tuple = ()

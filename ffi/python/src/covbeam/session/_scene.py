@@ -178,7 +178,17 @@ def _volume(name, volume, kept):
         kept.append(values)
     parts = packed(f"{name}.parts", np.array(_of(volume, "parts", ()), int), _INT, (None,))
     kept.append(parts)
+    lobes = [_lobe(f"{name}.lobes[{index}]", lobe) for index, lobe in enumerate(_of(volume, "lobes", ()))]
+    lobes = (abi.PhaseLobe * len(lobes))(*lobes)
+    kept.append(lobes)
+    given |= {"lobe_count": len(lobes), "lobes": ctypes.addressof(lobes)}
     return abi.Volume(**given, part_count=len(parts), parts=parts.ctypes.data)
+
+
+def _lobe(name, lobe):
+    phase, asymmetry, share = lobe
+    share = _d3(*packed(f"{name}.share", share, _DOUBLE, (3,)))
+    return abi.PhaseLobe(phase=whole(f"{name}.phase", phase), asymmetry=number(f"{name}.asymmetry", asymmetry), share=share)
 
 
 def _light(name, light, kept):
