@@ -278,6 +278,26 @@ class Meshes(unittest.TestCase):
         made.outputs[0].default_value = 1.0
         return made.outputs[0]
 
+    def test_what_cycles_dices_is_cut_before_it_moves(self):
+        def along(tree):
+            parts, squared = node(tree, "SeparateXYZ"), node(tree, "Math", operation="MULTIPLY")
+            tree.links.new(node(tree, "TexCoord").outputs["Object"], parts.inputs[0])
+            for k in range(2):
+                tree.links.new(parts.outputs["X"], squared.inputs[k])
+            return squared.outputs[0]
+
+        thing = square(displace(glass(), "DISPLACEMENT", scale=0.5, height=along))
+        modifier = thing.modifiers.new("Finer", "SUBSURF")
+        modifier.subdivision_type, modifier.levels, modifier.render_levels = "SIMPLE", 1, 1
+        places = np.random.default_rng(1).uniform((-0.99, -0.99, 5), (0.99, 0.99, 5), (200, 3)).astype(np.float32)
+        down, off = np.broadcast_to(np.float32([0, 0, -1]), places.shape), []
+        for diced in (False, True):
+            (modifier if bpy.app.version >= (5, 0) else thing.cycles).use_adaptive_subdivision = diced
+            hits = scenes.exported()[0].geometry.cast(places, down)
+            off.append(np.abs(hits["position"][:, 2] - 0.5 * (places[:, 0].astype(np.float64) ** 2 - 0.5)).max())
+        self.assertGreater(off[0], 0.05)
+        self.assertLess(off[1], 1e-4)
+
     def test_pieces_end_where_normals_are_met(self):
         made = glass()
         bump(made, self.one)

@@ -132,7 +132,7 @@ def _diced(surface):
     """The Triangles of a Surface cut about evenly into many."""
     areas = surface.areas(np.arange(len(surface.mesh.corners)))
     share = areas / max(float(areas.sum()), 1e-300)
-    depths = np.clip(np.ceil(np.log2(np.maximum(share * _MOST, 1)) / 2), 0, 9).astype(int)
+    depths = np.clip(np.floor(np.log2(np.maximum(share * _MOST, 1)) / 2), 0, 9).astype(int)
     parts = []
     for depth in np.unique(depths):
         of = np.flatnonzero(depths == depth)
