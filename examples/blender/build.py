@@ -40,9 +40,9 @@ def build_wheel(folder):
     """Builds the wheel into `folder`; returns its path."""
     print(f"building the wheel of {PROJECT.relative_to(REPOSITORY)}, with its library", flush=True)
     command = [sys.executable, "-m", "hatchling", "build", "--target", "wheel", "--directory", str(folder)]
-    ended = subprocess.run(command, cwd=PROJECT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    if ended.returncode != 0:
-        sys.exit(f"{ended.stdout}\nbuild.py: {PROJECT} could not be built (above).")
+    # cargo tells how far it is: the minutes that it may take are not silent.
+    if subprocess.run(command, cwd=PROJECT).returncode != 0:
+        sys.exit(f"build.py: {PROJECT} could not be built (above).")
     (wheel,) = folder.glob("*.whl")
     return wheel
 
@@ -118,7 +118,10 @@ def main():
     )
     options = parser.parse_args()
     if not options.wheels and importlib.util.find_spec("hatchling") is None:
-        sys.exit(f"build.py: this Python has no hatchling: {sys.executable} -m pip install hatchling")
+        sys.exit(
+            f"build.py: {sys.executable} has no hatchling. Install it into an environment of its own, as the README says:\n"
+            "python3 -m venv build/venv && build/venv/bin/pip install hatchling && build/venv/bin/python examples/blender/build.py"
+        )
     path = build(options.output, options.wheels)
     print(f"{path}: {path.stat().st_size / 1e6:.1f} MB; drop it into Blender's window")
 
