@@ -35,3 +35,8 @@ def unregister():
         for module in reversed(_MODULES):
             module.unregister()
     bpy.utils.unregister_class(preferences.CovbeamPreferences)
+    if requirements.check() is None:
+        # It is imported with the first render, if there was one.
+        from .export import asked_nodes
+
+        asked_nodes.stop()

@@ -13,6 +13,10 @@ class NotConstant(Exception):
     """A value that is not known; the message names where it comes from."""
 
 
+class Elsewhere(NotConstant):
+    """A value that is not computed here; asked_nodes has Blender compute it."""
+
+
 #: Rec. 709, as Blender turns colours into numbers.
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 

@@ -6,7 +6,8 @@ from zlib import crc32
 
 import numpy as np
 
-from .arithmetic import COMPUTED, NotConstant, as_colour, as_number
+from .arithmetic import COMPUTED, Elsewhere, NotConstant, as_colour, as_number
+from .asked_nodes import ASKED, asked
 from .images import mean_colour, picture
 from .report import Report
 from .textures import TEXTURES, UNLINKED, Places, image_at
@@ -169,25 +170,37 @@ class Values:
                 return place
             return self._evaluate(socket, end.groups)
 
-        if self._places is PROBE and (end.node.type == "TEX_IMAGE" or end.node.type in TEXTURES):
+        kind = end.node.type
+        is_texture = kind in TEXTURES or (kind in ASKED and kind in UNLINKED)
+        if self._places is PROBE and (kind == "TEX_IMAGE" or is_texture):
             value = _drawn(end.node.name, 1 if end.socket.type == "VALUE" else 3)
-        elif end.node.type == "TEX_IMAGE":
+        elif kind == "TEX_IMAGE":
             value = self._image(end, argument)
-        elif end.socket.identifier == "Is Shadow Ray" and end.node.type == "LIGHT_PATH" and not self._in_fog:
+        elif end.socket.identifier == "Is Shadow Ray" and kind == "LIGHT_PATH" and not self._in_fog:
             # Surfaces are looked at twice: materials.py.
             value = float(self._for_shadows)
-        elif end.node.type in TEXTURES and self._places is None:
+        elif is_texture and self._places is None:
             self.varies = True
             raise NotConstant(end.node.name)
-        elif end.node.type in TEXTURES:
-            self.varies = True
-            value = TEXTURES[end.node.type](end.node, end.socket, argument, self._places)
-        elif end.node.type in COMPUTED:
-            value = COMPUTED[end.node.type](end.node, end.socket, argument, self.note)
         else:
-            raise NotConstant(end.node.name)
+            self.varies |= is_texture
+            value = self._computed(end, argument)
         # Nodes compute with what their inputs are: a colour that is linked to a number is its luminance.
         return as_number(value, end.socket.type == "VECTOR") if socket.type in ("VALUE", "INT") else value
+
+    def _computed(self, end, argument):
+        """What a node gives: by our arithmetic, or else by Blender's own."""
+        node, output = end.node, end.socket
+        try:
+            if node.type in TEXTURES:
+                return TEXTURES[node.type](node, output, argument, self._places)
+            if node.type in COMPUTED:
+                return COMPUTED[node.type](node, output, argument, self.note)
+        except Elsewhere:
+            pass
+        if node.type not in ASKED:
+            raise NotConstant(node.name)
+        return asked(node, output, argument)
 
     def _image(self, end, argument):
         """An image texture where the places are, or its mean if they are not known."""
@@ -199,6 +212,8 @@ class Values:
             if pixels is not None:
                 try:
                     return image_at(node, end.socket, argument, pixels)
+                except Elsewhere:
+                    return asked(node, end.socket, argument)
                 except NotConstant:
                     # Its mean then, which is said.
                     pass

@@ -3,10 +3,13 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
 import time
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from math import prod
 from pathlib import Path
@@ -21,6 +24,20 @@ PATIENCE = 300.0
 
 #: Its arrays have no more numbers in all, and its answer no more characters.
 _MOST_NUMBERS, _MOST_CHARACTERS = 1 << 27, 1 << 20
+
+
+#: Whether to go on, as for export, for those who ask from deep inside of it.
+_POLL = ContextVar("poll", default=None)
+
+
+@contextmanager
+def polling(poll):
+    """While it lasts a Helper asks `poll`, as for export, whether to go on."""
+    token = _POLL.set(poll)
+    try:
+        yield
+    finally:
+        _POLL.reset(token)
 
 
 class Failed(Exception):
@@ -39,8 +56,7 @@ def answered(program, text, poll):
         status = _run([*command(program), "--", text, folder], said, poll)
         # As a module Blender may crash as it ends, with all its work done.
         if not (Path(folder) / "answer.json").is_file():
-            lines = said.read_text(errors="replace").strip().splitlines()
-            raise Failed(f"Blender fails at it: {lines[-1][:200] if lines else status}")
+            raise Failed(f"Blender fails at it: {_last_words(said, status)}")
         try:
             return _read(Path(folder))
         except (ValueError, KeyError, TypeError, OSError) as reason:
@@ -85,15 +101,89 @@ def command(program):
     return [sys.executable, path]
 
 
-def _run(words, said, poll):
-    """Runs a command, with all that it says in a file; returns its exit status."""
-    started = time.monotonic()
+class Helper:
+    """A program of this folder that goes on answering: it is started when it is first asked, and ends with this Blender.
+
+    For each line that it is sent it reads request.json and arrays from its folder, and writes values.f32, float32 (n, 3), and then
+    answer.json.
+    """
+
+    def __init__(self, program):
+        self._program, self._process, self._folder = program, None, None
+
+    def values(self, request, arrays):
+        """Its answer, float32 (count, 3). request: what JSON can say, with `count`; arrays: float32, by name of file.
+
+        Raises Failed, or host.Cancelled, which `polling` can ask for; the program is ended then.
+        """
+        if self._process is None or self._process.poll() is not None:
+            self._start()
+        try:
+            return self._answer(request, arrays)
+        except BaseException:
+            # What it is at, or whether it is sound, is not known.
+            self.stop()
+            raise
+
+    def stop(self):
+        """Ends the program, if it runs."""
+        if self._process is not None:
+            self._process.kill()
+            self._process.wait()
+            self._process.stdin.close()
+            shutil.rmtree(self._folder, ignore_errors=True)
+            self._process = None
+
+    def _start(self):
+        self.stop()
+        self._folder = Path(tempfile.mkdtemp())
+        words = [*command(self._program), "--", str(self._folder)]
+        self._process = _started(words, self._folder / "output", subprocess.PIPE)
+
+    def _answer(self, request, arrays):
+        answer, began = self._folder / "answer.json", time.monotonic()
+        answer.unlink(missing_ok=True)
+        for name, array in arrays.items():
+            array.tofile(self._folder / name)
+        (self._folder / "request.json").write_text(json.dumps(request))
+        try:
+            self._process.stdin.write(b"\n")
+            self._process.stdin.flush()
+            while not answer.is_file():
+                ask(_POLL.get())
+                if self._process.poll() is not None:
+                    raise Failed(f"Blender fails at it: {_last_words(self._folder / 'output', self._process.poll())}")
+                if time.monotonic() - began > PATIENCE:
+                    raise Failed(f"Blender takes more than {PATIENCE:g} s for it")
+                time.sleep(0.002)
+            said = json.loads(answer.read_text())
+            if "error" in said:
+                raise Failed(said["error"])
+            return np.fromfile(self._folder / "values.f32", "<f4").reshape(request["count"], 3)
+        except (OSError, ValueError) as reason:
+            raise Failed(f"Blender gives a wrong answer: {reason}") from reason
+
+
+def _last_words(said, status):
+    """The last line that a program has said, or else its exit status."""
+    lines = said.read_text(errors="replace").strip().splitlines()
+    return lines[-1][:200] if lines else status
+
+
+def _started(words, said, stdin=subprocess.DEVNULL):
+    """The process of a command, with all that it says in a file."""
     hidden = {"creationflags": subprocess.CREATE_NO_WINDOW} if os.name == "nt" else {}
     try:
         with open(said, "wb") as output:
-            process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=output, stderr=output, **hidden)
+            return subprocess.Popen(words, stdin=stdin, stdout=output, stderr=output, **hidden)
     except OSError as reason:
         raise Failed(f"no other Blender can be started: {reason}") from reason
+
+
+def _run(words, said, poll):
+    """Runs a command, with all that it says in a file; returns its exit status."""
+    started = time.monotonic()
+    process = _started(words, said)
     try:
         while (status := _status(process)) is None:
             ask(poll)

@@ -9,6 +9,7 @@ from ..host.scene import Scene
 from .camera import camera, frame
 from .materials import world_fog
 from .objects import Objects
+from .other_blender import polling
 from .report import Report
 from .settings import exposure, note_clipping, note_settings
 from .sky import sky
@@ -26,7 +27,8 @@ def export(depsgraph, poll=None):
     camera_object = depsgraph.scene_eval.camera
     eye = camera(depsgraph, camera_object, *frame(depsgraph.scene_eval.render))
     note_settings(depsgraph, camera_object, report)
-    scene, fog = _read(depsgraph, lambda thing: not thing.hide_render, report, poll)
+    with polling(poll):
+        scene, fog = _read(depsgraph, lambda thing: not thing.hide_render, report, poll)
     note_clipping(depsgraph, camera_object, eye, scene.geometry.bounds, fog, report)
     return replace(scene, camera=eye), report
 

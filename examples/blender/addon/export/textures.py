@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from mathutils import Euler
 
-from .arithmetic import NotConstant, as_colour
+from .arithmetic import Elsewhere, NotConstant, as_colour
 from .ies import Unreadable, measured
 from .images import SKY_COLUMNS, blocks, is_multiplied, linear
 from .noise import fractal, hashed, perlin
@@ -129,7 +129,7 @@ def _held(node, kind, name, places):
 def _mapping(node, output, argument, places):
     vector, scale, rotation = _vector(argument), argument("Scale"), argument("Rotation")
     if np.ndim(rotation) > 1:
-        raise NotConstant(f"{node.name}, whose rotation varies")
+        raise Elsewhere(f"{node.name}, whose rotation varies")
     # Columns of the matrix are where the axes go.
     turn = np.array(Euler(rotation, "XYZ").to_matrix(), np.float64)
     if node.vector_type == "POINT":
@@ -139,7 +139,7 @@ def _mapping(node, output, argument, places):
         return np.where(scale != 0, moved / np.where(scale != 0, scale, 1), 0)
     if node.vector_type == "VECTOR":
         return (vector * scale) @ turn.T
-    raise NotConstant(f"{node.name} of a normal")
+    raise Elsewhere(f"{node.name} of a normal")
 
 
 def _separate(node, output, argument, places):
@@ -181,7 +181,7 @@ def _ies(node, output, argument, places):
 
 def _environment(node, output, argument, places):
     if node.projection != "EQUIRECTANGULAR":
-        raise NotConstant(f"{node.name}, which is no equirectangular picture")
+        raise Elsewhere(f"{node.name}, which is no equirectangular picture")
     cells = blocks(node.image, SKY_COLUMNS)
     if cells is None:
         raise NotConstant(f"{node.name}, whose image cannot be read")
@@ -210,7 +210,7 @@ def image_at(node, output, argument, pixels):
     """Colour or alpha of an Image Texture node whose image has these pixels, (h, w, 4), as images.picture has them; raises NotConstant for
     what is not flat."""
     if node.projection != "FLAT" or node.extension not in ("REPEAT", "EXTEND", "CLIP"):
-        raise NotConstant(f"{node.name} ({node.projection}, {node.extension})".lower())
+        raise Elsewhere(f"{node.name} ({node.projection}, {node.extension})".lower())
     height, width, _ = pixels.shape
     place = _vector(argument)[:, :2] * (width, height) - 0.5
     steps = (0, 1) if node.interpolation != "Closest" else (0,)
@@ -239,16 +239,16 @@ def image_at(node, output, argument, pixels):
 def _noise(node, output, argument, places):
     # Before Blender 4.1 there is no other kind and no choice.
     if node.noise_dimensions != "3D" or getattr(node, "noise_type", "FBM") != "FBM":
-        raise NotConstant(f"{node.name} ({node.noise_dimensions}, {getattr(node, 'noise_type', 'FBM')})")
+        raise Elsewhere(f"{node.name} ({node.noise_dimensions}, {getattr(node, 'noise_type', 'FBM')})")
     if output.identifier == "Color":
-        raise NotConstant(f"{node.name}, {output.name}")
+        raise Elsewhere(f"{node.name}, {output.name}")
     at = _vector(argument) * argument("Scale")
     distortion = argument("Distortion")
     if np.any(distortion):
         at = at + distortion * np.stack([perlin(at + _offset(k)) for k in range(3)], axis=-1)
     octaves = [argument(name) for name in ("Detail", "Roughness", "Lacunarity")]
     if any(np.ndim(value) for value in octaves):
-        raise NotConstant(f"{node.name}, whose detail varies")
+        raise Elsewhere(f"{node.name}, whose detail varies")
     detail, roughness, lacunarity = np.nan_to_num(octaves)
     value = fractal(at, np.clip(detail, 0, 15), max(roughness, 0), lacunarity, getattr(node, "normalize", True))
     return value[:, None]
@@ -284,6 +284,13 @@ UNLINKED = {
     "TEX_IMAGE": "uv",
     "TEX_GRADIENT": "generated",
     "TEX_NOISE": "generated",
+    "TEX_VORONOI": "generated",
+    "TEX_WAVE": "generated",
+    "TEX_MAGIC": "generated",
+    "TEX_BRICK": "generated",
+    "TEX_CHECKER": "generated",
+    "TEX_GABOR": "generated",
+    "TEX_MUSGRAVE": "generated",
     "TEX_IES": "away",
     "TEX_ENVIRONMENT": "world",
     "TEX_SKY": "world",
