@@ -41,68 +41,42 @@ def as_colour(value):
     return np.repeat(value, 3, axis=1) if is_number(value) else np.asarray(value, np.float64)
 
 
-def _clamped(value):
+def clamped(value):
+    """A value between 0 and 1."""
     return np.clip(value, 0.0, 1.0)
 
 
-def _divided(a, b):
-    # As Blender: what cannot be computed is 0.
-    return np.where(b != 0, a / np.where(b != 0, b, 1), 0.0)
+def plain(value):
+    """A value of one place as a float or (3,), whatever arrays it was computed with."""
+    return float(np.ravel(value)[0]) if np.size(value) == 1 and np.ndim(value) < 2 else np.asarray(value, np.float64)
 
 
-def _power(a, b):
-    whole = b == np.round(b)
-    defined = (a > 0) | (whole & ((a != 0) | (b > 0)))
-    result = np.power(np.where(defined, a, 1), np.where(defined, b, 1))
-    return np.where(defined, result, b == 0) + 0.0
+def mixed(a, b, share):
+    """a where the share of b is 0, b where it is 1."""
+    return (1 - share) * a + share * b
 
 
-def _wave(value, period):
-    safe = np.where(period != 0, period, 1)
-    return np.where(period != 0, np.abs((value / (2 * safe) - np.floor(value / (2 * safe))) * 2 * safe - safe), 0) * 1.0
+def total(products):
+    """Sums over channels: a number."""
+    return products.sum(axis=-1, keepdims=True)
 
 
-#: Operations of the Math node on numbers a, b and c; others are left to the report.
-_MATH = {
-    "ADD": lambda a, b, c: a + b,
-    "SUBTRACT": lambda a, b, c: a - b,
-    "MULTIPLY": lambda a, b, c: a * b,
-    "DIVIDE": lambda a, b, c: _divided(a, b),
-    "MULTIPLY_ADD": lambda a, b, c: a * b + c,
-    "POWER": lambda a, b, c: _power(a, b),
-    "SQRT": lambda a, b, c: np.sqrt(np.maximum(a, 0)),
-    "ABSOLUTE": lambda a, b, c: np.abs(a),
-    "EXPONENT": lambda a, b, c: np.exp(a),
-    "MINIMUM": lambda a, b, c: np.minimum(a, b),
-    "MAXIMUM": lambda a, b, c: np.maximum(a, b),
-    "LESS_THAN": lambda a, b, c: (a < b) + 0.0,
-    "GREATER_THAN": lambda a, b, c: (a > b) + 0.0,
-    "SIGN": lambda a, b, c: np.sign(a),
-    "FLOOR": lambda a, b, c: np.floor(a),
-    "CEIL": lambda a, b, c: np.ceil(a),
-    "FRACT": lambda a, b, c: a - np.floor(a),
-    "PINGPONG": lambda a, b, c: _wave(a - b, b),
-    "SINE": lambda a, b, c: np.sin(a),
-    "COSINE": lambda a, b, c: np.cos(a),
-}
-
-#: Operations of the Vector Math node on vectors a and b.
-_VECTOR_MATH = {
-    "ADD": lambda a, b: a + b,
-    "SUBTRACT": lambda a, b: a - b,
-    "MULTIPLY": lambda a, b: a * b,
-    "DIVIDE": _divided,
-    "MINIMUM": np.minimum,
-    "MAXIMUM": np.maximum,
-    "ABSOLUTE": lambda a, b: np.abs(a),
-    "DOT_PRODUCT": lambda a, b: _sum(a * b),
-    "LENGTH": lambda a, b: np.sqrt(_sum(a * a)),
-    "DISTANCE": lambda a, b: np.sqrt(_sum((a - b) ** 2)),
-}
+def unit(vector):
+    """A vector of length 1 along another; 0 if that is."""
+    length = np.sqrt(total(vector * vector))
+    return vector / np.where(length > 0, length, 1)
 
 
-def _sum(products):
-    return products.sum(axis=-1, keepdims=np.ndim(products) > 1)
+def component(value, k):
+    """A channel of a colour or vector as a number."""
+    return float(value[k]) if value.ndim == 1 else value[:, k : k + 1]
+
+
+def joined(numbers):
+    """Three numbers as a colour or vector."""
+    rows = max(len(value) if np.ndim(value) == 2 else 1 for value in numbers)
+    made = np.concatenate([np.broadcast_to(value, (rows, 1)) for value in numbers], axis=1)
+    return made if any(np.ndim(value) == 2 for value in numbers) else made[0]
 
 
 def _value(node, output, argument, note):
@@ -111,105 +85,6 @@ def _value(node, output, argument, note):
 
 def _rgb(node, output, argument, note):
     return np.array(output.default_value[:3], np.float64)
-
-
-def _operation(node, operations):
-    operation = operations.get(node.operation)
-    if operation is None:
-        raise NotConstant(f"{node.name} ({node.operation.replace('_', ' ').lower()})")
-    return operation
-
-
-def _math(node, output, argument, note):
-    operation = _operation(node, _MATH)
-    with np.errstate(all="ignore"):
-        result = operation(argument("Value"), argument("Value_001"), argument("Value_002"))
-    if node.use_clamp:
-        result = _clamped(result)
-    return float(result) if np.ndim(result) == 0 else result
-
-
-def _vector_math(node, output, argument, note):
-    operation = _operation(node, _VECTOR_MATH)
-    if node.operation == "ABSOLUTE" or node.operation == "LENGTH":
-        return operation(argument("Vector"), None)
-    return operation(argument("Vector"), argument("Vector_001"))
-
-
-def _scale(node, output, argument, note):
-    return argument("Vector") * argument("Scale")
-
-
-def _mix(node, output, argument, note):
-    if node.data_type not in ("FLOAT", "RGBA") or (node.data_type == "RGBA" and node.blend_type not in _BLEND):
-        raise NotConstant(node.name)
-    kind = {"FLOAT": "Float", "RGBA": "Color"}[node.data_type]
-    factor = argument("Factor_Float")
-    factor = _clamped(factor) if node.clamp_factor else factor
-    a, b = argument(f"A_{kind}"), argument(f"B_{kind}")
-    if node.data_type == "FLOAT":
-        return (1 - factor) * a + factor * b
-    result = _BLEND[node.blend_type](a, b, factor)
-    return _clamped(result) if node.clamp_result else result
-
-
-def _mix_rgb(node, output, argument, note):
-    if node.blend_type not in _BLEND:
-        raise NotConstant(node.name)
-    result = _BLEND[node.blend_type](argument("Color1"), argument("Color2"), _clamped(argument("Fac")))
-    return _clamped(result) if node.use_clamp else result
-
-
-_BLEND = {
-    "MIX": lambda a, b, f: (1 - f) * a + f * b,
-    "ADD": lambda a, b, f: a + f * b,
-    "MULTIPLY": lambda a, b, f: a * (1 - f + f * b),
-    "SUBTRACT": lambda a, b, f: a - f * b,
-}
-
-
-def _map_range(node, output, argument, note):
-    if node.data_type != "FLOAT" or node.interpolation_type == "STEPPED":
-        raise NotConstant(f"{node.name} ({node.data_type}, {node.interpolation_type})".lower())
-    low, high = argument("From Min"), argument("From Max")
-    to_low, to_high = argument("To Min"), argument("To Max")
-    share = _divided(argument("Value") - low, high - low)
-    if node.interpolation_type == "LINEAR":
-        # Values of the two ends are not those of what lies beyond, unless that is asked for.
-        share = _clamped(share) if node.clamp else share
-    else:
-        share = _clamped(share)
-        smoother = node.interpolation_type == "SMOOTHERSTEP"
-        share = share**3 * (share * (6 * share - 15) + 10) if smoother else share * share * (3 - 2 * share)
-    result = np.where(low == high, 0.0, to_low + share * (to_high - to_low))
-    return float(result) if np.ndim(result) == 0 else result
-
-
-def _clamp(node, output, argument, note):
-    low, high = argument("Min"), argument("Max")
-    if node.clamp_type == "RANGE":
-        low, high = np.minimum(low, high), np.maximum(low, high)
-    result = np.minimum(np.maximum(argument("Value"), low), high)
-    return float(result) if np.ndim(result) == 0 else result
-
-
-#: Values of a colour ramp between which Cycles interpolates.
-_RAMP = 256
-
-
-def _ramp(node, output, argument, note):
-    ramp, at = node.color_ramp, argument("Fac")
-    if np.ndim(at) == 0:
-        colour = np.array(ramp.evaluate(at), np.float64)
-    else:
-        table = np.array([ramp.evaluate(i / (_RAMP - 1)) for i in range(_RAMP)], np.float64)
-        place = np.clip(np.nan_to_num(at[:, 0]), 0, 1) * (_RAMP - 1)
-        low = place.astype(int)
-        rest = np.float64(0) if ramp.interpolation == "CONSTANT" else (place - low)[:, None]
-        colour = (1 - rest) * table[low] + rest * table[np.minimum(low + 1, _RAMP - 1)]
-    if output.identifier == "Alpha":
-        return float(colour[3]) if colour.ndim == 1 else colour[:, 3:]
-    return colour[..., :3]
 
 
 def _blackbody(node, output, argument, note):
@@ -243,13 +118,6 @@ def _layer_weight(node, output, argument, note):
 COMPUTED = {
     "VALUE": _value,
     "RGB": _rgb,
-    "MATH": _math,
-    "VECT_MATH": lambda node, *rest: (_scale if node.operation == "SCALE" else _vector_math)(node, *rest),
-    "MIX": _mix,
-    "MIX_RGB": _mix_rgb,
-    "MAP_RANGE": _map_range,
-    "CLAMP": _clamp,
-    "VALTORGB": _ramp,
     "BLACKBODY": _blackbody,
     "LIGHT_PATH": _light_path,
     "FRESNEL": _fresnel,

@@ -16,6 +16,7 @@ from .other_blender import Failed, Helper
 ASKED = {
     *("TEX_VORONOI", "TEX_WAVE", "TEX_MAGIC", "TEX_BRICK", "TEX_CHECKER", "TEX_WHITE_NOISE", "TEX_GABOR", "TEX_NOISE", "TEX_GRADIENT"),
     *("TEX_IMAGE", "TEX_ENVIRONMENT", "TEX_MUSGRAVE", "WAVELENGTH", "MAPPING", "SQUEEZE", "ShaderNodeRadialTiling"),
+    *("MATH", "VECT_MATH", "MIX", "MIX_RGB", "VECTOR_ROTATE"),
 }
 
 #: Bytes of answers that are kept.

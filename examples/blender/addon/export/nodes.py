@@ -8,9 +8,15 @@ import numpy as np
 
 from .arithmetic import COMPUTED, Elsewhere, NotConstant, as_colour, as_number
 from .asked_nodes import ASKED, asked
+from .colour_nodes import COLOURS
+from .curve_nodes import CURVES
 from .images import mean_colour, picture
+from .math_nodes import MATHS
 from .report import Report
 from .textures import TEXTURES, UNLINKED, Places, image_at
+
+#: By type of node, as arithmetic.COMPUTED.
+COMPUTED_NODES = {**COMPUTED, **MATHS, **COLOURS, **CURVES}
 
 #: Stands for places where all that textures give is drawn at random, so many times, to see what depends on them.
 PROBE, _DRAWS = Places(), 64
@@ -194,8 +200,9 @@ class Values:
         try:
             if node.type in TEXTURES:
                 return TEXTURES[node.type](node, output, argument, self._places)
-            if node.type in COMPUTED:
-                return COMPUTED[node.type](node, output, argument, self.note)
+            if node.type in COMPUTED_NODES:
+                with np.errstate(all="ignore"):
+                    return COMPUTED_NODES[node.type](node, output, argument, self.note)
         except Elsewhere:
             pass
         if node.type not in ASKED:
