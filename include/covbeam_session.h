@@ -539,6 +539,28 @@ typedef struct covbeam_shape {
 } covbeam_shape;
 
 /**
+ * A phase function of a mixture.
+ */
+typedef struct covbeam_phase_lobe {
+    /**
+     * A value of covbeam_phase_kind.
+     */
+    uint32_t phase;
+    /**
+     * Not read.
+     */
+    uint32_t unused;
+    /**
+     * Mean cosine of Henyey-Greenstein, in (-1, 1).
+     */
+    double asymmetry;
+    /**
+     * How much of what is scattered it spreads, per channel, 0 to 1; all of a volume sum to no more than 1.
+     */
+    double share[3];
+} covbeam_phase_lobe;
+
+/**
  * A medium and where it is.
  */
 typedef struct covbeam_volume {
@@ -633,9 +655,13 @@ typedef struct covbeam_volume {
      */
     uint32_t shadow_set;
     /**
-     * Not read.
+     * How many phase functions there are beside its own, of which it is a mixture.
      */
-    uint32_t unused;
+    uint32_t lobe_count;
+    /**
+     * These.
+     */
+    const struct covbeam_phase_lobe *lobes;
 } covbeam_volume;
 
 /**

@@ -94,20 +94,20 @@ def _blackbody(node, output, argument, note):
 def _light_path(node, output, argument, note):
     if not output.identifier.startswith("Is "):
         raise NotConstant(node.name)
-    # Light is traced from the lights here: glass must be glass for light that reaches the fog, whatever it pretends to
-    # be for shadow rays.
-    note(f"Light Path, {output.name}", "0, as if the answer were no, for all light")
+    # No ray that meets what lights fog comes from the camera: that has met the fog before.
+    if output.identifier != "Is Camera Ray":
+        note(f"Light Path, {output.name}", "0, as if the answer were no, for all light", in_fog=True)
     return 0.0
 
 
 def _fresnel(node, output, argument, note):
     ior = np.maximum(argument("IOR"), 1e-5)
-    note("Fresnel as a factor", "its value at normal incidence, for all directions")
+    note("Fresnel as a factor", "its value at normal incidence, for all directions", in_fog=True)
     return ((ior - 1) / (ior + 1)) ** 2
 
 
 def _layer_weight(node, output, argument, note):
-    note("Layer Weight as a factor", "its value at normal incidence, for all directions")
+    note("Layer Weight as a factor", "its value at normal incidence, for all directions", in_fog=True)
     if output.identifier == "Facing":
         return 0.0
     eta = np.maximum(1 - argument("Blend"), 1e-5)

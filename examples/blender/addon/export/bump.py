@@ -65,7 +65,7 @@ def bend(material, report):
         values.note("bump or normal map of a matt surface", "ignored, as light that it scatters hardly depends on it")
         return None
     if sum(strength > 0 for strength in found.values()) > 1:
-        values.note("several normals in one material", "those of the strongest closure are used for all")
+        values.note("several normals in one material", "those of the strongest closure are used for all", in_fog=True)
     if chosen is None:
         return None
     if chosen.is_displacement or follow(find(chosen.node.inputs, "Normal"), chosen.groups).node.type == "BUMP":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Surfaces that let light through in places, or send it out: cut into pieces of a few materials."""
+"""Surfaces of which textures decide what they let through, send out or reflect: cut into pieces of a few materials."""
 
 from dataclasses import dataclass
 
@@ -7,17 +7,14 @@ import numpy as np
 
 from ..host import ask
 from ..host.scene import MATERIAL
-from .lobes import WEIGHTS
+from .lobes import REFLECTING, WEIGHTS
 from .quarters import Pieces, middles, piece_at
 
-#: Places that a material is looked at on a mesh, or 64 a triangle, but no more than the last; and how often a triangle is cut.
-_LOOKS, _MOST_LOOKS, _DEEPEST = 1 << 18, 1 << 21, 9
+#: No more places of a mesh are looked at; and how often a triangle is cut.
+_MOST_LOOKS, _DEEPEST = 1 << 21, 9
 
-#: Pieces of a mesh, and materials of them beside what is not there at all.
-_MOST_PIECES, _KINDS = 1 << 18, 32
-
-#: Differences within a piece, of what goes on behind it: the first under which there are few enough pieces is taken.
-_TOLERANCES = (0.02, 0.05, 0.1, 0.2)
+#: Materials of a mesh's pieces beside what is not there at all.
+_KINDS = 32
 
 #: Places where the error is measured, and places that are looked at together.
 _TRIALS, _SLICE = 4096, 65536
@@ -29,7 +26,30 @@ _CLEAR = 1 - 1 / 512
 _WIDTH = MATERIAL.itemsize // 4
 _COLUMN = {name: slice(MATERIAL.fields[name][1] // 4, MATERIAL.fields[name][1] // 4 + 3) for name in (*WEIGHTS, "shadow")}
 _PASSING = np.r_[tuple(_COLUMN[name] for name in ("transparent", "shadow", "translucent", "glass_transmission"))]
+_REFLECTING = np.r_[tuple(_COLUMN[name] for name in REFLECTING)]
 _SPECULAR = np.r_[tuple(_COLUMN[name] for name in ("metal", "glass_reflection", "glass_transmission", "coat"))]
+
+
+@dataclass(frozen=True)
+class Detail:
+    """How finely a mesh is cut."""
+
+    #: Places that a material is looked at on a mesh, or so many a triangle.
+    looks: int
+    looks_each: int
+    #: Most pieces of a mesh.
+    pieces: int
+    #: Differences within a piece: the first under which there are few enough pieces is taken.
+    tolerances: tuple[float, ...]
+    #: Of what: columns of MATERIAL as numbers.
+    columns: np.ndarray
+
+
+#: Where textures decide how light goes on behind a surface, or how it shines: that has edges in fog.
+FINE = Detail(1 << 18, 64, 1 << 18, (0.02, 0.05, 0.1, 0.2), _PASSING)
+
+#: Where they decide what it reflects: in fog that is as even as the light of a lamp as large as a piece.
+COARSE = Detail(1 << 14, 1, 1 << 12, (0.1, 0.2), np.r_[_PASSING, _REFLECTING])
 
 
 @dataclass(frozen=True)
@@ -45,22 +65,22 @@ class Cut:
     error: float
 
 
-def cut(triangles, areas, wanted, look, poll):
-    """Pieces of some triangles, int (m,), within which a material lets light through, and shines, alike.
+def cut(triangles, areas, wanted, look, detail, poll):
+    """Pieces of some triangles, int (m,), within which a material is alike.
 
     - areas: of the triangles; wanted: shares of the looks that they get, both (m,).
     - look: function of places, triangles (n,) and shares of their corners (n, 3), that returns MATERIAL and radiance there, (n,) and (n, 3).
-    - poll: as for export.
+    - detail: a Detail; poll: as for export.
     """
-    depths = _depths(wanted)
+    depths = _depths(wanted, detail)
     parts = [_Part(triangles[of], areas[of], depth, look, poll) for depth in range(_DEEPEST + 1) if (of := np.flatnonzero(depths == depth)).size]
     brightest = max(float(part.fields[..., _WIDTH:].max()) for part in parts)
     for part in parts:
-        part.judge(1 / brightest if brightest > 0 else 0.0)
-    shallowest = _few_enough(parts)
+        part.judge(detail.columns, 1 / brightest if brightest > 0 else 0.0)
+    shallowest = _few_enough(parts, detail)
     leaves = [leaf for part in parts for leaf in part.leaves(*shallowest)]
     fields, weights = (np.concatenate([getattr(leaf, name) for leaf in leaves]) for name in ("fields", "areas"))
-    kinds = _kinds(fields, weights, 1 / brightest if brightest > 0 else 0.0)
+    kinds = _kinds(fields, weights, detail.columns, 1 / brightest if brightest > 0 else 0.0)
     values = _of_kinds(fields, weights, kinds)
     first = 0
     for leaf in leaves:
@@ -71,9 +91,9 @@ def cut(triangles, areas, wanted, look, poll):
     return Cut(pieces, rows, values[:, _WIDTH:], _error(parts, values, look))
 
 
-def _depths(wanted):
+def _depths(wanted, detail):
     """How often each triangle is cut, int (m,)."""
-    looks = min(max(_LOOKS, 64 * len(wanted)), _MOST_LOOKS)
+    looks = min(max(detail.looks, detail.looks_each * len(wanted)), _MOST_LOOKS)
     share = wanted / max(float(wanted.sum()), 1e-300)
     return np.clip(np.floor(np.log2(np.maximum(share * looks, 1)) / 2), 0, _DEEPEST).astype(int)
 
@@ -99,9 +119,9 @@ class _Part:
         self.fields = np.concatenate(found).reshape(len(triangles), self.cells, -1)
         self.kinds = np.zeros((len(triangles), self.cells), np.uint8)
 
-    def judge(self, per_radiance):
+    def judge(self, columns, per_radiance):
         """Finds how much there is between the largest and the smallest values in each piece, by level."""
-        low = high = np.concatenate([self.fields[..., _PASSING], self.fields[..., _WIDTH:] * per_radiance], axis=2)
+        low = high = np.concatenate([self.fields[..., columns], self.fields[..., _WIDTH:] * per_radiance], axis=2)
         self._ranges = [np.zeros((len(low), self.cells), np.float32)]
         for _ in range(self.depth):
             low = low.reshape(len(low), -1, 4, low.shape[2]).min(axis=2)
@@ -158,17 +178,18 @@ class _Leaf:
         self._part.kinds[self._triangle[:, None], self._cells] = kinds[:, None]
 
 
-def _few_enough(parts):
+def _few_enough(parts, detail):
     """The first tolerance, and how many levels must go beside it, that leave few enough pieces."""
-    for choice in [(tolerance, 0) for tolerance in _TOLERANCES] + [(_TOLERANCES[-1], fewer) for fewer in range(1, _DEEPEST)]:
-        if sum(part.count(*choice) for part in parts) <= max(_MOST_PIECES, sum(len(part.triangles) for part in parts)):
+    last = detail.tolerances[-1]
+    for choice in [(tolerance, 0) for tolerance in detail.tolerances] + [(last, fewer) for fewer in range(1, _DEEPEST)]:
+        if sum(part.count(*choice) for part in parts) <= max(detail.pieces, sum(len(part.triangles) for part in parts)):
             return choice
-    return _TOLERANCES[-1], _DEEPEST
+    return last, _DEEPEST
 
 
-def _kinds(fields, areas, per_radiance):
-    """Kinds of pieces by what they let through: 0 of what is not there, others from 1 on; uint8 (n,)."""
-    values = np.concatenate([fields[:, _PASSING], fields[:, _WIDTH:] * per_radiance], axis=1)
+def _kinds(fields, areas, columns, per_radiance):
+    """Kinds of pieces: 0 of what is not there, others from 1 on; uint8 (n,)."""
+    values = np.concatenate([fields[:, columns], fields[:, _WIDTH:] * per_radiance], axis=1)
     kinds = np.ones(len(values), np.uint8)
     kinds[(np.minimum(fields[:, _COLUMN["transparent"]], fields[:, _COLUMN["shadow"]]) >= _CLEAR).all(axis=1)] = 0
     spread = {}

@@ -49,7 +49,7 @@ def note_mesh_flags(thing, report):
     """Reports settings of an evaluated object that has triangles, or is a volume."""
     source = f'Object "{thing.name}"'
     if is_diced(thing):
-        report.add(source, "adaptive subdivision", "as subdivided as the levels of the modifier say")
+        report.add(source, "adaptive subdivision", "as subdivided as the levels of the modifier say", in_fog=True)
 
 
 def is_diced(thing):

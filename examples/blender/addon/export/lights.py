@@ -21,12 +21,12 @@ def light(lamp, name, matrix, report):
     values = Values(f'Light "{name}"', report, in_fog=True)
     lengths = np.linalg.norm(matrix[:3, :3], axis=0)
     if not lengths.all():
-        values.note("a scale of 0", "it does not shine")
+        values.note("a scale of 0", "it does not shine", in_fog=True)
         return None
     axes = (matrix[:3, :3] / lengths).T
     strength, pattern, (exponent, smooth) = _strength(lamp, values, axes)
     if np.any(strength < 0):
-        values.note("negative strength", "it does not shine")
+        values.note("negative strength", "it does not shine", in_fog=True)
         return None
     portal = lamp.type == "AREA" and hasattr(lamp, "cycles") and lamp.cycles.is_portal
     if portal or not strength.any() or (pattern is not None and not pattern.cells.any()):
@@ -127,7 +127,7 @@ def _point(lamp, matrix, axes, strength, placed, values):
 def _spot(lamp, matrix, axes, strength, placed, values):
     lengths = np.linalg.norm(matrix[:3, :3], axis=0)
     if np.ptp(lengths) > 1e-3 * lengths.max():
-        values.note("spot with uneven scale", "its cone stays round, with the angle of its Spot Size")
+        values.note("spot with uneven scale", "its cone stays round, with the angle of its Spot Size", in_fog=True)
     if lamp.shadow_soft_size > 0 and not lamp.use_soft_falloff:
         values.note("spot without Soft Falloff", "in Cycles the fog inside of its ball is up to 1.5 times as bright")
     cosine = math.cos(lamp.spot_size / 2)
@@ -152,7 +152,7 @@ def _area(lamp, matrix, axes, strength, placed, values):
         return None
     across = np.cross(u, v)
     if np.linalg.norm(np.cross(across, axes[2])) > 1e-3 * np.linalg.norm(across):
-        values.note("sheared area light", "it shines at right angles to its face")
+        values.note("sheared area light", "it shines at right angles to its face", in_fog=True)
     if across @ axes[2] > 0:
         # Blender's lights shine along -Z; the host's along u x v.
         v = -v
@@ -160,7 +160,7 @@ def _area(lamp, matrix, axes, strength, placed, values):
     if getattr(lamp, "normalize", True):
         radiance = radiance / area
     if lamp.spread < 1e-3:
-        values.note("area light without spread", "a spread of 0.06 degrees")
+        values.note("area light without spread", "a spread of 0.06 degrees", in_fog=True)
     spread = max(lamp.spread / 2, 5e-4)
     return Light(kind=LightKind.AREA, u=u, v=v, round=round_, spread=spread, radiance=radiance, **placed)
 

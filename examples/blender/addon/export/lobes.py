@@ -8,6 +8,9 @@ from ..host.scene import MATERIAL
 #: The fields that are weights per channel, of all light.
 WEIGHTS = tuple(name for name in MATERIAL.names if MATERIAL[name].shape and name != "shadow")
 
+#: Those of what goes back from the side that light comes from.
+REFLECTING = ("diffuse", "metal", "edge", "coat", "glass_reflection")
+
 
 class Lobes:
     """What a surface's closures add up to: weights by field of MATERIAL, and emitted radiance [W/(m^2 sr)], each (3,), or (n, 3) where it
@@ -41,6 +44,11 @@ class Lobes:
         parts += [self.weights["transparent"] if self.shadow is None else self.shadow, self.emission]
         return np.concatenate(np.broadcast_arrays(*parts), axis=-1)
 
+    @property
+    def reflecting(self):
+        """What decides what it reflects: weights, (15,) or (n, 15)."""
+        return np.concatenate(np.broadcast_arrays(*(self.weights[name] for name in REFLECTING)), axis=-1)
+
     def row(self, note):
         """One element of MATERIAL. note(what, instead): called with what a row cannot say."""
         return self.rows(1, note)[0]
@@ -51,7 +59,7 @@ class Lobes:
         total = np.broadcast_to(self._total(), count)
         scale = np.where(total > 1.0 + 1e-6, 1 / np.maximum(total, 1.0), 1.0)
         if np.any(scale < 1):
-            note("reflects more light than it receives", f"all of its lobes are scaled by {scale.min():.3g}")
+            note("reflects more light than it receives", f"all of its lobes are scaled by {scale.min():.3g}", in_fog=True)
         for name, weight in self.weights.items():
             rows[name] = weight * scale[:, None]
         rows["has_shadow"] = self.shadow is not None
@@ -79,5 +87,5 @@ class Lobes:
         differ = (np.abs(values - chosen) > 1e-3) & (weights > 0)
         if differ.any():
             shown = chosen[np.argmax(differ.any(axis=0))]
-            note(f"several {name} in one material", f"that of the strongest, {shown:.3g}, is used for all")
+            note(f"several {name} in one material", f"that of the strongest, {shown:.3g}, is used for all", in_fog=True)
         return np.where(weights.max(axis=0) > 0, chosen, missing)

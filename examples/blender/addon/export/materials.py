@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
+from .cutting import COARSE, FINE
 from .lobes import Lobes
 from .nodes import PROBE, Values, follow
 from .report import Report
@@ -73,13 +74,16 @@ def _shadow(values, material, surface, lobes):
     return None if np.array_equal(np.broadcast_to(shadow, np.broadcast_shapes(shadow.shape, transparent.shape)), transparent) else shadow
 
 
-def is_patterned(material):
-    """Whether textures decide how light goes on behind a bpy.types.Material, or None, or how it shines."""
+def patterned(material):
+    """How finely a bpy.types.Material, or None, is cut: a cutting.Detail, by what textures decide of it; None: it is the same all over."""
     if material is None or not has_nodes(material):
-        return False
+        return None
     with np.errstate(all="ignore"):
-        passing = _lobes(Values("", Report(), places=PROBE), material).passing
-    return passing.ndim > 1 and bool((passing != passing[0]).any())
+        lobes = _lobes(Values("", Report(), places=PROBE), material)
+    for detail, values in ((FINE, lobes.passing), (COARSE, lobes.reflecting)):
+        if values.ndim > 1 and (values != values[0]).any():
+            return detail
+    return None
 
 
 def looked_at(material, report):

@@ -47,7 +47,7 @@ def exposures(depsgraph, frame_set, poll=None):
     if len({_kind(made) for made in scenes}) > 1:
         made, report = export(depsgraph, poll)
         source = f'Scene "{scene.name}"'
-        report.add(source, "motion blur of light or fog that is not there all the time", "everything stands still at the frame")
+        report.add(source, "motion blur of light or fog that is not there all the time", "everything stands still at the frame", in_fog=True)
         return [made], report
     return scenes, report
 
@@ -105,10 +105,10 @@ def _note(depsgraph, scenes, report):
     source = f'Scene "{scene.name}"'
     lamps = [[light for light in made.lights if light.kind not in {LightKind.MESH, LightKind.WORLD}] for made in scenes]
     if not all(_alike(each, lamps[0]) for each in lamps):
-        report.add(source, "lamps that move while the shutter is open", "blurred; in Cycles they stand still")
+        report.add(source, "lamps that move while the shutter is open", "blurred; in Cycles they stand still", in_fog=True)
     # Without Cycles there are none of its settings.
     if hasattr(scene, "cycles") and scene.cycles.rolling_shutter_type != "NONE":
-        report.add(source, "rolling shutter", "all of the picture at the same time")
+        report.add(source, "rolling shutter", "all of the picture at the same time", in_fog=True)
     for thing in depsgraph.objects:
         if hasattr(thing, "cycles") and not thing.cycles.use_motion_blur:
-            report.add(f'Object "{thing.name}"', "Motion Blur is off", "blurred as all others")
+            report.add(f'Object "{thing.name}"', "Motion Blur is off", "blurred as all others", in_fog=True)

@@ -90,33 +90,33 @@ class Values:
     Numbers are floats and colours float64 (3,); where they vary over the n places that they are asked for, (n, 1) and (n, 3).
     """
 
-    def __init__(self, source, report, in_fog=False, places=None, pictures=None, for_shadows=False):
+    def __init__(self, source, report, in_fog=False, places=None, pictures=None, for_shadows=False, is_fog=False):
         """in_fog: whether the values are those of fog or of a lamp, so that what is not known is missing in fog.
 
         places: textures.Places; None: what varies from place to place is not known. pictures: of images that have been read.
-        for_shadows: whether a shadow ray asks, and not any other.
+        for_shadows: whether a shadow ray asks, and not any other; is_fog: whether the nodes are those of fog.
         """
         self.source, self.report, self._in_fog, self._places = source, report, in_fog, places
         self._pictures = {} if pictures is None else pictures
-        self._for_shadows = for_shadows
+        self._for_shadows, self._is_fog = for_shadows, is_fog
         #: Whether a value has been asked for that varies from place to place.
         self.varies = False
 
     def in_fog(self, places=None):
         """The same, for nodes of fog."""
-        return Values(self.source, self.report, True, places, self._pictures)
+        return Values(self.source, self.report, True, places, self._pictures, self._for_shadows, True)
 
     def at(self, places):
         """The same, at some textures.Places."""
-        return Values(self.source, self.report, self._in_fog, places, self._pictures)
+        return Values(self.source, self.report, self._in_fog, places, self._pictures, self._for_shadows, self._is_fog)
 
     def quiet(self):
         """The same, without a report."""
-        return Values(self.source, Report(), self._in_fog, self._places, self._pictures)
+        return Values(self.source, Report(), self._in_fog, self._places, self._pictures, self._for_shadows, self._is_fog)
 
     def for_shadows(self):
         """The same for shadow rays, without a report."""
-        return Values(self.source, Report(), self._in_fog, self._places, self._pictures, True)
+        return Values(self.source, Report(), self._in_fog, self._places, self._pictures, True, self._is_fog)
 
     def number(self, node, identifier, groups, missing=0.0):
         """A number. `missing`: what it is if this version of Blender has no such input."""
@@ -182,9 +182,12 @@ class Values:
             value = _drawn(end.node.name, 1 if end.socket.type == "VALUE" else 3)
         elif kind == "TEX_IMAGE":
             value = self._image(end, argument)
-        elif end.socket.identifier == "Is Shadow Ray" and kind == "LIGHT_PATH" and not self._in_fog:
-            # Surfaces are looked at twice: materials.py.
+        elif end.socket.identifier == "Is Shadow Ray" and kind == "LIGHT_PATH" and (self._is_fog or not self._in_fog):
+            # Surfaces and fog are looked at twice: materials.py, volumes.py.
             value = float(self._for_shadows)
+        elif end.socket.identifier == "Is Camera Ray" and kind == "LIGHT_PATH" and self._is_fog:
+            self.note("fog that the camera sees otherwise, by Light Path", "as all other rays see it", in_fog=True)
+            value = 0.0
         elif is_texture and self._places is None:
             self.varies = True
             raise NotConstant(end.node.name)

@@ -79,9 +79,9 @@ class Objects:
     def heeded(self, volumes):
         """The same host.scene.Volumes, of `filled`, with the rules of what they fill; the world's is in the sets that no collection has."""
         of_volumes = {int(volume): number for number, volume in enumerate(self.object_volumes) if volume >= 0}
-        made = [replace(volume, **self._rules_of(of_volumes.get(number))) for number, volume in enumerate(volumes)]
+        made = [replace(volume, **self._rules_of(number, of_volumes)) for number, volume in enumerate(volumes)]
         for number, volume in enumerate(volumes):
-            rules = [self._rules_of(of_volumes.get(part)) for part in volume.parts]
+            rules = [self._rules_of(part, of_volumes) for part in volume.parts]
             if any(each != rules[0] for each in rules):
                 self._report.add(
                     f'Volume of "{volume.name}"', "overlaps fog that other lamps light, or other rays see", "they light and see both alike", in_fog=True
@@ -90,11 +90,12 @@ class Objects:
                 made[number] = replace(volume, **rules[0])
         return made
 
-    def _rules_of(self, number):
-        """Of a volume by the number of the object that it fills; None: of the world's."""
-        if number is None:
+    def _rules_of(self, volume, of_volumes):
+        """Of a volume by its number. of_volumes: numbers of the objects that volumes fill; the world's has none."""
+        if volume not in of_volumes:
             return {"light_set": self._world_set}
-        hidden, light_set, shadow_set = self.object_rules[number].tolist()
+        hidden, light_set, shadow_set = self.object_rules[of_volumes[volume]].tolist()
+        hidden |= Rays.SHADOW if self.filled[volume].fog.is_unshadowed else 0
         return {"hidden_from": Rays(hidden), "light_set": light_set, "shadow_set": shadow_set}
 
     def _link(self):

@@ -21,7 +21,7 @@ def principled(values, node, groups, weight, lobes):
     weight = weight * alpha
     for name in ("Sheen Weight", "Coat Weight"):
         if np.any(number(name) > 0):
-            values.note(name.removesuffix(" Weight").lower(), "ignored")
+            values.note(name.removesuffix(" Weight").lower(), "ignored", in_fog=True)
     strength = number("Emission Strength")
     if np.any(strength != 0):
         lobes.emission = lobes.emission + weight * strength * values.colour(node, "Emission Color", groups)
@@ -51,9 +51,9 @@ def principled(values, node, groups, weight, lobes):
         lobes.add_specular(eta, roughness, coat=weight)
         _note_tint(values, tint)
     if np.any(share("Subsurface Weight") > 0):
-        values.note("subsurface scattering", "diffuse")
+        values.note("subsurface scattering", "diffuse", in_fog=True)
     if np.any(values.number(node, "Diffuse Roughness", groups) > 0):
-        values.note("roughness of diffuse", "smooth (Lambert)")
+        values.note("roughness of diffuse", "smooth (Lambert)", in_fog=True)
     lobes.add(diffuse=weight * base)
 
 
@@ -77,4 +77,4 @@ def _adjusted(ior, level):
 
 def _note_tint(values, tint):
     if np.any(tint != 1):
-        values.note("specular tint", "reflections of dielectrics stay white")
+        values.note("specular tint", "reflections of dielectrics stay white", in_fog=True)

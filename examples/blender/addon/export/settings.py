@@ -10,17 +10,15 @@ def note_settings(depsgraph, camera_object, report):
     source = f'Scene "{scene.name}"'
     data = None if camera_object is None else camera_object.evaluated_get(depsgraph).data
     if data is not None and data.type == "PANO" and data.dof.use_dof and (data.dof.aperture_blades > 2 or data.dof.aperture_ratio != 1):
-        report.add(f'Camera "{camera_object.name}"', "shape of a panorama's aperture", "turned otherwise about each ray")
+        report.add(f'Camera "{camera_object.name}"', "shape of a panorama's aperture", "turned otherwise about each ray", in_fog=True)
     if scene.render.use_multiview:
         report.add(source, "stereoscopy", "one view, from the camera itself")
     if hasattr(scene, "covbeam") and scene.covbeam.orders == "ALL":
         report.add(source, "limits of Cycles' Light Paths", "light of all orders, as Light in Advanced says")
     source = f'View layer "{layer.name}"'
-    if layer.material_override is not None:
-        report.add(source, "material override", "objects keep their materials")
     for name, what in (("use_solid", "Surfaces"), ("use_volumes", "Volumes")):
         if not getattr(layer, name):
-            report.add(source, f"{what} are filtered out", "they are rendered")
+            report.add(source, f"{what} are filtered out", "they are rendered", in_fog=True)
 
 
 def exposure(scene):
@@ -38,10 +36,10 @@ def note_clipping(depsgraph, camera_object, camera, bounds, world_fog, report):
     low, high = bounds
     farthest = np.linalg.norm(np.maximum(np.abs(low - camera.position), np.abs(high - camera.position)))
     if np.isfinite(farthest) and farthest > data.clip_end:
-        report.add(source, "objects beyond Clip End", "seen all the same")
+        report.add(source, "objects beyond Clip End", "seen all the same", in_fog=True)
     if world_fog is not None:
         total = world_fog.at()
         extinction = np.min(total.scattering + total.absorption)
         # Beyond 7 mean free paths less than a thousandth of the light arrives.
         if extinction * data.clip_end < 7:
-            report.add(source, "Clip End, which ends the fog of the world in Cycles", "the fog goes on; raise Clip End")
+            report.add(source, "Clip End, which ends the fog of the world in Cycles", "the fog goes on; raise Clip End", in_fog=True)

@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..host.scene import MATERIAL
-from .cutting import cut
+from .cutting import FINE, cut
 from .enclosure import wrong
 from .flags import note_mesh_flags
 from .grids import Grids
 from .lobes import Lobes
-from .materials import Translated, filling, is_patterned, looked_at, translate
+from .materials import Translated, filling, patterned, looked_at, translate
 from .meshes import FARTHEST, Triangles, box, is_closed, reach, triangles
 from .points import balls
 from .quarters import Pieces, mesh_of
@@ -28,8 +28,11 @@ KINDS = {"MESH", "VOLUME", "CURVES", "POINTCLOUD"}
 #: The share of rays that may meet faces of fog in a wrong order: they hit edges.
 _WRONG = 0.01
 
+#: Pieces that are off by more on average make another picture.
+_TOO_COARSE = 0.05
+
 #: What the report says of what is beyond meshes.FARTHEST.
-TOO_FAR = ("coordinates that are too large or no numbers", "left out")
+TOO_FAR = ("coordinates that are too large or no numbers", "left out", True)
 
 
 @dataclass(frozen=True)
@@ -61,9 +64,9 @@ class Shapes:
         #: materials.Translated, by material number.
         self.materials = []
         self._geometry, self._depsgraph, self._report = geometry, depsgraph, report
-        self._poll = poll
+        self._poll, self._view_layer = poll, depsgraph.view_layer_eval
         # By what identifies them in Blender as long as the depsgraph lives:
-        self._numbers, self._shapes, self._meshes, self._cuts, self._patterned = {}, {}, {}, {}, {}
+        self._numbers, self._shapes, self._meshes, self._cuts, self._details = {}, {}, {}, {}, {}
         self._uneven = Uneven(report, poll)
 
     def shape(self, thing, matrix):
@@ -94,7 +97,7 @@ class Shapes:
         mesh, made = self._mesh(thing.data, source)
         if mesh is None:
             return None
-        slots = [slot.material for slot in thing.material_slots] or [None]
+        slots = self._slots(thing)
         key = self._uneven.key(thing, matrix)
         surface = Surface(thing.data, mesh)
         if key is not None:
@@ -102,7 +105,7 @@ class Shapes:
             mesh = surface.mesh
             if self._is_far(mesh, source):
                 return None
-        if any(self._is_patterned(slots[min(slot, len(slots) - 1)]) for slot in mesh.used):
+        if any(self._detail(slots[min(slot, len(slots) - 1)]) for slot in mesh.used):
             return self._in_pieces(thing, surface, slots, source, key)
         space = np.array([thing.data.texspace_location, thing.data.texspace_size], np.float64)
         return self._plain(thing, mesh, made, slots, source, space)
@@ -159,9 +162,10 @@ class Shapes:
         clear, fogs = [], []
         for slot in np.unique(of_triangles):
             triangles, material = np.flatnonzero(of_triangles == slot), slots[slot]
-            if self._is_patterned(material):
+            detail = self._detail(material)
+            if detail is not None:
                 fog = filling(material, self._report)
-                made = self._cut_material(surface, triangles, material)
+                made = self._cut_material(surface, triangles, material, detail)
                 first = len(self.materials)
                 clear.append(first)
                 self.materials += [
@@ -187,7 +191,7 @@ class Shapes:
         number = self._geometry.add_mesh(made.positions, made.corners, made.slots, made.normals)
         return made, made.slots, number, fog, is_solid
 
-    def _cut_material(self, surface, triangles, material):
+    def _cut_material(self, surface, triangles, material, detail):
         """The cutting.Cut of some triangles of a surface_places.Surface, with what it lacks reported."""
         look = looked_at(material, self._report)
 
@@ -197,20 +201,27 @@ class Shapes:
         areas, flat = surface.areas(triangles), surface.uv_areas(triangles)
         # Half of the looks by how large triangles are, half by how much of an image is on them.
         wanted = sum(of / max(float(of.sum()), 1e-300) for of in (areas, flat))
-        made = cut(triangles, areas, wanted, at, self._poll)
-        if made.error > 0.01:
+        made = cut(triangles, areas, wanted, at, detail, self._poll)
+        if detail is FINE and made.error > 0.01:
             self._report.add(
                 f'Material "{material.name}"',
                 "varies finely in what it lets through, or shines",
                 f"{len(made.pieces.kind):,} pieces, which are {made.error:.1%} off on average",
+                in_fog=made.error > _TOO_COARSE,
             )
         return made
 
-    def _is_patterned(self, material):
+    def _slots(self, thing):
+        """The materials of an object's slots, one at least: None is what Cycles shows without one. A view layer may have one for all."""
+        override = self._view_layer.material_override
+        return [override] if override is not None else [slot.material for slot in thing.material_slots] or [None]
+
+    def _detail(self, material):
+        """As of materials.patterned."""
         pointer = material.as_pointer() if material is not None else None
-        if pointer not in self._patterned:
-            self._patterned[pointer] = is_patterned(material)
-        return self._patterned[pointer]
+        if pointer not in self._details:
+            self._details[pointer] = patterned(material)
+        return self._details[pointer]
 
     def _of_strands(self, thing, strands):
         """The Shape of an object's strands.Strands, or None for None."""
@@ -223,7 +234,7 @@ class Shapes:
             self._report.add(source, f"more {what} than are rendered", f"one of each {every}, as wide as all of them")
         if mesh is None or self._is_far(mesh, source):
             return None
-        slots = [slot.material for slot in thing.material_slots] or [None]
+        slots = self._slots(thing)
         # Volumes fill meshes only.
         return replace(self._plain(thing, mesh, {}, slots, source, np.zeros((2, 3))), fog=None)
 

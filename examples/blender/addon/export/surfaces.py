@@ -13,12 +13,12 @@ def add_surface(values, socket, groups, weight, lobes):
         if node.type in _CLOSURES:
             _CLOSURES[node.type](values, node, of, share, lobes)
         else:
-            values.note(node.bl_label, "black there")
+            values.note(node.bl_label, "black there", in_fog=True)
 
 
 def _diffuse(values, node, groups, weight, lobes):
     if np.any(values.number(node, "Roughness", groups) > 0):
-        values.note("roughness of Diffuse", "smooth (Lambert)")
+        values.note("roughness of Diffuse", "smooth (Lambert)", in_fog=True)
     lobes.add(diffuse=weight * values.colour(node, "Color", groups))
 
 
@@ -43,7 +43,7 @@ def _glass(values, node, groups, weight, lobes):
 
 
 def _refraction(values, node, groups, weight, lobes):
-    values.note("Refraction BSDF", "refracts what Fresnel's equations leave, as glass, and reflects nothing")
+    values.note("Refraction BSDF", "refracts what Fresnel's equations leave, as glass, and reflects nothing", in_fog=True)
     ior = np.maximum(values.number(node, "IOR", groups), 1e-5)
     colour = weight * values.colour(node, "Color", groups)
     lobes.add_specular(ior, _roughness(values, node, groups), glass_transmission=colour)
@@ -78,30 +78,30 @@ def _roughness(values, node, groups):
 
 
 def _subsurface(values, node, groups, weight, lobes):
-    values.note("subsurface scattering", "diffuse")
+    values.note("subsurface scattering", "diffuse", in_fog=True)
     lobes.add(diffuse=weight * values.colour(node, "Color", groups))
 
 
 def _as_diffuse(values, node, groups, weight, lobes):
-    values.note(node.bl_label, "diffuse with its colour")
+    values.note(node.bl_label, "diffuse with its colour", in_fog=True)
     lobes.add(diffuse=weight * values.colour(node, "Color", groups))
 
 
 def _portal(values, node, groups, weight, lobes):
-    values.note("Ray Portal BSDF", "transparent with its colour: light stays where it is")
+    values.note("Ray Portal BSDF", "transparent with its colour: light stays where it is", in_fog=True)
     lobes.add(transparent=weight * values.colour(node, "Color", groups))
 
 
 def note_anisotropy(values, node, groups, name):
     """Reports anisotropic microfacets; `name`: identifier of the input."""
     if np.any(np.abs(values.number(node, name, groups)) > 1e-4):
-        values.note("anisotropic reflection", "isotropic with the same roughness")
+        values.note("anisotropic reflection", "isotropic with the same roughness", in_fog=True)
 
 
 def note_thin_film(values, node, groups):
     """Reports a thin film."""
     if np.any(values.number(node, "Thin Film Thickness", groups) > 0):
-        values.note("thin film", "ignored")
+        values.note("thin film", "ignored", in_fog=True)
 
 
 def _principled(values, node, groups, weight, lobes):

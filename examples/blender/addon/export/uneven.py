@@ -49,7 +49,7 @@ class Uneven:
             if len(found) < _VARIANTS:
                 found.append(name)
             else:
-                self._report.add(f'Object "{thing.name}"', f"bump or displacement at more than {_VARIANTS} sizes", "that of another size")
+                self._report.add(f'Object "{thing.name}"', f"bump or displacement at more than {_VARIANTS} sizes", "that of another size", in_fog=True)
                 name = found[-1]
         return (*shared, name)
 

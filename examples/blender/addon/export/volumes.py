@@ -20,6 +20,9 @@ _MOST_SETS = 16
 #: Places where it is looked at what fog asks for.
 _LOOKS = 64
 
+#: What varies so finely that voxels are off by more on average is another picture.
+_TOO_COARSE = 0.05
+
 #: What is flat is as thick as this [m], for what it sends out: no voxel is thinner.
 _THINNEST = 1e-6
 
@@ -36,6 +39,8 @@ class Fog:
     socket: object
     #: Whether it varies from place to place.
     varies: bool
+    #: Whether shadow rays do not see it: straight light is not dimmed by it, and scattered all the same.
+    is_unshadowed: bool = False
 
     def at(self, places=None):
         """The Sum of its closures at textures.Places, or wherever it is."""
@@ -148,9 +153,27 @@ def fog(values, socket, may_vary=False):
     with np.errstate(all="ignore"):
         _add(trial, socket, (), 1.0, Sum())
     made = Fog(values, socket, may_vary and trial.varies)
-    if made.varies:
-        return made
-    return None if made.at().is_nothing else made
+    if not made.varies and made.at().is_nothing:
+        return None
+    return replace(made, is_unshadowed=_is_unshadowed(made, may_vary))
+
+
+def _is_unshadowed(fog, has_bounds):
+    """Whether shadow rays see nothing of a Fog, by a Light Path node in it; what is between that and all of it is reported."""
+    random = np.random.default_rng(0).random((_LOOKS, 3))
+    places = Places(random, random, random, held=Asked(_LOOKS)) if fog.varies else None
+    sums = []
+    for values in (fog.values.quiet(), fog.values.for_shadows()):
+        sums.append(Sum())
+        with np.errstate(all="ignore"):
+            _add(values.in_fog(places), fog.socket, (), 1.0, sums[-1])
+    seen, by_shadows = (np.stack(np.broadcast_arrays(each.scattering, each.absorption)) for each in sums)
+    if seen.shape == by_shadows.shape and np.array_equal(seen, by_shadows):
+        return False
+    if has_bounds and not by_shadows.any():
+        return True
+    fog.values.note("fog that shadow rays see otherwise, by Light Path", "as all other rays see it", in_fog=True)
+    return False
 
 
 def _add(values, socket, groups, weight, total):
@@ -330,12 +353,12 @@ def _baked(parts, low, high, poll):
     baked, values = bake(coefficients, low, high, finest, poll), varying[0].fog.values
     if baked.error > 0.01:
         cells = " x ".join(map(str, baked.cells))
-        values.note("density that varies finely", f"{cells} voxels, which are {baked.error:.1%} off on average")
+        values.note("density that varies finely", f"{cells} voxels, which are {baked.error:.1%} off on average", in_fog=baked.error > _TOO_COARSE)
     if baked.glow is not None and bpy.app.version >= (5, 0) and any(part.is_turned for part in varying):
-        values.note("emission of a domain that is turned", "its voxels lie otherwise than its cells, and are off where flames have borders")
+        values.note("emission of a domain that is turned", "its voxels lie otherwise than its cells, and are off where flames have borders", in_fog=True)
     if baked.glow_error > 0.01:
         cells = " x ".join(map(str, baked.glow.values.shape[2::-1]))
-        values.note("emission that varies finely", f"{cells} voxels, which are {baked.glow_error:.1%} off on average")
+        values.note("emission that varies finely", f"{cells} voxels, which are {baked.glow_error:.1%} off on average", in_fog=baked.glow_error > _TOO_COARSE)
     if baked.coloured > 0.01:
         values.note("colour that varies in a volume", "its mean; the density varies", in_fog=True)
     # The first places are scattered over all of it.

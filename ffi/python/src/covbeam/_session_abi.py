@@ -46,6 +46,15 @@ class Shape(ctypes.Structure):
     ]
 
 
+class PhaseLobe(ctypes.Structure):
+    _fields_ = [
+        ("phase", ctypes.c_uint32),
+        ("unused", ctypes.c_uint32),
+        ("asymmetry", ctypes.c_double),
+        ("share", ctypes.c_double * 3),
+    ]
+
+
 class Volume(ctypes.Structure):
     _fields_ = [
         ("scattering", ctypes.c_double * 3),
@@ -70,7 +79,8 @@ class Volume(ctypes.Structure):
         ("hidden_from", ctypes.c_uint32),
         ("light_set", ctypes.c_uint32),
         ("shadow_set", ctypes.c_uint32),
-        ("unused", ctypes.c_uint32),
+        ("lobe_count", ctypes.c_uint32),
+        ("lobes", ctypes.c_void_p),
     ]
 
 
