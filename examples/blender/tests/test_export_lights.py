@@ -260,14 +260,17 @@ class Lights(unittest.TestCase):
                 # Cycles has a fit of the colours, good to a few thousandths.
                 np.testing.assert_allclose(made.lights[0].radiance, colour, atol=5e-3 * colour.max())
 
-    def test_lights_that_cycles_keeps_out_of_fog_are_hidden_from_it(self):
-        self.lamp("POINT").visible_volume_scatter = False
+    def test_lights_that_shine_nowhere_are_left_out(self):
         self.lamp("POINT").hide_render = True
         self.lamp("POINT", energy=0.0)
+        self.assertEqual(scenes.exported()[0].lights, [])
+
+    def test_lights_that_cycles_keeps_out_of_fog_are_kept_out_of_it(self):
+        self.lamp("POINT").visible_volume_scatter = False
         thing = scenes.grid(material=scenes.material("Glow", scenes.shader("Emission")))
         thing.visible_volume_scatter = False
-        lights = scenes.exported()[0].lights
-        self.assertTrue(all(light.hidden_from & Rays.VOLUME for light in lights), lights)
+        hidden = [light.hidden_from & Rays.VOLUME for light in scenes.exported()[0].lights]
+        self.assertEqual(hidden, [Rays.VOLUME, Rays.VOLUME])
 
     def test_a_ball_shines_along_the_normals_that_are_seen_of_it(self):
         """Of light that goes by 1/2 + n_x / 2 of the normal there, 1/2 + x / 3 goes along a direction: the mean of a ball's normals, as it is seen, is

@@ -59,10 +59,10 @@ class ReportTest(unittest.TestCase):
         scenes_unsupported.build()
         _, report = export(bpy.context.evaluated_depsgraph_get())
         in_fog = [entry.what for entry in report.entries if entry.in_fog]
-        for words in ("light that fog without end sends out", "OpenVDB file"):
+        for words in ("light that fog without end sends out", "OpenVDB file", "hair curves", "Cast Shadow is off"):
             self.assertTrue(any(what.startswith(words) for what in in_fog), words)
         for entry in report.entries:
-            if any(what in entry.what for what in ("hair", "phase function", "subsurface", "bump")):
+            if any(what in entry.what for what in ("phase function", "subsurface", "bump")):
                 self.assertFalse(entry.in_fog, entry)
 
     def test_textures_matter_where_light_or_fog_comes_from(self):

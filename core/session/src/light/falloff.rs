@@ -18,6 +18,9 @@ impl Default for Falloff {
     }
 }
 
+/// Farther away than so many typical distances what is scattered has the power of there: in fog without end it would have any power.
+const FARTHEST: f32 = 8.0;
+
 /// A beam of such light is as many as its length grows by this factor, each as strong all along.
 const GROWTH: f32 = 1.25;
 
@@ -59,7 +62,7 @@ impl Falloff {
     /// The factor at a distance over that at the typical one, which is in the power of paths.
     #[inline]
     pub(crate) fn share(&self, distance: f32) -> f32 {
-        self.at(distance) / self.typical()
+        self.at(distance.min(FARTHEST * self.typical)) / self.typical()
     }
 
     /// Pieces of its way between two distances, each with a factor over that at the typical distance. With shifts at random the mean of the factors

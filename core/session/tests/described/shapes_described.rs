@@ -113,6 +113,7 @@ fn by_hand(lamp: LightFields) -> Scene {
             phase: PhaseFunction::ISOTROPIC,
             ..Medium::homogeneous(0.0, 0.0)
         },
+        more: Vec::new(),
         density: MediumDensity::Uniform,
         glow: None,
         heed: Heed::default(),

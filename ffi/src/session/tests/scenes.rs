@@ -47,7 +47,7 @@ impl Default for Given {
         let ball = covbeam_shape { material: 1, volume: -1, a: [3.0, 0.0, 0.0], radius: 0.5, ..zeroed() };
         Self {
             materials: [covbeam_material { transparent: [1.0; 3], ..zeroed() }, glass],
-            objects: vec![covbeam_object { volume: 0, is_closed: 1 }],
+            objects: vec![covbeam_object { volume: 0, is_closed: 1, ..zeroed() }],
             shapes: vec![ball],
             volumes: vec![fog; 3],
             density: None,
