@@ -2,6 +2,7 @@
 """Esc stops Add Beams and all of its work at once, whatever it is at: with the real host, whose threads are native."""
 
 import tempfile
+import threading
 import time
 import unittest
 from pathlib import Path
@@ -49,20 +50,15 @@ class Stopping(unittest.TestCase):
         scene.covbeam.folder = str(self.folder)
 
     def stop_after(self, seconds):
-        goes_on, self.stopped, self.used = CovbeamEngine.goes_on, time.perf_counter() + seconds, None
-
-        def asked(engine):
-            if time.perf_counter() < self.stopped:
-                return goes_on(engine)
-            if self.used is None:
-                self.used = time.process_time()
-            return False
-
-        CovbeamEngine.goes_on = asked
+        goes_on, self.stopped = CovbeamEngine.goes_on, time.perf_counter() + seconds
+        CovbeamEngine.goes_on = lambda engine: time.perf_counter() < self.stopped and goes_on(engine)
+        clock = threading.Timer(seconds, lambda: setattr(self, "used", time.process_time()))
+        clock.start()
         try:
             self.assertEqual(bpy.ops.covbeam.add_beams(), {"CANCELLED"})
         finally:
             CovbeamEngine.goes_on = goes_on
+            clock.join()
 
     def test_all_work_ends_whenever_it_is_stopped(self):
         # While the scene is read, in the first look, while light paths learn, and in passes.
