@@ -45,7 +45,7 @@ class Stopping(unittest.TestCase):
         scene.collection.objects.link(rim)
         bpy.context.view_layer.lightgroups.add(name="rim")
         scene.render.engine = "CYCLES"
-        scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 640, 360, 100
+        scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 160, 90, 100
         scene.covbeam.passes, scene.covbeam.photons, scene.covbeam.time_limit = 1000, 400_000, 0.0
         scene.covbeam.folder = str(self.folder)
 
@@ -61,7 +61,7 @@ class Stopping(unittest.TestCase):
             clock.join()
 
     def test_all_work_ends_whenever_it_is_stopped(self):
-        # While the scene is read, in the first look, while light paths learn, and in passes.
+        # While the scene is read, while light paths learn, and in passes.
         for seconds in (0.0, 0.3, 1.0, 2.5):
             with self.subTest(seconds=seconds):
                 self.stop_after(seconds)
