@@ -16,7 +16,7 @@ from addon.export.asked_nodes import asked, stop  # noqa: E402
 from addon.export.nodes import COMPUTED_NODES  # noqa: E402
 
 #: Values that nodes have been seen to fail at: 0, ends of ranges, halves, and what is large, small, or negative.
-_HOSTILE = np.array([0.0, 1.0, -1.0, 0.5, -0.5, 2.0, 3.0, 0.25, 1024.0, -1024.0, 2.0**-10, -(2.0**-10)])
+_HOSTILE = np.array([0.0, 1.0, -1.0, 0.5, -0.5, 2.0, 3.0, 0.25, 64.0, -64.0, 2.0**-10, -(2.0**-10)])
 
 #: Types of nodes that we compute from any input, by name in bpy.types.
 _FUNCTIONS = (

@@ -7,6 +7,7 @@ A number is a float, or float64 (n, 1) where it varies over n places; a colour o
 import numpy as np
 
 from .blackbody import blackbody
+from .working_space import luminance
 
 
 class NotConstant(Exception):
@@ -15,10 +16,6 @@ class NotConstant(Exception):
 
 class Elsewhere(NotConstant):
     """A value that is not computed here; asked_nodes has Blender compute it."""
-
-
-#: Rec. 709, as Blender turns colours into numbers.
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 def is_number(value):
@@ -30,7 +27,7 @@ def as_number(value, is_vector=False):
     """A value as a number: the luminance of a colour, the mean of a vector."""
     if is_number(value):
         return value
-    weights = np.full(3, 1 / 3) if is_vector else LUMINANCE
+    weights = np.full(3, 1 / 3) if is_vector else luminance()
     return float(value @ weights) if np.ndim(value) == 1 else (value @ weights)[:, None]
 
 

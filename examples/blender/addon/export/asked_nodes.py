@@ -11,6 +11,7 @@ import numpy as np
 
 from .arithmetic import NotConstant, as_colour, as_number
 from .other_blender import Failed, Helper
+from .working_space import working_space
 
 #: Types of nodes whose outputs follow from their inputs and settings alone.
 ASKED = {
@@ -79,8 +80,7 @@ def _request(node, output, argument):
         image = np.empty(len(node.image.pixels), np.float32)
         node.image.pixels.foreach_get(image)
         image = _of_four(image.reshape(-1, node.image.channels))
-    if bpy.app.version >= (5, 0):
-        request["space"] = bpy.data.colorspace.working_space
+    request["space"] = working_space()
     return request, arrays, image
 
 
@@ -137,6 +137,7 @@ def _image(node):
     return {
         "size": list(image.size),
         "is_float": image.is_float,
-        "space": image.colorspace_settings.name,
+        # Floats have been brought to the working space when they were read.
+        "space": image.colorspace_settings.name if image.colorspace_settings.is_data or not image.is_float else working_space(),
         "alpha_mode": image.alpha_mode,
     }

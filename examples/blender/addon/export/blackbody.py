@@ -5,6 +5,8 @@ from functools import cache
 
 import numpy as np
 
+from .working_space import from_rec709
+
 #: Where the colour matching functions of the CIE's standard observer of 1931 are known [nm], and what they are there.
 _WAVELENGTHS = np.arange(380.0, 781.0, 10.0)
 _MATCHING = np.array(
@@ -31,8 +33,8 @@ _SIGMA = 5.670373e-14 / np.pi
 
 
 def blackbody(temperature):
-    """Linear Rec. 709 of luminance 1, of which what is negative is 0: float64 (3,), or (n, 3). temperature: [K], a number or (n, 1)."""
-    return np.maximum(_colour(temperature), 0)
+    """A colour of luminance 1, of which what is negative is 0: float64 (3,), or (n, 3). temperature: [K], a number or (n, 1)."""
+    return np.maximum(from_rec709(_colour(temperature)), 0)
 
 
 def glow(temperature, intensity):

@@ -3,21 +3,23 @@
 
 import numpy as np
 
+from .working_space import from_rec709
+
 #: A sky has no more columns than this: a third of a degree each.
 SKY_COLUMNS = 1024
 
 
 def mean_colour(image):
-    """Mean of linear Rec. 709 and alpha of a bpy.types.Image, float64 (4,), or None if it has no pixels to read."""
+    """Mean colour and alpha of a bpy.types.Image, float64 (4,), or None if it has no pixels to read, or they are not plain."""
     pixels = _pixels(image)
-    if pixels is None:
+    if pixels is None or not is_plain(image):
         return None
     # A million pixels are enough for a mean; an odd stride does not follow rows.
     pixels = pixels[:: len(pixels) >> 20 | 1]
-    channels = [pixels[:, min(k, image.channels - 1)] for k in range(min(image.channels, 3))]
-    means = [float(np.mean(linear(image, c), dtype=np.float64)) for c in channels]
-    alpha = float(np.mean(pixels[:, 3], dtype=np.float64)) if image.channels == 4 else 1.0
-    return np.array([*(means * 3 if len(means) == 1 else (*means, 0.0)[:3]), alpha])
+    # Grey has one channel, or two with alpha.
+    colours = pixels[:, (0, 1, 2) if image.channels >= 3 else (0, 0, 0)]
+    alpha = float(np.mean(pixels[:, -1], dtype=np.float64)) if image.channels in (2, 4) else 1.0
+    return np.array([*np.mean(linear(image, colours), axis=0, dtype=np.float64), alpha])
 
 
 def picture(image):
@@ -49,7 +51,7 @@ def is_multiplied(image):
 
 
 def blocks(image, columns):
-    """Linear Rec. 709 of a bpy.types.Image, the top row first, as means of blocks so that there are no more columns than that:
+    """Light of a bpy.types.Image that is plain, the top row first, as means of blocks so that there are no more columns than that:
     float64 (h, w, 3); or None if it has no pixels to read. What is no number, or negative, is black."""
     pixels = _pixels(image)
     if pixels is None:
@@ -77,8 +79,13 @@ def _pixels(image):
     return pixels.reshape(-1, image.channels)
 
 
+def is_plain(image):
+    """Whether `linear` knows what the colours of a bpy.types.Image mean: those of floats are linear already."""
+    return image is None or image.is_float or image.colorspace_settings.is_data or image.colorspace_settings.name == "sRGB"
+
+
 def linear(image, encoded):
-    """Values of an image's pixels as light."""
-    if image.is_float or image.colorspace_settings.name != "sRGB":
+    """Colours of an image's pixels as light, (..., 3); `is_plain` must hold."""
+    if image.is_float or image.colorspace_settings.is_data:
         return encoded
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+    return from_rec709(np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4))

@@ -135,7 +135,8 @@ def node_of(tree, request, folder):
 
 def computed(scene, request, folder):
     """What a node gives at all places: float32 (n, 3)."""
-    if "space" in request and bpy.data.colorspace.working_space != request["space"]:
+    # Before Blender 5.0 there is one only.
+    if bpy.app.version >= (5, 0) and bpy.data.colorspace.working_space != request["space"]:
         bpy.ops.wm.set_working_color_space(working_space=request["space"])
     count = request["count"]
     width = min(count, _FEW if count <= _FEW * _FEW else _MANY)

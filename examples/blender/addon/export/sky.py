@@ -7,7 +7,7 @@ import numpy as np
 from mathutils import Euler
 
 from ..host.scene import Light, LightKind, Rays
-from .images import SKY_COLUMNS, blocks
+from .images import SKY_COLUMNS, blocks, is_plain
 from .materials import has_nodes
 from .nodes import Values, closures, find, follow
 from .other_blender import Failed
@@ -154,8 +154,9 @@ def _light(world, constant, picture):
 
 def _picture(values, node, groups):
     """Radiance of the cells of an Environment Texture, and how it is turned; None if it cannot be read."""
-    if node.projection != "EQUIRECTANGULAR":
-        _left_out(values, f"{node.name}, which is no equirectangular picture")
+    if node.projection != "EQUIRECTANGULAR" or not is_plain(node.image):
+        # Looked up direction by direction.
+        values.varies = True
         return None
     turn = _turn(values, follow(find(node.inputs, "Vector"), groups))
     cells = blocks(node.image, SKY_COLUMNS)

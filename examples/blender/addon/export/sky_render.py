@@ -91,9 +91,12 @@ def sun(scene, sky, direction, size, folder):
 def main(settings, folder):
     """Renders and writes: the answer has the sun's `irradiance`, the array is all else."""
     folder = Path(folder)
-    direction, size = settings.pop("direction"), settings.get("sun_size", 0.0)
+    direction, space, size = settings.pop("direction"), settings.pop("space"), settings.get("sun_size", 0.0)
     has_sun = settings.get("sun_disc", False) and size > 0
     scene, sky = scene_of(settings)
+    # Before Blender 5.0 there is one only.
+    if bpy.app.version >= (5, 0):
+        bpy.ops.wm.set_working_color_space(working_space=space)
     irradiance = sun(scene, sky, direction, size, folder) if has_sun else np.zeros(3)
     if hasattr(sky, "sun_disc"):
         sky.sun_disc = False

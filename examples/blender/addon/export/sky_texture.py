@@ -9,6 +9,7 @@ from math import cos, sin
 import numpy as np
 
 from .other_blender import Unseen, answered
+from .working_space import working_space
 
 #: Settings of the node that its sky depends on, in any version of Blender.
 _SETTINGS = (
@@ -44,6 +45,7 @@ def sky_of(node, poll):
     elevation, turn = settings["sun_elevation"], settings["sun_rotation"]
     # Zero is north, and it goes on to the east.
     settings["direction"] = (cos(elevation) * sin(turn), cos(elevation) * cos(turn), sin(elevation))
+    settings["space"] = working_space()
     return _rendered(json.dumps(settings, sort_keys=True), Unseen(poll))
 
 

@@ -11,7 +11,7 @@ from mathutils import Euler
 
 from .arithmetic import Elsewhere, NotConstant, as_colour
 from .ies import Unreadable, measured
-from .images import SKY_COLUMNS, blocks, is_multiplied, linear
+from .images import SKY_COLUMNS, blocks, is_multiplied, is_plain, linear
 from .noise import fractal, hashed, perlin
 from .relief import RELIEF
 
@@ -182,6 +182,8 @@ def _ies(node, output, argument, places):
 def _environment(node, output, argument, places):
     if node.projection != "EQUIRECTANGULAR":
         raise Elsewhere(f"{node.name}, which is no equirectangular picture")
+    if not is_plain(node.image):
+        raise Elsewhere(f"{node.name}, whose colours are {node.image.colorspace_settings.name}")
     cells = blocks(node.image, SKY_COLUMNS)
     if cells is None:
         raise NotConstant(f"{node.name}, whose image cannot be read")
@@ -211,6 +213,8 @@ def image_at(node, output, argument, pixels):
     what is not flat."""
     if node.projection != "FLAT" or node.extension not in ("REPEAT", "EXTEND", "CLIP"):
         raise Elsewhere(f"{node.name} ({node.projection}, {node.extension})".lower())
+    if not is_plain(node.image):
+        raise Elsewhere(f"{node.name}, whose colours are {node.image.colorspace_settings.name}")
     height, width, _ = pixels.shape
     place = _vector(argument)[:, :2] * (width, height) - 0.5
     steps = (0, 1) if node.interpolation != "Closest" else (0,)
