@@ -12,13 +12,14 @@ from .patterns import cells_of, directions
 from .textures import Places
 
 
-def light(lamp, name, matrix, report):
+def light(lamp, name, matrix, report, facts=()):
     """The host's light, or None if it emits nothing.
 
     - lamp: evaluated bpy.types.Light; name: of its object.
     - matrix: light -> world, float64 (4, 4).
+    - facts: as nodes.Values has them.
     """
-    values = Values(f'Light "{name}"', report, in_fog=True)
+    values = Values(f'Light "{name}"', report, in_fog=True, facts=facts)
     lengths = np.linalg.norm(matrix[:3, :3], axis=0)
     if not lengths.all():
         values.note("a scale of 0", "it does not shine", in_fog=True)

@@ -31,8 +31,8 @@ def has_nodes(block):
     return block.node_tree is not None and (bpy.app.version >= (5, 0) or block.use_nodes)
 
 
-def translate(material, report):
-    """A bpy.types.Material, or None for what Cycles shows where there is none, as Translated."""
+def translate(material, report, facts=()):
+    """A bpy.types.Material, or None for what Cycles shows where there is none, as Translated. facts: as nodes.Values has them."""
     lobes = Lobes()
     if material is None:
         lobes.add(diffuse=0.8)
@@ -40,12 +40,12 @@ def translate(material, report):
             # A Principled BSDF as it is when it is added; a Diffuse BSDF before.
             lobes.add_specular(1.5, 0.5, coat=1.0)
         return Translated("no material", lobes.row(lambda *_: None), lobes.emission, None)
-    values = Values(f'Material "{material.name}"', report)
+    values = Values(f'Material "{material.name}"', report, facts=facts)
     if not has_nodes(material):
         lobes.add(diffuse=np.array(material.diffuse_color[:3], np.float64))
         return Translated(material.name, lobes.row(values.note), lobes.emission, None)
     lobes = _lobes(values, material)
-    return Translated(material.name, lobes.row(values.note), lobes.emission, filling(material, report))
+    return Translated(material.name, lobes.row(values.note), lobes.emission, filling(material, report, facts))
 
 
 def _lobes(values, material):
@@ -74,21 +74,22 @@ def _shadow(values, material, surface, lobes):
     return None if np.array_equal(np.broadcast_to(shadow, np.broadcast_shapes(shadow.shape, transparent.shape)), transparent) else shadow
 
 
-def patterned(material):
-    """How finely a bpy.types.Material, or None, is cut: a cutting.Detail, by what textures decide of it; None: it is the same all over."""
+def patterned(material, facts=()):
+    """How finely a bpy.types.Material, or None, is cut: a cutting.Detail, by what textures decide of it; None: it is the same all over. facts: as
+    nodes.Values has them."""
     if material is None or not has_nodes(material):
         return None
     with np.errstate(all="ignore"):
-        lobes = _lobes(Values("", Report(), places=PROBE), material)
+        lobes = _lobes(Values("", Report(), places=PROBE, facts=facts), material)
     for detail, values in ((FINE, lobes.passing), (COARSE, lobes.reflecting)):
         if values.ndim > 1 and (values != values[0]).any():
             return detail
     return None
 
 
-def looked_at(material, report):
+def looked_at(material, report, facts=()):
     """The surface of such a material: a function of textures.Places and their number that returns MATERIAL and radiance there."""
-    values = Values(f'Material "{material.name}"', report)
+    values = Values(f'Material "{material.name}"', report, facts=facts)
 
     def at(places, count):
         with np.errstate(all="ignore"):
@@ -98,14 +99,14 @@ def looked_at(material, report):
     return at
 
 
-def filling(material, report):
+def filling(material, report, facts=()):
     """The Fog that a bpy.types.Material fills a mesh with, or None."""
     if material is None or not has_nodes(material):
         return None
     output = material.node_tree.get_output_node("CYCLES")
     if output is None:
         return None
-    return fog(Values(f'Material "{material.name}"', report), output.inputs["Volume"], may_vary=True)
+    return fog(Values(f'Material "{material.name}"', report, facts=facts), output.inputs["Volume"], may_vary=True)
 
 
 def leads_somewhere(socket):
@@ -113,11 +114,11 @@ def leads_somewhere(socket):
     return follow(socket).node is not None
 
 
-def world_fog(world, report):
+def world_fog(world, report, facts=()):
     """The Fog that fills the world, or None."""
     if world is None or not has_nodes(world):
         return None
     output = world.node_tree.get_output_node("CYCLES")
     if output is None:
         return None
-    return fog(Values(f'World "{world.name}"', report), output.inputs["Volume"])
+    return fog(Values(f'World "{world.name}"', report, facts=facts), output.inputs["Volume"])

@@ -10,6 +10,7 @@ from .arithmetic import COMPUTED, Elsewhere, NotConstant, as_colour, as_number
 from .asked_nodes import ASKED, asked
 from .colour_nodes import COLOURS
 from .curve_nodes import CURVES
+from .facts import told
 from .images import mean_colour, picture
 from .math_nodes import MATHS
 from .report import Report
@@ -90,33 +91,34 @@ class Values:
     Numbers are floats and colours float64 (3,); where they vary over the n places that they are asked for, (n, 1) and (n, 3).
     """
 
-    def __init__(self, source, report, in_fog=False, places=None, pictures=None, for_shadows=False, is_fog=False):
+    def __init__(self, source, report, in_fog=False, places=None, pictures=None, facts=(), for_shadows=False, is_fog=False):
         """in_fog: whether the values are those of fog or of a lamp, so that what is not known is missing in fog.
 
         places: textures.Places; None: what varies from place to place is not known. pictures: of images that have been read.
+        facts: of the object that the nodes are used by, as facts.found has made them.
         for_shadows: whether a shadow ray asks, and not any other; is_fog: whether the nodes are those of fog.
         """
         self.source, self.report, self._in_fog, self._places = source, report, in_fog, places
-        self._pictures = {} if pictures is None else pictures
+        self._pictures, self._facts = {} if pictures is None else pictures, facts
         self._for_shadows, self._is_fog = for_shadows, is_fog
         #: Whether a value has been asked for that varies from place to place.
         self.varies = False
 
     def in_fog(self, places=None):
         """The same, for nodes of fog."""
-        return Values(self.source, self.report, True, places, self._pictures, self._for_shadows, True)
+        return Values(self.source, self.report, True, places, self._pictures, self._facts, self._for_shadows, True)
 
     def at(self, places):
         """The same, at some textures.Places."""
-        return Values(self.source, self.report, self._in_fog, places, self._pictures, self._for_shadows, self._is_fog)
+        return Values(self.source, self.report, self._in_fog, places, self._pictures, self._facts, self._for_shadows, self._is_fog)
 
     def quiet(self):
         """The same, without a report."""
-        return Values(self.source, Report(), self._in_fog, self._places, self._pictures, self._for_shadows, self._is_fog)
+        return Values(self.source, Report(), self._in_fog, self._places, self._pictures, self._facts, self._for_shadows, self._is_fog)
 
     def for_shadows(self):
         """The same for shadow rays, without a report."""
-        return Values(self.source, Report(), self._in_fog, self._places, self._pictures, True, self._is_fog)
+        return Values(self.source, Report(), self._in_fog, self._places, self._pictures, self._facts, True, self._is_fog)
 
     def number(self, node, identifier, groups, missing=0.0):
         """A number. `missing`: what it is if this version of Blender has no such input."""
@@ -177,8 +179,13 @@ class Values:
             return self._evaluate(socket, end.groups)
 
         kind = end.node.type
-        is_texture = kind in TEXTURES or (kind in ASKED and kind in UNLINKED)
-        if self._places is PROBE and (kind == "TEX_IMAGE" or is_texture):
+        is_told = kind == "OBJECT_INFO" or (kind == "ATTRIBUTE" and end.node.attribute_type != "GEOMETRY")
+        is_texture = (kind in TEXTURES and not is_told) or (kind in ASKED and kind in UNLINKED)
+        if is_told:
+            value = told(end.node, end.socket, self._facts)
+            if value is None:
+                raise NotConstant(end.node.name)
+        elif self._places is PROBE and (kind == "TEX_IMAGE" or is_texture):
             value = _drawn(end.node.name, 1 if end.socket.type == "VALUE" else 3)
         elif kind == "TEX_IMAGE":
             value = self._image(end, argument)

@@ -28,7 +28,7 @@ def _final(a, b, c):
     return c
 
 
-def _hash(words):
+def hash_words(words):
     """lookup3 of two or three arrays of uint32."""
     start = np.uint32((0xDEADBEEF + (len(words) << 2) + 13) & 0xFFFFFFFF)
     with np.errstate(over="ignore"):
@@ -38,7 +38,7 @@ def _hash(words):
 def hashed(x, y):
     """A number in [0, 1] of two numbers."""
     words = [np.array([number], np.float32).view(np.uint32) for number in (x, y)]
-    return float(_hash(words)[0]) / 0xFFFFFFFF
+    return float(hash_words(words)[0]) / 0xFFFFFFFF
 
 
 def perlin(places):
@@ -58,7 +58,7 @@ def _perlin(places):
     total = 0
     for corner in np.ndindex(2, 2, 2):
         weight = shares[0][corner[0]] * shares[1][corner[1]] * shares[2][corner[2]]
-        h = _hash([cell[k] + np.uint32(corner[k]) for k in range(3)]) & np.uint32(15)
+        h = hash_words([cell[k] + np.uint32(corner[k]) for k in range(3)]) & np.uint32(15)
         dx, dy, dz = x - corner[0], y - corner[1], z - corner[2]
         u = np.where(h < 8, dx, dy)
         v = np.where(h < 4, dy, np.where((h == 12) | (h == 14), dx, dz))

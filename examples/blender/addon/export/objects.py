@@ -9,6 +9,7 @@ from covbeam.session import Geometry
 from ..host import ask
 from ..host.scene import MATERIAL, OBJECT_RULES, Light, LightKind, Rays
 from .copies import instance_transform
+from .facts import found, wanted
 from .flags import hidden_from, note_fog_flags, note_left_out, note_light_flags
 from .lights import light
 from .linking import BLOCKERS, RECEIVERS, Linking
@@ -121,13 +122,14 @@ class Objects:
         matrix = instance_transform(self._depsgraph, instance)
         origin = self._origin(instance)
         if thing.type in KINDS:
-            shape = self._shapes.shape(thing, matrix)
+            shape = self._shapes.shape(instance, matrix)
             if shape is not None:
                 keys = (self._receivers.of(thing), self._blockers.of(thing)) if shape.emitting else ()
                 self._place(shape, matrix, origin, keys)
         elif thing.type == "LIGHT":
             note_light_flags(thing, self._report)
-            made = light(thing.data, thing.name, matrix, self._report)
+            facts = found(wanted(thing.data.node_tree), instance, self._depsgraph)
+            made = light(thing.data, thing.name, matrix, self._report, facts)
             if made is not None:
                 self.lights.append(replace(made, hidden_from=origin.hidden, group=origin.group))
                 self._linked.append((self._receivers.of(thing), self._blockers.of(thing)))
@@ -143,7 +145,7 @@ class Objects:
         return Origin(thing.name, pointers, hidden_from(thing, maker, self._view_layer), thing.lightgroup)
 
     def _add_hair(self, instance):
-        thing, shape = instance.object, self._shapes.hair(instance.object)
+        thing, shape = instance.object, self._shapes.hair(instance)
         if shape is not None:
             keys = (self._receivers.of(thing), self._blockers.of(thing)) if shape.emitting else ()
             self._place(shape, instance_transform(self._depsgraph, instance), self._origin(instance), keys)

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..host.scene import Scene
 from .camera import camera, frame
+from .facts import found, wanted
 from .materials import world_fog
 from .objects import Objects
 from .other_blender import polling
@@ -49,12 +50,13 @@ def _read(depsgraph, shows, report, poll):
     objects = Objects(depsgraph, shows, report, poll)
     world = depsgraph.view_layer_eval.world_override or depsgraph.scene_eval.world
     filled, world_volume = objects.filled, -1
-    fog = world_fog(world, report)
+    facts = found(wanted(world.node_tree), None, depsgraph) if world is not None else ()
+    fog = world_fog(world, report, facts)
     lights = list(objects.lights)
     # Fog without end lets nothing through from infinitely far away.
     if fog is None:
         # Without a world there is no sky.
-        lights += [replace(light, group=world.lightgroup) for light in sky(world, report, poll)]
+        lights += [replace(light, group=world.lightgroup) for light in sky(world, report, poll, facts)]
     if fog is not None:
         world_volume = len(filled)
         filled.append(Filled(world.name, fog, np.full(3, -np.inf), np.full(3, np.inf)))

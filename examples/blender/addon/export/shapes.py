@@ -8,6 +8,7 @@ import numpy as np
 from ..host.scene import MATERIAL
 from .cutting import FINE, cut
 from .enclosure import wrong
+from .facts import found, wanted
 from .flags import note_mesh_flags
 from .grids import Grids
 from .lobes import Lobes
@@ -67,21 +68,42 @@ class Shapes:
         self._poll, self._view_layer = poll, depsgraph.view_layer_eval
         # By what identifies them in Blender as long as the depsgraph lives:
         self._numbers, self._shapes, self._meshes, self._cuts, self._details = {}, {}, {}, {}, {}
+        self._wanted, self._facts = {}, {}
         self._uneven = Uneven(report, poll)
 
-    def shape(self, thing, matrix):
-        """The Shape of an evaluated object of a type in KINDS that is placed by a transform (4, 4), or None if it has nothing to render."""
-        key = (thing.original.as_pointer(), thing.data.as_pointer(), self._uneven.key(thing, matrix))
+    def shape(self, instance, matrix):
+        """The Shape of a bpy.types.DepsgraphObjectInstance of an object of a type in KINDS that is placed by a transform (4, 4), or None if it has
+        nothing to render."""
+        thing = instance.object
+        self._tell(instance)
+        key = (thing.original.as_pointer(), thing.data.as_pointer(), self._uneven.key(thing, matrix), *self._facts.values())
         if key not in self._shapes:
             self._shapes[key] = self._make(thing, matrix)
         return self._shapes[key]
 
-    def hair(self, thing):
-        """The Shape of the hair of an evaluated object's particle systems, or None without any."""
-        key = (thing.original.as_pointer(), "hair")
+    def hair(self, instance):
+        """The Shape of the hair of the particle systems of an instance's object, or None without any."""
+        thing = instance.object
+        self._tell(instance)
+        key = (thing.original.as_pointer(), "hair", *self._facts.values())
         if key not in self._shapes:
             self._shapes[key] = self._of_strands(thing, of_particles(thing, self._depsgraph))
         return self._shapes[key]
+
+    def _tell(self, instance):
+        """Notes, by pointer of materials, what they ask of what they are on, which few do."""
+        self._facts = {slot.as_pointer(): self._told(slot, instance) for slot in self._slots(instance.object) if slot is not None}
+
+    def _told(self, material, instance):
+        pointer = material.as_pointer()
+        if pointer not in self._wanted:
+            self._wanted[pointer] = wanted(material.node_tree)
+        return found(self._wanted[pointer], instance, self._depsgraph, material)
+
+    def _of(self, material):
+        """What a material, or None, is told apart by, and what it has been told."""
+        pointer = material.as_pointer() if material is not None else None
+        return pointer, self._facts.get(pointer, ())
 
     def _make(self, thing, matrix):
         source = f'Object "{thing.name}"'
@@ -138,7 +160,7 @@ class Shapes:
 
     def _in_pieces(self, thing, surface, slots, source, uneven):
         """The Shape of an object of whose materials one differs from place to place; None if nothing is left of it. uneven: Uneven.key."""
-        key = thing.data.as_pointer(), uneven, *(slot and slot.as_pointer() for slot in slots)
+        key = thing.data.as_pointer(), uneven, *(self._of(slot) for slot in slots)
         if key not in self._cuts:
             self._cuts[key] = self._cut(surface, slots, source)
         made, materials, number, fog, is_solid = self._cuts[key]
@@ -164,7 +186,7 @@ class Shapes:
             triangles, material = np.flatnonzero(of_triangles == slot), slots[slot]
             detail = self._detail(material)
             if detail is not None:
-                fog = filling(material, self._report)
+                fog = filling(material, self._report, self._of(material)[1])
                 made = self._cut_material(surface, triangles, material, detail)
                 first = len(self.materials)
                 clear.append(first)
@@ -193,7 +215,7 @@ class Shapes:
 
     def _cut_material(self, surface, triangles, material, detail):
         """The cutting.Cut of some triangles of a surface_places.Surface, with what it lacks reported."""
-        look = looked_at(material, self._report)
+        look = looked_at(material, self._report, self._of(material)[1])
 
         def at(triangles, shares):
             return look(surface.places(triangles, shares), len(triangles))
@@ -218,10 +240,10 @@ class Shapes:
 
     def _detail(self, material):
         """As of materials.patterned."""
-        pointer = material.as_pointer() if material is not None else None
-        if pointer not in self._details:
-            self._details[pointer] = patterned(material)
-        return self._details[pointer]
+        key = self._of(material)
+        if key not in self._details:
+            self._details[key] = patterned(material, key[1])
+        return self._details[key]
 
     def _of_strands(self, thing, strands):
         """The Shape of an object's strands.Strands, or None for None."""
@@ -245,7 +267,7 @@ class Shapes:
             self._report.add(source, "smoke domain without smoke", "empty; bake it, or play it from its first frame")
             return None
         # Without a material Cycles shows nothing.
-        fogs = [made for made in (filling(slot.material, self._report) for slot in thing.material_slots) if made is not None]
+        fogs = [made for made in (filling(slot.material, self._report, self._of(slot.material)[1]) for slot in thing.material_slots) if made is not None]
         space = np.array([thing.data.texspace_location, thing.data.texspace_size], np.float64)
         return self._of_grids(grids, fogs[0], source, space) if fogs else None
 
@@ -256,7 +278,7 @@ class Shapes:
             if thing.data.filepath or not thing.data.is_evaluated:
                 self._report.add(source, "OpenVDB volume without a material", "left out; give it one with a Principled Volume", True)
             return None
-        fog = filling(material, self._report)
+        fog = filling(material, self._report, self._of(material)[1])
         grids = vdb(thing.data, fog.names(), source, self._report, self._poll) if fog is not None else None
         # Generated coordinates are those of the object.
         return self._of_grids(grids, fog, source, np.full((2, 3), 0.5)) if grids is not None else None
@@ -296,11 +318,11 @@ class Shapes:
 
     def _number(self, material):
         """Number of a bpy.types.Material, or of what stands for None."""
-        pointer = material.as_pointer() if material is not None else None
-        if pointer not in self._numbers:
-            self._numbers[pointer] = len(self.materials)
-            self.materials.append(translate(material, self._report))
-        return self._numbers[pointer]
+        key = self._of(material)
+        if key not in self._numbers:
+            self._numbers[key] = len(self.materials)
+            self.materials.append(translate(material, self._report, key[1]))
+        return self._numbers[key]
 
     def _fog(self, mesh, fogs, source):
         if not fogs:

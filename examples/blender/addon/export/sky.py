@@ -18,20 +18,20 @@ from .textures import Places
 _RAYS = {"diffuse": Rays.DIFFUSE, "glossy": Rays.GLOSSY, "transmission": Rays.TRANSMISSION, "scatter": Rays.VOLUME}
 
 
-def sky(world, report, poll):
+def sky(world, report, poll, facts=()):
     """The light that comes from a bpy.types.World's background: a list of host.scene.Light.
 
     Colours, pictures of the whole sky, which may be turned, and what nodes compute from directions, with the suns of Sky Textures. In the
-    world's own fog the caller must not ask: that has no end, and nothing gets through. poll: as for export.
+    world's own fog the caller must not ask: that has no end, and nothing gets through. poll: as for export; facts: as nodes.Values has them.
     """
     if world is None:
         return []
     hidden = Rays(sum(rays for name, rays in _RAYS.items() if not getattr(world.cycles_visibility, name)))
-    return [replace(light, hidden_from=hidden) for light in _lights(world, report, poll)]
+    return [replace(light, hidden_from=hidden) for light in _lights(world, report, poll, facts)]
 
 
-def _lights(world, report, poll):
-    values = Values(f'World "{world.name}"', report, in_fog=True)
+def _lights(world, report, poll, facts):
+    values = Values(f'World "{world.name}"', report, in_fog=True, facts=facts)
     if not has_nodes(world):
         return _light(world, np.array(world.color, np.float64), None)
     output = world.node_tree.get_output_node("CYCLES")

@@ -105,8 +105,6 @@ def _vector(argument):
 
 
 def _attribute(node, output, argument, places):
-    if node.attribute_type != "GEOMETRY":
-        raise NotConstant(node.name)
     if places.surface is not None and node.attribute_name:
         look = {"Fac": places.surface.number, "Alpha": places.surface.alpha}.get(output.identifier, places.surface.colour)
         return look(node.attribute_name)
