@@ -179,12 +179,12 @@ def _volumes(scene):
 
     def noisy(tree):
         fog = node(tree, "VolumePrincipled", {"Blackbody Intensity": 1.0})
-        tree.links.new(node(tree, "TexVoronoi").outputs[0], fog.inputs["Density"])
+        tree.links.new(node(tree, "AmbientOcclusion").outputs[0], fog.inputs["Density"])
         return fog
 
     two = joined("AddShader", shader("VolumeScatter", {"Anisotropy": 0.5}), shader("VolumeScatter"))
     volumes = {
-        "Noisy Fog": (noisy, ("Density of Principled Volume comes from Voronoi Texture",)),
+        "Noisy Fog": (noisy, ("Density of Principled Volume comes from Ambient Occlusion",)),
         "Two Fogs": (two, ("sum of different phase functions",)),
         "No Fog": (shader("BsdfDiffuse"), ("Diffuse BSDF as a volume",)),
     }

@@ -251,14 +251,14 @@ class Volumes(unittest.TestCase):
 
     def test_a_textured_density_is_the_value_of_its_socket_and_named(self):
         def make(tree):
-            noise, fog = node(tree, "TexVoronoi"), node(tree, "VolumeScatter", {"Color": (1, 1, 1), "Density": 0.25})
+            noise, fog = node(tree, "AmbientOcclusion"), node(tree, "VolumeScatter", {"Color": (1, 1, 1), "Density": 0.25})
             tree.links.new(noise.outputs[0], fog.inputs["Density"])
             return fog
 
         slab(make)
         made, report = scenes.exported()
         np.testing.assert_allclose(made.volumes[0].scattering, 0.25)
-        self.assertIn("Density of Volume Scatter comes from Voronoi Texture", str(report))
+        self.assertIn("Density of Volume Scatter comes from Ambient Occlusion", str(report))
 
     def test_an_open_mesh_with_a_volume_is_named(self):
         scenes.grid(material=scenes.material("Fog", volume=shader("VolumeScatter")))

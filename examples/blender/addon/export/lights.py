@@ -19,7 +19,7 @@ def light(lamp, name, matrix, report, facts=()):
     - matrix: light -> world, float64 (4, 4).
     - facts: as nodes.Values has them.
     """
-    values = Values(f'Light "{name}"', report, in_fog=True, facts=facts)
+    values = Values(f'Light "{name}"', report, facts=facts)
     lengths = np.linalg.norm(matrix[:3, :3], axis=0)
     if not lengths.all():
         values.note("a scale of 0", "it does not shine", in_fog=True)

@@ -91,34 +91,33 @@ class Values:
     Numbers are floats and colours float64 (3,); where they vary over the n places that they are asked for, (n, 1) and (n, 3).
     """
 
-    def __init__(self, source, report, in_fog=False, places=None, pictures=None, facts=(), for_shadows=False, is_fog=False):
-        """in_fog: whether the values are those of fog or of a lamp, so that what is not known is missing in fog.
+    def __init__(self, source, report, places=None, pictures=None, facts=(), for_shadows=False, is_fog=False):
+        """places: textures.Places; None: what varies from place to place is not known. pictures: of images that have been read.
 
-        places: textures.Places; None: what varies from place to place is not known. pictures: of images that have been read.
         facts: of the object that the nodes are used by, as facts.found has made them.
         for_shadows: whether a shadow ray asks, and not any other; is_fog: whether the nodes are those of fog.
         """
-        self.source, self.report, self._in_fog, self._places = source, report, in_fog, places
+        self.source, self.report, self._places = source, report, places
         self._pictures, self._facts = {} if pictures is None else pictures, facts
         self._for_shadows, self._is_fog = for_shadows, is_fog
         #: Whether a value has been asked for that varies from place to place.
         self.varies = False
 
-    def in_fog(self, places=None):
-        """The same, for nodes of fog."""
-        return Values(self.source, self.report, True, places, self._pictures, self._facts, self._for_shadows, True)
-
     def at(self, places):
         """The same, at some textures.Places."""
-        return Values(self.source, self.report, self._in_fog, places, self._pictures, self._facts, self._for_shadows, self._is_fog)
+        return Values(self.source, self.report, places, self._pictures, self._facts, self._for_shadows, self._is_fog)
 
     def quiet(self):
         """The same, without a report."""
-        return Values(self.source, Report(), self._in_fog, self._places, self._pictures, self._facts, self._for_shadows, self._is_fog)
+        return Values(self.source, Report(), self._places, self._pictures, self._facts, self._for_shadows, self._is_fog)
+
+    def of_fog(self):
+        """The same, for nodes of fog."""
+        return Values(self.source, self.report, self._places, self._pictures, self._facts, self._for_shadows, True)
 
     def for_shadows(self):
         """The same for shadow rays, without a report."""
-        return Values(self.source, Report(), self._in_fog, self._places, self._pictures, self._facts, True, self._is_fog)
+        return Values(self.source, Report(), self._places, self._pictures, self._facts, True, self._is_fog)
 
     def number(self, node, identifier, groups, missing=0.0):
         """A number. `missing`: what it is if this version of Blender has no such input."""
@@ -156,7 +155,7 @@ class Values:
             value = _plain(socket.default_value)
             shown = f"{value:.4g}" if np.ndim(value) == 0 else "(" + ", ".join(f"{x:.4g}" for x in value) + ")"
             what = f"{socket.name} of {node.name} comes from {reason}"
-            self.note(what, f"{shown}, the value of the socket, is used", self._in_fog)
+            self.note(what, f"{shown}, the value of the socket, is used", in_fog=True)
             return value
 
     def _evaluate(self, socket, groups):
@@ -189,8 +188,8 @@ class Values:
             value = _drawn(end.node.name, 1 if end.socket.type == "VALUE" else 3)
         elif kind == "TEX_IMAGE":
             value = self._image(end, argument)
-        elif end.socket.identifier == "Is Shadow Ray" and kind == "LIGHT_PATH" and (self._is_fog or not self._in_fog):
-            # Surfaces and fog are looked at twice: materials.py, volumes.py.
+        elif end.socket.identifier == "Is Shadow Ray" and kind == "LIGHT_PATH":
+            # Surfaces and fog are looked at twice: materials.py, volumes.py. Lamps and skies never shine on shadow rays.
             value = float(self._for_shadows)
         elif end.socket.identifier == "Is Camera Ray" and kind == "LIGHT_PATH" and self._is_fog:
             self.note("fog that the camera sees otherwise, by Light Path", "as all other rays see it", in_fog=True)
@@ -237,7 +236,7 @@ class Values:
         mean = mean_colour(node.image)
         if mean is None:
             raise NotConstant(f"{node.name}, whose image cannot be read")
-        self.note(f"image texture {node.image.name}", "its mean colour is used", self._in_fog)
+        self.note(f"image texture {node.image.name}", "its mean colour is used", in_fog=True)
         return mean[3] if end.socket.identifier == "Alpha" else mean[:3]
 
     def _picture(self, image):

@@ -31,7 +31,7 @@ def sky(world, report, poll, facts=()):
 
 
 def _lights(world, report, poll, facts):
-    values = Values(f'World "{world.name}"', report, in_fog=True, facts=facts)
+    values = Values(f'World "{world.name}"', report, facts=facts)
     if not has_nodes(world):
         return _light(world, np.array(world.color, np.float64), None)
     output = world.node_tree.get_output_node("CYCLES")

@@ -47,7 +47,7 @@ class Fog:
         total = Sum()
         # Whatever nodes make of hostile numbers is brought to sound coefficients.
         with np.errstate(all="ignore"):
-            _add(self.values.in_fog(places), self.socket, (), 1.0, total)
+            _add(self.values.at(places), self.socket, (), 1.0, total)
         # Cycles looks for fog where there is something of what it asks for.
         return Sum() if places is not None and places.held.misses_all else total
 
@@ -56,7 +56,7 @@ class Fog:
         places = np.random.default_rng(0).random((_LOOKS, 3))
         asked = Asked(_LOOKS)
         with np.errstate(all="ignore"):
-            _add(self.values.quiet().in_fog(Places(places, places, places, held=asked)), self.socket, (), 1.0, Sum())
+            _add(self.values.quiet().at(Places(places, places, places, held=asked)), self.socket, (), 1.0, Sum())
         return asked.names
 
 
@@ -148,7 +148,7 @@ def fog(values, socket, may_vary=False):
 
     - may_vary: whether its values may vary from place to place; if not, what does is reported.
     """
-    values = values.in_fog()
+    values = values.of_fog()
     trial = values.quiet()
     with np.errstate(all="ignore"):
         _add(trial, socket, (), 1.0, Sum())
@@ -166,7 +166,7 @@ def _is_unshadowed(fog, has_bounds):
     for values in (fog.values.quiet(), fog.values.for_shadows()):
         sums.append(Sum())
         with np.errstate(all="ignore"):
-            _add(values.in_fog(places), fog.socket, (), 1.0, sums[-1])
+            _add(values.at(places), fog.socket, (), 1.0, sums[-1])
     seen, by_shadows = (np.stack(np.broadcast_arrays(each.scattering, each.absorption)) for each in sums)
     if seen.shape == by_shadows.shape and np.array_equal(seen, by_shadows):
         return False
