@@ -215,7 +215,6 @@ def _rotated(node, output, argument, note):
     return np.where(_dot(axis, axis) != 0, turned, vector) + centre
 
 
-
 #: As arithmetic.COMPUTED.
 MATHS = {
     "MATH": _math,

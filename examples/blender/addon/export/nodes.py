@@ -164,6 +164,7 @@ class Values:
             raise NotConstant("a muted node")
         if end.node is None:
             return _plain(end.socket.default_value)
+
         def argument(identifier):
             socket = find(end.node.inputs, identifier)
             if socket is None:

@@ -190,9 +190,7 @@ class Shapes:
                 made = self._cut_material(surface, triangles, material, detail)
                 first = len(self.materials)
                 clear.append(first)
-                self.materials += [
-                    Translated(material.name, row, radiance, fog) for row, radiance in zip(made.rows, made.emission)
-                ]
+                self.materials += [Translated(material.name, row, radiance, fog) for row, radiance in zip(made.rows, made.emission)]
                 parts.append(replace(made.pieces, kind=first + made.pieces.kind))
             else:
                 number, none = self._number(material), np.zeros(len(triangles), np.int64)
@@ -267,7 +265,9 @@ class Shapes:
             self._report.add(source, "smoke domain without smoke", "empty; bake it, or play it from its first frame")
             return None
         # Without a material Cycles shows nothing.
-        fogs = [made for made in (filling(slot.material, self._report, self._of(slot.material)[1]) for slot in thing.material_slots) if made is not None]
+        fogs = [
+            made for made in (filling(slot.material, self._report, self._of(slot.material)[1]) for slot in thing.material_slots) if made is not None
+        ]
         space = np.array([thing.data.texspace_location, thing.data.texspace_size], np.float64)
         return self._of_grids(grids, fogs[0], source, space) if fogs else None
 
