@@ -136,6 +136,7 @@ pub(super) fn lights(given: &[Light], media: &Media, lit: &Lit, host: Option<&Ho
         let Some(made) = light.light(&fields, media, lit)? else { continue };
         let LightFields { unlit, unshadowed, hidden_from, .. } = light.fields;
         let hidden = fields.rays("hidden_from", hidden_from)?;
+        let falloff = light.falloff(&fields, made.position(), lit)?;
         let flux = made.flux();
         if !flux.is_finite() {
             return Err(fields.wrong("flux", flux.to_array(), "a light whose power single precision holds"));
@@ -143,7 +144,7 @@ pub(super) fn lights(given: &[Light], media: &Media, lit: &Lit, host: Option<&Ho
         if flux != Vec3::ZERO {
             lights.push(if light.fields.is_own { own(made, index, &fields, host)? } else { made });
             visible.push(light.fields.is_visible);
-            links.push(Links { unlit, unshadowed, hidden, falloff: light.falloff(&fields, lit)? });
+            links.push(Links { unlit, unshadowed, hidden, falloff });
         }
     }
     if links.iter().all(|links| *links == Links::default()) {
@@ -172,13 +173,14 @@ impl Light<'_> {
         }
     }
 
-    fn falloff(&self, fields: &Fields, lit: &Lit) -> Result<Falloff> {
+    fn falloff(&self, fields: &Fields, position: Vec3, lit: &Lit) -> Result<Falloff> {
         let exponent = fields.number("falloff", self.fields.falloff, 0.0..=4.0)?;
         let smooth = fields.number("smooth", self.fields.smooth, 0.0..=f64::from(MAX_COORDINATE))?;
         if self.fields.is_far() {
             return Ok(Falloff::default());
         }
-        Ok(Falloff::new(exponent, smooth, lit.media.radius.max(f32::MIN_POSITIVE)))
+        let Ball { center, radius } = lit.media;
+        Ok(Falloff::new(exponent, smooth, position.distance(center) + radius))
     }
 
     fn lamp(&self, fields: &Fields, lit: &Lit) -> Result<Option<RenderLight>> {

@@ -7,7 +7,8 @@ pub struct Falloff {
     exponent: f32,
     /// s \[m²\].
     smooth: f32,
-    /// Distance that is typical of where it shines, at which paths have the power that they start with \[m\].
+    /// How far it shines, where paths have the power that they start with \[m\]. In fog without end what is scattered farther away has that, too, or it
+    /// would have any.
     typical: f32,
 }
 
@@ -18,14 +19,11 @@ impl Default for Falloff {
     }
 }
 
-/// Farther away than so many typical distances what is scattered has the power of there: in fog without end it would have any power.
-const FARTHEST: f32 = 8.0;
-
 /// A beam of such light is as many as its length grows by this factor, each as strong all along.
 const GROWTH: f32 = 1.25;
 
 impl Falloff {
-    /// - `exponent`, `smooth`: >= 0; `typical`: > 0, of what it shines on.
+    /// - `exponent`, `smooth`: >= 0; `typical`: > 0, to the farthest place that it shines on.
     pub(crate) fn new(exponent: f32, smooth: f32, typical: f32) -> Self {
         Self { exponent, smooth, typical }
     }
@@ -62,7 +60,7 @@ impl Falloff {
     /// The factor at a distance over that at the typical one, which is in the power of paths.
     #[inline]
     pub(crate) fn share(&self, distance: f32) -> f32 {
-        self.at(distance.min(FARTHEST * self.typical)) / self.typical()
+        self.at(distance.min(self.typical)) / self.typical()
     }
 
     /// Pieces of its way between two distances, each with a factor over that at the typical distance. With shifts at random the mean of the factors
@@ -97,7 +95,7 @@ mod tests {
     #[test]
     fn pieces_of_a_way_have_all_of_its_light() {
         for (exponent, smooth) in [(1.0, 0.0), (2.0, 0.0), (0.0, 3.0), (2.0, 3.0)] {
-            let falloff = Falloff::new(exponent, smooth, 2.0);
+            let falloff = Falloff::new(exponent, smooth, 8.0);
             for ends in [[0.0, 7.0], [0.75, 3.5], [4.0, 4.01]] {
                 let shifts = 4096;
                 let mut sum = 0.0;
@@ -115,7 +113,7 @@ mod tests {
                 let factor = |step: usize| {
                     let d = f64::from(ends[0]) + (step as f64 + 0.5) * width / steps as f64;
                     let at = |d: f64| libm::pow(d, f64::from(exponent)) * d * d / (f64::from(smooth) + d * d);
-                    at(d) / at(2.0)
+                    at(d) / at(8.0)
                 };
                 let expected = (0..steps).map(factor).sum::<f64>() * width / steps as f64;
                 let found = sum / f64::from(shifts);

@@ -218,7 +218,7 @@ mod tests {
 
     #[test]
     fn light_paths_leave_the_straight_light_that_shadow_rays_find() {
-        let (smoothed, even) = (Falloff::new(0.0, 0.5, 1.0), Falloff::new(2.0, 0.0, 1.0));
+        let (smoothed, even) = (Falloff::new(0.0, 0.5, 5.0), Falloff::new(2.0, 0.0, 5.0));
         for (made, falloff, hidden) in [
             (unlit().light(lamp(0.4, true, false)), Falloff::default(), Rays::NONE),
             (unlit().light(lamp(0.4, false, false)), Falloff::default(), Rays::NONE),
