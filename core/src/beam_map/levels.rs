@@ -10,7 +10,7 @@ use crate::beam_map::BeamMap;
 use crate::grid::{FluenceCell, FluenceGrid};
 use crate::kernel::{Kernel, KernelShape};
 use crate::light_field::FluenceSpectrum;
-use crate::medium::{Density, DensityGrid, ExponentialDensity, Medium, PhaseFunction, PhaseKind};
+use crate::medium::{Density, DensityGrid, ExponentialDensity, Medium, PhaseFunction, PhaseKind, PhaseShare};
 use crate::pair::Gathered;
 use crate::voxels::GridLayout;
 use fearless_simd::{Level, Simd, dispatch};
@@ -137,11 +137,25 @@ fn in_each_medium(check: impl Fn(&BeamMap, &Medium, &Kernel, &[EyeRay])) {
             scattering: Vec3::new(0.3, 0.2, 0.1),
             absorption: Vec3::new(0.02, 0.0, 0.5),
             phase: PhaseFunction { kind: PhaseKind::HenyeyGreenstein, asymmetry: 0.7 },
+            // Where density varies, what is scattered by another one too.
+            more: if matches!(density, Density::Uniform) { &[] } else { &HAZE },
             density,
         };
         check(&BeamMap::build(beams.clone(), kernel.max_radius, &medium), &medium, &kernel, &rays);
     }
 }
+
+/// Of several colours.
+const HAZE: [PhaseShare; 2] = [
+    PhaseShare {
+        phase: PhaseFunction { kind: PhaseKind::Rayleigh, asymmetry: 0.0 },
+        share: Vec3::new(0.1, 0.2, 0.4),
+    },
+    PhaseShare {
+        phase: PhaseFunction { kind: PhaseKind::HenyeyGreenstein, asymmetry: -0.4 },
+        share: Vec3::new(0.5, 0.0, 0.6),
+    },
+];
 
 #[test]
 fn every_level_gathers_the_same_bits() {

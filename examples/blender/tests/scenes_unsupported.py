@@ -25,13 +25,12 @@ def _settings(scene):
     scene.render.use_multiview = True
     layer = bpy.context.view_layer
     layer.use_solid = layer.use_volumes = False
-    layer.material_override = bpy.data.materials.new("Override")
     camera = scene.camera.data
     camera.dof.use_dof = True
     camera.clip_end, camera.clip_start = 15.0, 0.1
     return (
         _all('Scene "Scene"', "stereoscopy")
-        | _all('View layer "ViewLayer"', "Surfaces", "Volumes", "material override")
+        | _all('View layer "ViewLayer"', "Surfaces", "Volumes")
         | _all('Camera "Camera"', "objects beyond Clip End", "Clip End, which ends the fog")
     )
 
@@ -147,14 +146,11 @@ def _textures(scene):
         tree.links.new(node(tree, "Bump").outputs[0], diffuse.inputs["Normal"])
         return diffuse
 
-    image = bpy.data.images.new("Bricks", 4, 4)
     materials = {
-        "Noise": (_linked("TexNoise", 0, "BsdfDiffuse"), "Color of Diffuse BSDF comes from Noise Texture"),
         "Attribute": (_linked("Attribute", 0, "BsdfDiffuse"), "Color of Diffuse BSDF comes from Attribute"),
-        "Image": (_linked("TexImage", 0, "BsdfDiffuse", image=image), "image texture Bricks"),
         "Lost": (_linked("TexImage", 0, "BsdfDiffuse"), "Color of Diffuse BSDF comes from Image Texture, whose image"),
         "Bumpy": (bumpy, "bump or normal map"),
-        "Path": (_linked("LightPath", "Is Camera Ray", "MixShader"), "Light Path, Is Camera Ray"),
+        "Path": (_linked("LightPath", "Is Diffuse Ray", "MixShader"), "Light Path, Is Diffuse Ray"),
         "Fresnel": (_linked("Fresnel", 0, "MixShader"), "Fresnel as a factor"),
         "Facing": (_linked("LayerWeight", "Facing", "MixShader"), "Layer Weight as a factor"),
     }
@@ -182,18 +178,25 @@ def _volumes(scene):
         tree.links.new(node(tree, "AmbientOcclusion").outputs[0], fog.inputs["Density"])
         return fog
 
-    two = joined("AddShader", shader("VolumeScatter", {"Anisotropy": 0.5}), shader("VolumeScatter"))
+    def lights(tree):
+        """Dimmer for shadow rays, and for the camera."""
+        fog, path, half = node(tree, "VolumeScatter"), node(tree, "LightPath"), node(tree, "Math")
+        half.operation = "SUBTRACT"
+        half.inputs[0].default_value = 1.5
+        tree.links.new(path.outputs["Is Shadow Ray"], half.inputs[1])
+        tree.links.new(half.outputs[0], fog.inputs["Density"])
+        tree.links.new(path.outputs["Is Camera Ray"], fog.inputs["Anisotropy"])
+        return fog
+
     volumes = {
         "Noisy Fog": (noisy, ("Density of Principled Volume comes from Ambient Occlusion",)),
-        "Two Fogs": (two, ("sum of different phase functions",)),
+        "Two Fogs": (lights, ("fog that shadow rays see otherwise", "fog that the camera sees otherwise")),
         "No Fog": (shader("BsdfDiffuse"), ("Diffuse BSDF as a volume",)),
     }
     if bpy.app.version >= (4, 3):
         for kind in ("MIE", "DRAINE", "FOURNIER_FORAND"):
             name = kind.replace("_", "-").title()
-            # The world's fog is added to it, and scatters evenly.
-            sums = ("sum of different phase functions",) if kind != "DRAINE" else ()
-            volumes[name] = (shader("VolumeScatter", phase=kind), (f"{name} phase function", *sums))
+            volumes[name] = (shader("VolumeScatter", phase=kind), (f"{name} phase function",))
     expected = set()
     for k, (name, (volume, whats)) in enumerate(volumes.items()):
         scenes.box(name, material=scenes.material(name, volume=volume)).location = (5 * k, 30, 0)

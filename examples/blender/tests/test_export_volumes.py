@@ -124,13 +124,17 @@ class Volumes(unittest.TestCase):
         self.assertEqual(made.asymmetry, 0.0)
         self.assertEqual(made.phase, Phase.RAYLEIGH)
 
-    def test_a_sum_of_phase_functions_has_their_mean_cosine_by_scattering(self):
+    def test_a_sum_of_phase_functions_is_their_mixture_by_scattering(self):
         a = shader("VolumeScatter", {"Color": (1, 1, 1), "Density": 3.0, "Anisotropy": 0.8})
         b = shader("VolumeScatter", {"Color": (0.5, 0.5, 0.5), "Density": 2.0, "Anisotropy": -0.2})
         slab(joined("AddShader", a, b))
         made, report = scenes.exported()
-        self.assertAlmostEqual(made.volumes[0].asymmetry, (3 * 0.8 - 1 * 0.2) / 4, 6)
-        self.assertIn("sum of different phase functions", str(report))
+        (volume,) = made.volumes
+        ((phase, asymmetry, share),) = volume.lobes
+        self.assertEqual((volume.phase, phase), (Phase.HENYEY_GREENSTEIN, Phase.HENYEY_GREENSTEIN))
+        np.testing.assert_allclose((volume.asymmetry, asymmetry), (0.8, -0.2), rtol=1e-6)
+        np.testing.assert_allclose(share, np.full(3, 1 / 4), rtol=1e-6)
+        self.assertEqual(str(report), "")
 
     def test_draine_has_the_mean_cosine_of_its_integral(self):
         for g, alpha in ((0.7, 0.5), (-0.3, 1.0), (0.9, 30.0), (0.0, 1.0)):
@@ -212,14 +216,16 @@ class Volumes(unittest.TestCase):
         inner.location, far.location = (0, 0, 1.5), (50, 0, 0)
         scenes.world(None, shader("VolumeAbsorption", {"Color": (0, 0, 0), "Density": 0.01}))
         made, report = scenes.exported()
-        self.assertIn("sum of different phase functions", str(report))
+        ((phase, _, share),) = made.volumes[-1].lobes
+        self.assertEqual((phase, str(report)), (Phase.ISOTROPIC, ""))
+        np.testing.assert_allclose(share, np.full(3, 1 / 4), rtol=1e-6)
         self.assertEqual([volume.parts for volume in made.volumes], [(), (), (), (), (0, 1)])
         np.testing.assert_allclose([v.scattering[0] for v in made.volumes], (0.3, 0.1, 0.1, 0, 0.4))
         # The world's is in all of them.
         np.testing.assert_allclose([v.absorption[0] for v in made.volumes], 0.01)
         self.assertEqual(made.world_volume, 3)
         both = made.volumes[4]
-        self.assertAlmostEqual(both.asymmetry, 0.3, delta=1e-6)
+        self.assertAlmostEqual(both.asymmetry, 0.4, delta=1e-6)
         np.testing.assert_allclose([both.min, both.max], [(-1, -1, 0.5), (1, 1, 1)], atol=2e-3)
 
     def test_what_varies_is_added_up_from_place_to_place(self):
