@@ -16,7 +16,7 @@ from .working_space import working_space
 #: Types of nodes whose outputs follow from their inputs and settings alone.
 ASKED = {
     *("TEX_VORONOI", "TEX_WAVE", "TEX_MAGIC", "TEX_BRICK", "TEX_CHECKER", "TEX_WHITE_NOISE", "TEX_GABOR", "TEX_NOISE", "TEX_GRADIENT"),
-    *("TEX_IMAGE", "TEX_ENVIRONMENT", "TEX_MUSGRAVE", "WAVELENGTH", "MAPPING", "SQUEEZE", "ShaderNodeRadialTiling"),
+    *("TEX_IMAGE", "TEX_ENVIRONMENT", "WAVELENGTH", "MAPPING", "SQUEEZE", "ShaderNodeRadialTiling"),
     *("MATH", "VECT_MATH", "MIX", "MIX_RGB", "VECTOR_ROTATE"),
 }
 
@@ -48,6 +48,12 @@ def asked(node, output, argument):
     if output.type == "VALUE":
         return found[:, :1] if varies else float(found[0, 0])
     return found if varies else found[0]
+
+
+def is_mapped(node):
+    """Whether a texture has a mapping of its own, as files and scripts give it: what is computed here has none."""
+    own = getattr(node, "texture_mapping", None)
+    return own is not None and (any(own.translation) or any(own.rotation) or tuple(own.scale) != (1.0, 1.0, 1.0))
 
 
 def stop():

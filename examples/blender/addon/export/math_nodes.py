@@ -7,7 +7,7 @@ Values are as in arithmetic. What cannot be computed, such as a root of a negati
 import numpy as np
 from mathutils import Euler
 
-from .arithmetic import Elsewhere, as_colour, clamped, plain, total, unit
+from .arithmetic import Elsewhere, as_colour, clamped, component, joined, plain, total, unit
 
 #: Numbers that differ by less are equal.
 _EPSILON = 1.1920929e-07
@@ -215,6 +215,14 @@ def _rotated(node, output, argument, note):
     return np.where(_dot(axis, axis) != 0, turned, vector) + centre
 
 
+def _separated(node, output, argument, note):
+    return component(as_colour(argument("Vector")), "XYZ".index(output.identifier))
+
+
+def _combined(node, output, argument, note):
+    return joined([argument(axis) for axis in "XYZ"])
+
+
 #: As arithmetic.COMPUTED.
 MATHS = {
     "MATH": _math,
@@ -223,4 +231,6 @@ MATHS = {
     "CLAMP": _clamp,
     "NORMAL": _normal,
     "VECTOR_ROTATE": _rotated,
+    "SEPXYZ": _separated,
+    "COMBXYZ": _combined,
 }

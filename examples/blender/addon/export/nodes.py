@@ -7,7 +7,7 @@ from zlib import crc32
 import numpy as np
 
 from .arithmetic import COMPUTED, Elsewhere, NotConstant, as_colour, as_number
-from .asked_nodes import ASKED, asked
+from .asked_nodes import ASKED, asked, is_mapped
 from .colour_nodes import COLOURS
 from .curve_nodes import CURVES
 from .facts import told
@@ -208,7 +208,7 @@ class Values:
         """What a node gives: by our arithmetic, or else by Blender's own."""
         node, output = end.node, end.socket
         try:
-            if node.type in TEXTURES:
+            if node.type in TEXTURES and not is_mapped(node):
                 return TEXTURES[node.type](node, output, argument, self._places)
             if node.type in COMPUTED_NODES:
                 with np.errstate(all="ignore"):
@@ -228,7 +228,7 @@ class Values:
             pixels = self._picture(node.image) if self._places is not None else None
             if pixels is not None:
                 try:
-                    return image_at(node, end.socket, argument, pixels)
+                    return asked(node, end.socket, argument) if is_mapped(node) else image_at(node, end.socket, argument, pixels)
                 except Elsewhere:
                     return asked(node, end.socket, argument)
                 except NotConstant:

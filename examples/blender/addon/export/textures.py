@@ -140,14 +140,6 @@ def _mapping(node, output, argument, places):
     raise Elsewhere(f"{node.name} of a normal")
 
 
-def _separate(node, output, argument, places):
-    return _vector(argument)[:, ["X", "Y", "Z"].index(output.identifier), None]
-
-
-def _combine(node, output, argument, places):
-    return np.concatenate(np.broadcast_arrays(*(np.atleast_2d(argument(axis)) for axis in "XYZ")), axis=1)
-
-
 def _gradient(node, output, argument, places):
     x, y, z = _vector(argument).T[..., None]
     far = np.maximum(0.999999 - np.sqrt(x * x + y * y + z * z), 0)
@@ -266,8 +258,6 @@ TEXTURES = {
     "TEX_COORD": _coordinates,
     "NEW_GEOMETRY": _geometry,
     "MAPPING": _mapping,
-    "SEPXYZ": _separate,
-    "COMBXYZ": _combine,
     "TEX_GRADIENT": _gradient,
     "TEX_NOISE": _noise,
     "TEX_IES": _ies,
@@ -292,7 +282,6 @@ UNLINKED = {
     "TEX_BRICK": "generated",
     "TEX_CHECKER": "generated",
     "TEX_GABOR": "generated",
-    "TEX_MUSGRAVE": "generated",
     "TEX_IES": "away",
     "TEX_ENVIRONMENT": "world",
     "TEX_SKY": "world",
