@@ -2,7 +2,7 @@
 """The render engine inside Blender, on pictures that are known exactly: what is in the files that Blender writes."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from types import SimpleNamespace
 
 import bpy
@@ -179,13 +179,24 @@ class Settings(InBlender):
         chosen = self.scene.covbeam
         chosen.seed, chosen.animate_seed = 7, False
         chosen.photons, chosen.grid, chosen.radius, chosen.quality, chosen.bounces = 1234, 9, 0.5, 0.25, 3
-        chosen.beyond = False
+        chosen.beyond, chosen.orders = False, "ALL"
         self.scene.unit_settings.scale_length = 0.1
         self.scene.render.threads_mode, self.scene.render.threads = "FIXED", 3
         self.render()
         (settings,) = fake_host.Session.settings
         # A unit of Blender is a metre for Cycles, whatever it is shown as.
-        self.assertEqual(settings, fake_host.Settings(7, 1234, 9, 0.5, 0.25, 3, False, 3))
+        self.assertEqual(settings, fake_host.Settings(7, 1234, 9, 0.5, 0.25, 3, None, False, 3))
+
+    def test_limits_of_bounces_are_those_of_cycles_unless_all_orders_are_asked_for(self):
+        cycles = self.scene.cycles
+        cycles.max_bounces, cycles.diffuse_bounces, cycles.glossy_bounces, cycles.transmission_bounces, cycles.volume_bounces = 9, 1, 2, 3, 5
+        cycles.caustics_reflective = False
+        self.render()
+        self.scene.covbeam.orders = "ALL"
+        self.render()
+        limited, every = fake_host.Session.settings
+        self.assertEqual(astuple(limited.limits), (9, 1, 2, 3, 5, False, True))
+        self.assertIsNone(every.limits)
 
     def test_presets_set_three_settings_and_good_is_what_a_new_scene_has(self):
         def three(scene):
