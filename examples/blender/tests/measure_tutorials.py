@@ -12,12 +12,12 @@ seconds, not denoised, without clamping and adaptive sampling, which are the ref
 - what the report names, and what Add Beams does: it replaces Cycles' fog light, or asks, or finds nothing to replace; then Cycles' stays;
 - variance times CPU seconds, Cycles' over covbeam's: of all pixels, and the median of blocks of pixels, which leaves bright dots out.
 
-And the finished picture, half of the seconds for Add Beams and half for Cycles, beside Cycles with its denoiser (OpenImageDenoise by albedo and normal,
-as Blender sets it) in as much CPU time: how far each is from the reference, root of the mean square of what is shown (a gamma of 2.2, white where 1 % of
-the reference is brighter), without the reference's own noise. No error is judged where Cycles lacks a caustic: the reference does, too.
+And the finished picture, half of the seconds for Add Beams and half for Cycles, beside Cycles with its denoiser (OpenImageDenoise by albedo and
+normal, as Blender sets it) in as much CPU time: how far each is from the reference, root of the mean square of what is shown (a gamma of 2.2, white
+where 1 % of the reference is brighter), without the reference's own noise. No error is judged where Cycles lacks a caustic: the reference does, too.
 
-Writes NAME.png: the finished picture, Cycles denoised, the reference; below, the fog's light alone by covbeam, in the render that Cycles denoised, and
-the reference. CPU seconds are those of all threads. Seconds of pictures are by the clock: twelve scenes take 11 minutes at 10 s.
+Writes NAME.png: the finished picture, Cycles denoised, the reference; below, the fog's light alone by covbeam, in the render that Cycles denoised,
+and the reference. CPU seconds are those of all threads. Seconds of pictures are by the clock: twelve scenes take 11 minutes at 10 s.
 """
 
 import argparse

@@ -128,8 +128,8 @@ def window(scene):
 
 
 def room(scene):
-    """A room, an Area of 10 m and 20000 W outside that shines in at its windows, with Max Bounces 0; a cube of Principled Volume, Density .1, as large
-    as the room. https://oldetinkererstudio.com/creating-god-rays-blender-3d-cycles"""
+    """A room, an Area of 10 m and 20000 W outside that shines in at its windows, with Max Bounces 0; a cube of Principled Volume, Density .1, as
+    large as the room. https://oldetinkererstudio.com/creating-god-rays-blender-3d-cycles"""
     _look(scene, (-3, -3.5, 1.75), (1, 1, 1.25), 24)
     walls = _mesh("cube", (0, 0, 1.5), (4, 4, 1.5), _principled(0.6, 0.55, 0.5))
     walls.modifiers.new("Solidify", "SOLIDIFY").thickness = -0.25
@@ -285,7 +285,7 @@ def gaussian_beam(scene):
 
 
 def projector(scene):
-    """A spot that projects an image: Texture Coordinate's Normal, Mapping, Image Texture, Emission with a greater Strength; a cube of haze and a screen.
+    """A spot that projects an image: Texture Coordinate's Normal, Mapping, Image Texture, Emission with a greater Strength; a cube of haze, a screen.
     https://b3d.interplanety.org/osveschenie-teksturoy-iz-lampy"""
     _night(scene)
     _look(scene, (-4, -5, 2.5), (0.5, 0, 1.25), 35)
@@ -356,8 +356,8 @@ def _leaf():
 
 
 def forest(scene):
-    """Morning in a wood: the fog's Density falls off with height, .026 * exp(-z / 4), Anisotropy .6; a low Sun behind trees whose leaves are planes with
-    an image's alpha, by a particle system of hair.
+    """Morning in a wood: the fog's Density falls off with height, .026 * exp(-z / 4), Anisotropy .6; a low Sun behind trees whose leaves are planes
+    with an image's alpha, by a particle system of hair.
     https://raw.githubusercontent.com/EL4CTEO/blender-skills/b1b21dfb73bc40b874ebf2aa12645931bfed3523/skills/blender-time-of-day/references/fog-volumetrics.md"""
     _look(scene, (0, -10, 1.75), (0, 0, 2.25), 30)
     _mesh("plane", (0, 0, 0), material=_principled(0.1, 0.12, 0.05), size=40)
