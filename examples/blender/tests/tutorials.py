@@ -259,7 +259,7 @@ def laser(scene):
 
 def gaussian_beam(scene):
     """A laser beam that is a cylinder of Emission with a Gaussian profile, by Math nodes, and of Volume Scatter; in a cube of haze.
-    https://kiwix.boehm.app/content/blender.stackexchange.com_en_all_2024-05/questions/24650/make-gaussian-laser-beam-object-with-variable-radial-emission-profile"""
+    https://blender.stackexchange.com/questions/24650/make-gaussian-laser-beam-object-with-variable-radial-emission-profile"""
     _night(scene)
     _look(scene, (0, -6, 1.75), (0, 0, 1), 40)
     _mesh("plane", (0, 0, 0), material=_principled(0.5, 0.5, 0.5), size=12)
@@ -358,7 +358,7 @@ def _leaf():
 def forest(scene):
     """Morning in a wood: the fog's Density falls off with height, .026 * exp(-z / 4), Anisotropy .6; a low Sun behind trees whose leaves are planes
     with an image's alpha, by a particle system of hair.
-    https://raw.githubusercontent.com/EL4CTEO/blender-skills/b1b21dfb73bc40b874ebf2aa12645931bfed3523/skills/blender-time-of-day/references/fog-volumetrics.md"""
+    https://github.com/EL4CTEO/blender-skills: skills/blender-time-of-day/references/fog-volumetrics.md"""
     _look(scene, (0, -10, 1.75), (0, 0, 2.25), 30)
     _mesh("plane", (0, 0, 0), material=_principled(0.1, 0.12, 0.05), size=40)
     fog = _haze(0.0, Anisotropy=0.6)
