@@ -3,7 +3,7 @@
 
 import numpy as np
 from addon.export.meshes import inset
-from addon.host.scene import MATERIAL, Camera, Density, Light, LightKind, Phase, Projection, Scene, Volume
+from addon.host.scene import MATERIAL, OBJECT_RULES, Camera, Density, Light, LightKind, Phase, Projection, Scene, Volume
 from covbeam.session import Geometry
 
 
@@ -159,7 +159,7 @@ def scene(meshes, lights, volumes, view, world=-1):
     materials = np.array([m for _, m, _ in meshes] or [BLACK], MATERIAL)
     inside = np.array([v for _, _, v in meshes], np.int32)
     closed = np.ones(len(meshes), bool)
-    return Scene(geometry, materials, inside, closed, volumes, world, lights, view)
+    return Scene(geometry, materials, inside, closed, np.zeros(len(inside), OBJECT_RULES), volumes, world, lights, view)
 
 
 def open_glass_ball(size):
