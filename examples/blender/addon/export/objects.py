@@ -85,7 +85,10 @@ class Objects:
             rules = [self._rules_of(part, of_volumes) for part in volume.parts]
             if any(each != rules[0] for each in rules):
                 self._report.add(
-                    f'Volume of "{volume.name}"', "overlaps fog that other lamps light, or other rays see", "they light and see both alike", in_fog=True
+                    f'Volume of "{volume.name}"',
+                    "overlaps fog that other lamps light, or other rays see",
+                    "they light and see both alike",
+                    in_fog=True,
                 )
             if rules:
                 made[number] = replace(volume, **rules[0])
@@ -112,8 +115,7 @@ class Objects:
         self.object_rules["light_set"], self.object_rules["shadow_set"] = lit[:-1], shadowed[:-1]
         self._world_set = int(lit[-1])
         self.lights = [
-            replace(each, unlit=unlit(receivers), unshadowed=unshadowed(blockers))
-            for each, (receivers, blockers) in zip(self.lights, self._linked)
+            replace(each, unlit=unlit(receivers), unshadowed=unshadowed(blockers)) for each, (receivers, blockers) in zip(self.lights, self._linked)
         ]
 
     def _add(self, instance):

@@ -73,9 +73,7 @@ def _sun(world, values, surface, node, skies, sky):
     share = np.maximum(on - off, 0) / np.where(radiance > 0, radiance, 1)
     if not (share * sky.irradiance).any():
         return None
-    return Light(
-        name=f"{world.name}, {node.name}", kind=LightKind.SUN, axis=-sky.direction, irradiance=share * sky.irradiance, angle=sky.angle
-    )
+    return Light(name=f"{world.name}, {node.name}", kind=LightKind.SUN, axis=-sky.direction, irradiance=share * sky.irradiance, angle=sky.angle)
 
 
 def _parts(values, surface):

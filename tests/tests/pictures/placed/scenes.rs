@@ -131,8 +131,10 @@ pub(crate) fn placed(parts: &[Part], volumes: Vec<FogVolume>, sums: &[FogSum]) -
         instances.push(Instance::new(number, &matrix, (min, max), number as u32, None).expect("affine"));
     }
     let materials = parts.iter().map(|part| part.material).collect();
-    let objects =
-        parts.iter().map(|part| PlacedObject { fog: part.fog, is_closed: part.is_closed }).collect();
+    let objects = parts
+        .iter()
+        .map(|part| PlacedObject { fog: part.fog, is_closed: part.is_closed, ..PlacedObject::default() })
+        .collect();
     let fogs = AddedFogs::new(volumes, sums).expect("few volumes");
     Placed::new(Arc::new(Instances::new(models, instances)), materials, objects, fogs)
         .expect("numbers that mean something")
