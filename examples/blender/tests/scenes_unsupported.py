@@ -71,8 +71,10 @@ def _flags(scene):
         setattr(thing, f"visible_{rays}", False)
     thing.is_shadow_catcher = thing.is_holdout = True
     thing.light_linking.blocker_collection = bpy.data.collections.new("Blockers")
-    rays = "diffuse", "glossy", "transmission", "volume scatter"
-    expected = _all('Object "Hidden"', *(f"its fog is hidden from {each}" for each in rays))
+    # What hides things before Blender 5.0 from volume scatter rays has no effect, and fog from shadow rays another one.
+    last = "is hidden from volume scatter" if bpy.app.version >= (5, 0) else "casts no shadow"
+    rays = "is hidden from diffuse", "is hidden from glossy", "is hidden from transmission", last
+    expected = _all('Object "Hidden"', *(f"fog that {each}" for each in rays))
     maker = add(None, "Maker", instance_type="COLLECTION", instance_collection=bpy.data.collections.new("Made"))
     maker.instance_collection.objects.link(bpy.data.objects.new("Twin", scenes.box("First").data))
     maker.visible_camera = False

@@ -135,7 +135,12 @@ class VisibilityTest(unittest.TestCase):
 
     def test_fog_that_casts_no_shadow_is_lit_all_the_way(self):
         self.fog.visible_shadow = False
-        self.compare()
+        if bpy.app.version < (5, 0):
+            # There shadow rays see it if they start in it.
+            _, report = export(bpy.context.evaluated_depsgraph_get())
+            self.assertEqual([(entry.what, entry.in_fog) for entry in report.entries], [("fog that casts no shadow", True)])
+        else:
+            self.compare()
 
     def test_glass_with_a_shadow_of_its_own_colours_the_light(self):
         self.ball.data.materials[0] = fake_glass()

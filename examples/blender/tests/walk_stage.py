@@ -16,8 +16,11 @@ from addon import latest
 #: Pixels along a picture, and along the blocks of which means are compared.
 SIZE, BLOCKS = 32, 4
 
-#: Samples of each of Cycles' two pictures, and time of one of covbeam's [s].
-SAMPLES, SECONDS = 192, 0.7
+#: Samples of Cycles' pictures, and time of covbeam's [s]: of one of each for a look, and of two of each where they do not agree at once.
+LOOK, AGAIN = (128, 0.4), (384, 1.2)
+
+#: Seeds of the two.
+_SEEDS = (1, 2)
 
 #: Names of Cycles' passes of fog light before Blender 5.0 and since.
 _PASSES = ("VolumeDir", "VolumeInd", "Volume Direct", "Volume Indirect")
@@ -26,7 +29,7 @@ _PASSES = ("VolumeDir", "VolumeInd", "Volume Direct", "Volume Indirect")
 def stage(kind="SPOT"):
     """A box of fog on a grey floor, a ball in the beam of a lamp of some kind, a dim lamp beside it; the scene, for Cycles. Both lamps hang above the
     fog: fog next to a lamp is as bright as the noise of few samples."""
-    scene = scenes.empty_scene(SIZE, SAMPLES)
+    scene = scenes.empty_scene(SIZE)
     scene.cycles.max_bounces = scene.cycles.diffuse_bounces = scene.cycles.volume_bounces = 3
     # Whatever else the harness of tests asks of Cycles, this is what artists have.
     scene.cycles.glossy_bounces, scene.cycles.transmission_bounces, scene.cycles.transparent_max_bounces = 4, 12, 8
@@ -70,11 +73,13 @@ def blocks(picture):
     return np.array([[picture[a:b, c:d].mean((0, 1)) for c, d in zip(ends[1], ends[1][1:])] for a, b in zip(ends[0], ends[0][1:])], float)
 
 
-def by_cycles(scene, folder):
-    """Blocks of the fog's light by Cycles, and their standard error: two (n, n, 3)."""
+def by_cycles(scene, folder, effort=AGAIN):
+    """Blocks of the fog's light by Cycles, and their standard error: two (n, n, 3); or None twice without such light. effort: LOOK, without an
+    error, or AGAIN."""
     harness.write_exr(scene.render.image_settings)
     scene.render.engine, found = "CYCLES", []
-    for seed in (1, 2):
+    scene.cycles.samples = effort[0]
+    for seed in _SEEDS[: 2 if effort is AGAIN else 1]:
         scene.cycles.seed = seed
         scene.render.filepath = str(Path(folder) / "cycles.exr")
         bpy.ops.render.render(write_still=True)
@@ -85,7 +90,14 @@ def by_cycles(scene, folder):
         found.append(blocks(light) if np.ndim(light) else None)
     if found[0] is None:
         return None, None
-    return (found[0] + found[1]) / 2, np.abs(found[0] - found[1]) / math.sqrt(2)
+    return _mean_and_error(found)
+
+
+def _mean_and_error(found):
+    """Of one picture of blocks or two: of one the error is none."""
+    if len(found) == 1:
+        return found[0], np.zeros_like(found[0])
+    return (found[0] + found[1]) / 2, np.abs(found[0] - found[1]) / 2
 
 
 class Answer:
@@ -95,13 +107,14 @@ class Answer:
     there is no picture, or empty.
     """
 
-    def __init__(self, scene, folder):
+    def __init__(self, scene, folder, effort=AGAIN):
         settings = scene.covbeam
-        settings.passes, settings.time_limit, settings.folder = 100_000, SECONDS, str(folder)
+        settings.passes, settings.time_limit, settings.folder = 100_000, effort[1], str(folder)
         scene.render.image_settings.exr_codec = "NONE"
         found, self.asks, self.refused = [], [], ""
         layer = next(layer for layer in scene.view_layers if layer.use)
-        for seed in (1, 2):
+        seeds = _SEEDS[: 2 if effort is AGAIN else 1]
+        for seed in seeds:
             settings.seed = seed
             for old in Path(folder).glob("beams_*.exr"):
                 old.unlink()
@@ -120,9 +133,7 @@ class Answer:
             found.append(blocks(np.stack([next(v for k, v in planes.items() if k.endswith(f"In-Scattered.{c}")) for c in "RGB"], -1).astype(float)))
         self.advice = list(latest.get().advice)
         self.entries = list(latest.get().untranslated)
-        both = len(found) == 2
-        self.picture = (found[0] + found[1]) / 2 if both else None
-        self.error = np.abs(found[0] - found[1]) / math.sqrt(2) if both else None
+        self.picture, self.error = _mean_and_error(found) if len(found) == len(seeds) else (None, None)
 
 
 def differs(cycles, error, other, of_other):

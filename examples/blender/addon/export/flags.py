@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Settings of objects that change how Cycles renders them: what the host honours, and what it does not, which is reported."""
 
+import bpy
 from covbeam.session import Rays
 
 #: By a setting of objects that is off: what does not see them, and how a person says that.
@@ -13,8 +14,11 @@ _RAYS = {
     "visible_shadow": (Rays.SHADOW, "casts no shadow"),
 }
 
-#: What the host hides fog from, too.
-_FOG = Rays.CAMERA | Rays.SHADOW
+#: Rays from which Cycles hides lamps and what shines only. Before Blender 5.0 volume scatter rays see all else.
+_LAMPS_ONLY = Rays(0) if bpy.app.version >= (5, 0) else Rays.VOLUME
+
+#: Rays from which the host hides fog as Cycles does. Before Blender 5.0 shadow rays that start in it see it all the same.
+_FOG = Rays.CAMERA | Rays.SHADOW if bpy.app.version >= (5, 0) else Rays.CAMERA
 
 #: Types of objects that have no triangles.
 _LEFT_OUT = {
@@ -38,11 +42,16 @@ def hidden_from(thing, maker, view_layer):
     return rays | Rays.CAMERA if each[-1].indirect_only_get(view_layer=view_layer) else Rays(rays)
 
 
+def of_objects(hidden):
+    """Of the Rays that do not see something those that do not see it as an object, whatever it shines."""
+    return hidden & ~_LAMPS_ONLY
+
+
 def note_fog_flags(name, hidden, report):
     """Reports of a filled object what it is hidden from, of which the host heeds some only. hidden: Rays."""
     for rays, what in _RAYS.values():
-        if rays & hidden & ~_FOG:
-            report.add(f'Object "{name}"', f"its fog is {what}", "they see it", in_fog=True)
+        if rays & of_objects(hidden) & ~_FOG:
+            report.add(f'Object "{name}"', "fog that " + what.replace("hidden", "is hidden"), "they see it", in_fog=True)
 
 
 def note_mesh_flags(thing, report):

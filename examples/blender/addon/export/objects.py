@@ -10,7 +10,7 @@ from ..host import ask
 from ..host.scene import MATERIAL, OBJECT_RULES, Light, LightKind, Rays
 from .copies import instance_transform
 from .facts import found, wanted
-from .flags import hidden_from, note_fog_flags, note_left_out, note_light_flags
+from .flags import hidden_from, note_fog_flags, note_left_out, note_light_flags, of_objects
 from .lights import light
 from .linking import BLOCKERS, RECEIVERS, Linking
 from .meshes import FARTHEST, in_world, inset, reach
@@ -105,7 +105,7 @@ class Objects:
     def _link(self):
         """Makes `object_rules`, and links the lights."""
         self.object_rules = np.zeros(len(self._origins), OBJECT_RULES)
-        self.object_rules["hidden_from"] = [origin.hidden for origin in self._origins]
+        self.object_rules["hidden_from"] = [of_objects(origin.hidden) for origin in self._origins]
         things = [*(origin.pointers for origin in self._origins), None]
         both = [each.sets(things) for each in (self._receivers, self._blockers)]
         if None in both:
