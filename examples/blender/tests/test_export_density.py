@@ -176,7 +176,7 @@ class Nodes(unittest.TestCase):
         expected = scenes.cycles(SAMPLES, PIXELS, PIXELS)[..., 0]
         y, x = (np.mgrid[0 : PIXELS * LOOKS, 0 : PIXELS * LOOKS] + 0.5) / (PIXELS * LOOKS)
         world = np.stack([0.2 + 1.6 * (x - 0.5), 0.1 - 1.6 * (y - 0.5), np.full_like(x, 0.3)], axis=-1).reshape(-1, 3)
-        frame = Frame(np.array(plane.matrix_world, np.float64), *np.array([plane.data.texspace_location, plane.data.texspace_size]))
+        frame = Frame(np.array(plane.matrix_world, np.float64), *np.array([plane.data.texspace_location, plane.data.texspace_size]), np.zeros(3))
         report = Report()
         found = Values("Shine", report, places=frame.places(world)).number(shine[0], "Strength", ())
         self.assertEqual(str(report), "")

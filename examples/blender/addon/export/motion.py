@@ -8,7 +8,7 @@ import numpy as np
 from covbeam.session import Geometry
 
 from ..host.scene import LightKind
-from .scene import export
+from .scene import export, home_of
 
 #: How many, a power of two. What moves is seen at as many places: they take as long to read, and as much memory for what moves.
 INSTANTS = 8
@@ -31,12 +31,12 @@ def exposures(depsgraph, frame_set, poll=None):
         return [made], report
     frame, part = scene.frame_current, scene.frame_subframe
     times = frame + part + moments(scene.render, INSTANTS)
-    found = {}
+    found, home = {}, home_of(depsgraph)
     try:
         # Where the first of them, which are far apart, are alike, so are all.
         for number in _far_apart(INSTANTS):
             frame_set(floor(times[number]), times[number] - floor(times[number]))
-            found[number] = export(depsgraph, poll)
+            found[number] = export(depsgraph, poll, home)
             if len(found) == 3 and all(_alike(made, found[0][0]) for made, _ in found.values()):
                 return [found[0][0]], found[0][1]
     finally:

@@ -33,14 +33,14 @@ class Origin:
 class Objects:
     """What a depsgraph has in it. Fields as in host.scene.Scene; `geometry` is not built yet. `filled`: volumes.Filled, by volume.
 
-    - shows: whether an evaluated object is there.
+    - shows: whether an evaluated object is there; home: as of scene.home_of.
     """
 
-    def __init__(self, depsgraph, shows, report, poll):
+    def __init__(self, depsgraph, shows, report, poll, home):
         # Motion blur compares what is there at its instants.
         self.geometry = Geometry(has_digest=depsgraph.scene_eval.render.use_motion_blur)
         self.lights, self.filled, self.object_volumes, self.object_closed = [], [], [], []
-        self._report, self._depsgraph, self._view_layer = report, depsgraph, depsgraph.view_layer_eval
+        self._home, self._report, self._depsgraph, self._view_layer = home, report, depsgraph, depsgraph.view_layer_eval
         # By object: the Origin. By light: the keys of its collections.
         self._origins, self._linked = [], []
         self._receivers, self._blockers = Linking(RECEIVERS), Linking(BLOCKERS)
@@ -127,11 +127,11 @@ class Objects:
             shape = self._shapes.shape(instance, matrix)
             if shape is not None:
                 keys = (self._receivers.of(thing), self._blockers.of(thing)) if shape.emitting else ()
-                self._place(shape, matrix, origin, keys)
+                self._place(shape, self._moved(matrix), origin, keys)
         elif thing.type == "LIGHT":
             note_light_flags(thing, self._report)
             facts = found(wanted(thing.data.node_tree), instance, self._depsgraph)
-            made = light(thing.data, thing.name, matrix, self._report, facts)
+            made = light(thing.data, thing.name, self._moved(matrix), self._report, facts)
             if made is not None:
                 self.lights.append(replace(made, hidden_from=origin.hidden, group=origin.group))
                 self._linked.append((self._receivers.of(thing), self._blockers.of(thing)))
@@ -150,7 +150,13 @@ class Objects:
         thing, shape = instance.object, self._shapes.hair(instance)
         if shape is not None:
             keys = (self._receivers.of(thing), self._blockers.of(thing)) if shape.emitting else ()
-            self._place(shape, instance_transform(self._depsgraph, instance), self._origin(instance), keys)
+            self._place(shape, self._moved(instance_transform(self._depsgraph, instance)), self._origin(instance), keys)
+
+    def _moved(self, matrix):
+        """A transform (4, 4) to where the scene is moved."""
+        matrix = matrix.copy()
+        matrix[:3, 3] -= self._home
+        return matrix
 
     def _place(self, shape, matrix, origin, keys):
         """Places a Shape. keys: of the collections of what shines."""
@@ -198,7 +204,7 @@ class Objects:
         """Fills the last object, of a shape between two corners [m], with its fog."""
         note_fog_flags(origin.name, origin.hidden, self._report)
         self.object_volumes.append(len(self.filled))
-        frame = Frame(matrix, *shape.texture_space, shape.grids)
+        frame = Frame(matrix, *shape.texture_space, self._home, shape.grids)
         self.filled.append(Filled(origin.name, shape.fog, np.float64(low), np.float64(high), frame))
 
     def _shine(self, shape, world, origin, keys):

@@ -17,19 +17,36 @@ from .sky import sky
 from .volumes import Filled, volumes
 
 
-def export(depsgraph, poll=None):
+#: A camera farther from the world's origin than this [m] has the scene moved to it: single precision is a centimetre off at a hundred kilometres.
+_FAR = 1024.0
+
+
+def home_of(depsgraph):
+    """The place that the scene of a render is moved by, so that it is near the origin, float64 (3,) [m]: 0 unless it is far away."""
+    camera_object = depsgraph.scene_eval.camera
+    if camera_object is None:
+        return np.zeros(3)
+    place = np.array(camera_object.matrix_world.translation, np.float64)
+    is_far = np.isfinite(place).all() and np.abs(place).max() > _FAR
+    return np.round(place) if is_far else np.zeros(3)
+
+
+def export(depsgraph, poll=None, home=None):
     """Reads what `depsgraph`, evaluated for a render, has for the scene's active camera and picture.
 
     - poll: called every 50 ms where that is possible; if it returns False, host.Cancelled is raised.
+    - home: as of home_of, which is the default; all instants of a picture must have the same.
 
     Returns a host.scene.Scene, whose geometry is built, and a Report. Raises report.Untranslatable.
     """
     report = Report()
     camera_object = depsgraph.scene_eval.camera
     eye = camera(depsgraph, camera_object, *frame(depsgraph.scene_eval.render))
+    home = home_of(depsgraph) if home is None else home
+    eye = replace(eye, position=eye.position - home)
     note_settings(depsgraph, camera_object, report)
     with polling(poll):
-        scene, fog = _read(depsgraph, lambda thing: not thing.hide_render, report, poll)
+        scene, fog = _read(depsgraph, lambda thing: not thing.hide_render, report, poll, home)
     note_clipping(depsgraph, camera_object, eye, scene.geometry.bounds, fog, report)
     return replace(scene, camera=eye), report
 
@@ -41,13 +58,13 @@ def export_view(depsgraph, space):
     """
     report = Report()
     note_settings(depsgraph, None, report)
-    scene, _ = _read(depsgraph, lambda thing: thing.visible_in_viewport_get(space), report, None)
+    scene, _ = _read(depsgraph, lambda thing: thing.visible_in_viewport_get(space), report, None, np.zeros(3))
     return scene, report
 
 
-def _read(depsgraph, shows, report, poll):
+def _read(depsgraph, shows, report, poll, home):
     """A host.scene.Scene without a camera, and the world's volumes.Fog or None. shows: whether an evaluated object is there."""
-    objects = Objects(depsgraph, shows, report, poll)
+    objects = Objects(depsgraph, shows, report, poll, home)
     world = depsgraph.view_layer_eval.world_override or depsgraph.scene_eval.world
     filled, world_volume = objects.filled, -1
     facts = found(wanted(world.node_tree), None, depsgraph) if world is not None else ()

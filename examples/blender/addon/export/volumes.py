@@ -64,20 +64,22 @@ class Fog:
 class Frame:
     """Where an object is, for what varies in it."""
 
-    #: From the object's space to the world: float64 (4, 4).
+    #: From the object's space to the moved world: float64 (4, 4).
     matrix: np.ndarray
     #: Middle and half size of the mesh's texture space, float64 (3,).
     middle: np.ndarray
     half: np.ndarray
+    #: What the world is moved by, float64 (3,).
+    home: np.ndarray
     #: What the object holds of its own, or None.
     grids: Grids | None = None
 
     def places(self, world):
-        """The textures.Places of places in the world [m], float64 (n, 3)."""
+        """The textures.Places of places in the moved world [m], float64 (n, 3)."""
         inverse = np.linalg.pinv(self.matrix)
         inside = world @ inverse[:3, :3].T + inverse[:3, 3]
         half = np.where(self.half > 0, self.half, 1)
-        return Places(world, inside, 0.5 * (inside - self.middle) / half + 0.5, held=Lookup(self.grids, inside))
+        return Places(world + self.home, inside, 0.5 * (inside - self.middle) / half + 0.5, held=Lookup(self.grids, inside))
 
 
 class Sum:
