@@ -84,12 +84,11 @@ def begin(scene, active, animation):
     folder = _folder(scene)
     view_layers = rendered(scene, active)
     step = scene.frame_step if animation else 1
-    if scene.rigidbody_world is not None:
-        copies.note_places(scene, [scene.view_layers[name] for name in view_layers], _times(scene.render, range(first, last + 1, step)))
     copy = scene.copy()
     if copy.rigidbody_world is not None:
-        # It has nothing of the simulation, and would begin another one with the same bodies.
-        copy.rigidbody_world.enabled = False
+        # Of the simulation it has what was played, which as its own cache Blender would throw away.
+        with bpy.context.temp_override(scene=copy, point_cache=copy.rigidbody_world.point_cache):
+            bpy.ops.ptcache.bake_from_cache()
     copy.name = f"{scene.name} (beams)"
     copy[copies.MARK] = scene.render.pixel_aspect_x, scene.render.pixel_aspect_y
     copy.render.pixel_aspect_x = copy.render.pixel_aspect_y = 1.0
@@ -116,15 +115,6 @@ def begin(scene, active, animation):
     return BeamRender(copy.name, scene.name, view_layers, first, last, step, folder, time())
 
 
-def _times(render, frames):
-    """When frames are looked at [frames], with RenderSettings."""
-    if not render.use_motion_blur:
-        return [float(frame) for frame in frames]
-    from .export.motion import INSTANTS, moments
-
-    return [time for frame in frames for time in (frame, *(frame + moments(render, INSTANTS)))]
-
-
 def render(beams, *context):
     """Renders the copy; `context` as of Blender's operators. Raises RuntimeError with what Blender reports."""
     # A still is an animation of one frame: Blender then puts the frame's number into the name.
@@ -133,6 +123,5 @@ def render(beams, *context):
 
 def discard():
     """Removes the copy, and any that an undo has left behind."""
-    copies.forget_places()
     for scene in [scene for scene in bpy.data.scenes if copies.MARK in scene]:
         bpy.data.scenes.remove(scene)

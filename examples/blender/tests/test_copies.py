@@ -132,6 +132,23 @@ class RigidBodies(unittest.TestCase):
         self.at(3)
         self.compare(9, 11)
 
+    def test_a_simulation_that_was_played_in_part(self):
+        """And the artist's cache has then what it had."""
+        self.play(3)
+        self.at(3)
+        cache = self.scene.rigidbody_world.point_cache
+        before = cache.info
+        self.scene.frame_start, self.scene.frame_end = 2, 5
+        with mock.patch.object(CovbeamEngine, "_render", lambda engine, job: None):
+            bpy.ops.covbeam.add_beams(animation=True)
+        self.assertEqual((cache.info, cache.is_baked), (before, False))
+        self.compare(2, 5)
+
+    def test_a_simulation_that_was_played_in_part_and_is_rendered_later(self):
+        self.play(3)
+        self.at(3)
+        self.compare(7, 9)
+
     def test_what_was_not_simulated(self):
         self.at(11)
         self.compare(11)

@@ -25,7 +25,9 @@ const GROWTH: f32 = 1.25;
 impl Falloff {
     /// - `exponent`, `smooth`: >= 0; `typical`: > 0, to the farthest place that it shines on.
     pub(crate) fn new(exponent: f32, smooth: f32, typical: f32) -> Self {
-        Self { exponent, smooth, typical }
+        let made = Self { exponent, smooth, typical };
+        // One that changes nothing is like any other that does not.
+        if made.acts() { made } else { Self::default() }
     }
 
     /// Whether it changes anything.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..host.scene import Aperture, Camera, Projection
-from .copies import pixel_aspect, transform
+from .copies import pixel_aspect
 from .report import Untranslatable
 
 
@@ -75,7 +75,7 @@ def camera(depsgraph, camera_object, width, height, border):
     evaluated = camera_object.evaluated_get(depsgraph)
     data = evaluated.data
     plane = flat(frame_matrix(depsgraph, evaluated, width, height)) if data.type in {"PERSP", "ORTHO"} else panorama(evaluated)
-    place = axes(transform(depsgraph, evaluated))
+    place = axes(np.array(evaluated.matrix_world, np.float64))
     lens = aperture(data, depsgraph, place)
     # Cycles' rays begin there too: without, fog is 1 % darker at the default of 0.1 m.
     return plane.camera(place, width, height, border, near=data.clip_start, aperture=lens)
@@ -145,7 +145,7 @@ def aperture(data, depsgraph, place):
     position, _, _, forward = place
     focus = dof.focus_distance
     if dof.focus_object is not None:
-        matrix = transform(depsgraph, dof.focus_object.evaluated_get(depsgraph))
+        matrix = np.array(dof.focus_object.evaluated_get(depsgraph).matrix_world, np.float64)
         bone = dof.focus_object.pose and dof.focus_object.pose.bones.get(dof.focus_subtarget)
         if bone:
             matrix = matrix @ np.array(bone.matrix, np.float64)

@@ -8,7 +8,6 @@ from covbeam.session import Geometry
 
 from ..host import ask
 from ..host.scene import MATERIAL, OBJECT_RULES, Light, LightKind, Rays
-from .copies import instance_transform
 from .facts import found, wanted
 from .flags import hidden_from, note_fog_flags, note_left_out, note_light_flags, of_objects
 from .lights import light
@@ -121,7 +120,7 @@ class Objects:
     def _add(self, instance):
         # Object and matrix are Blender's only until the next instance: nothing of them is kept.
         thing = instance.object
-        matrix = instance_transform(self._depsgraph, instance)
+        matrix = np.array(instance.matrix_world, np.float64)
         origin = self._origin(instance)
         if thing.type in KINDS:
             shape = self._shapes.shape(instance, matrix)
@@ -150,7 +149,7 @@ class Objects:
         thing, shape = instance.object, self._shapes.hair(instance)
         if shape is not None:
             keys = (self._receivers.of(thing), self._blockers.of(thing)) if shape.emitting else ()
-            self._place(shape, self._moved(instance_transform(self._depsgraph, instance)), self._origin(instance), keys)
+            self._place(shape, self._moved(np.array(instance.matrix_world, np.float64)), self._origin(instance), keys)
 
     def _moved(self, matrix):
         """A transform (4, 4) to where the scene is moved."""
