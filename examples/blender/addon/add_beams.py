@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Adding covbeam's fog light to a scene that Cycles renders, and taking it out again."""
 
+from dataclasses import replace
+
 import bpy
 
 from . import beam_render, compositor, latest, requirements
@@ -92,8 +94,8 @@ Esc stops it: what was rendered of the frame is dropped, frames that are done ar
     def _end(self):
         beam_render.discard()
         record = latest.get()
-        if record.outcome == latest.Outcome.FAILED:
-            self.report({"ERROR"}, record.error)
+        if latest.failure() is not None:
+            self.report({"ERROR"}, latest.failure())
             return {"CANCELLED"}
         if record.outcome != latest.Outcome.DONE:
             self.report({"INFO"}, "Add Beams was stopped")
@@ -102,7 +104,8 @@ Esc stops it: what was rendered of the frame is dropped, frames that are done ar
         if missing:
             self.report({"ERROR"}, f"{missing[0]} has not been written: was the render stopped, or is the disk full?")
             return {"CANCELLED"}
-        if not latest.had_fog_light():
+        self._render = replace(self._render, lit=tuple(latest.lit_view_layers()))
+        if not self._render.lit:
             self.report({"WARNING"}, f"Nothing was changed. {record.advice[-1]}")
             return {"CANCELLED"}
         lacking = latest.missing_in_fog()
@@ -126,7 +129,7 @@ _kept = []
 def _replace(operator, render):
     """Sets up the nodes. While it was rendered, the artist may have gone to another scene."""
     scene = bpy.data.scenes.get(render.scene)
-    view_layers = [scene and scene.view_layers.get(name) for name in render.view_layers]
+    view_layers = [scene and scene.view_layers.get(name) for name in render.lit]
     if None in view_layers:
         operator.report({"ERROR"}, "The scene or a view layer was removed or renamed while it was rendered.")
         return {"CANCELLED"}

@@ -90,7 +90,7 @@ class CovbeamEngine(bpy.types.RenderEngine):
             job.record.outcome = latest.Outcome.DONE
             self.report({"WARNING"}, f"Covbeam: {job.record.advice[-1]}")
             return
-        latest.note_fog_light()
+        latest.note_fog_light(job.view_layer)
         camera = job.scene.camera
         result = self.begin_result(0, 0, camera.width, camera.height, layer=job.view_layer)
         try:
@@ -153,6 +153,7 @@ class CovbeamEngine(bpy.types.RenderEngine):
     def _fail(self, record, message):
         record.outcome = latest.Outcome.FAILED
         record.error = message
+        latest.note_failure(message)
         # The one is shown over the picture, the other in the status bar, and raised in scripts.
         self.error_set(f"Covbeam: {message}")
         self.report({"ERROR"}, f"Covbeam: {message}")

@@ -49,15 +49,16 @@ class Latest:
 
 _latest = Latest()
 
-#: Of all renders since `clear`: what of the light in fog is missing; a dict as an ordered set. And whether one had any.
-_missing_in_fog, _had_fog_light = {}, False
+#: Of all renders since `clear`: what of the light in fog is missing, and view layers that have some, dicts as ordered sets; why one has failed.
+_missing_in_fog, _lit, _failures = {}, {}, {}
 
 
 def clear():
     """Forgets the renders so far, so that none is taken for one that is about to begin."""
-    global _latest, _had_fog_light
-    _latest, _had_fog_light = Latest(), False
-    _missing_in_fog.clear()
+    global _latest
+    _latest = Latest()
+    for noted in (_missing_in_fog, _lit, _failures):
+        noted.clear()
 
 
 def lacks(what):
@@ -70,15 +71,24 @@ def missing_in_fog():
     return list(_missing_in_fog)
 
 
-def note_fog_light():
-    """Notes that a render has light in fog."""
-    global _had_fog_light
-    _had_fog_light = True
+def note_fog_light(view_layer):
+    """Notes that a render of a view layer has light in fog."""
+    _lit[view_layer] = None
 
 
-def had_fog_light():
-    """Whether a render since `clear` had light in fog."""
-    return _had_fog_light
+def lit_view_layers():
+    """Names of the view layers whose renders since `clear` had light in fog."""
+    return list(_lit)
+
+
+def note_failure(words):
+    """Notes why a render has failed, as text for artists."""
+    _failures[words] = None
+
+
+def failure():
+    """Why the first of the renders since `clear` that has failed did so, or None."""
+    return next(iter(_failures), None)
 
 
 def begin(title):

@@ -61,7 +61,7 @@ class SeenThrough(unittest.TestCase):
 
     def looked_up(self):
         """Extinction by the nodes where it is asked for."""
-        (filled,) = Objects(bpy.context.evaluated_depsgraph_get(), lambda thing: not thing.hide_render, Report(), None).filled
+        (filled,) = Objects(bpy.context.evaluated_depsgraph_get(), lambda thing: not thing.hide_render, Report(), None, np.zeros(3)).filled
 
         def coefficients(world):
             total = filled.fog.at(filled.frame.places(world))

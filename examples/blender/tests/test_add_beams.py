@@ -220,7 +220,8 @@ class InTheInterface(AddBeams):
     def test_a_job_that_has_failed_is_told(self):
         self.running = False
         record = latest.begin("failed")
-        record.outcome, record.error = latest.Outcome.FAILED, "There is not enough memory"
+        record.outcome = latest.Outcome.FAILED
+        latest.note_failure("There is not enough memory")
         self.assertEqual(self.event("TIMER"), {"CANCELLED"})
         self.assertEqual(self.said, [({"ERROR"}, "There is not enough memory")])
 
@@ -366,6 +367,41 @@ class LayersAndFrames(AddBeams):
 
     def expected(self, frame):
         return (self.number("Near", frame) - self.number("Far", frame) / 2) / 2
+
+    def exports(self, change):
+        """Exports with a change for each view layer: function of its name and the scene."""
+        export = fake_host.export
+        self.addCleanup(setattr, fake_host, "export", export)
+
+        def changed(depsgraph, poll=None):
+            scene, report = export(depsgraph, poll)
+            change(depsgraph.view_layer.name, scene)
+            return scene, report
+
+        fake_host.export = changed
+
+    def test_a_view_layer_without_fog_keeps_what_it_has(self):
+        def clear(name, scene):
+            scene.volumes = scene.volumes if name == "Near" else ()
+
+        self.exports(clear)
+        self.wire()
+        bpy.ops.covbeam.add_beams()
+        tree = compositor._tree(self.scene)
+        self.assertEqual({node.layer for node in tree.nodes if node.bl_idname == "CompositorNodeImage"}, {"Near"})
+        self.assertFalse(self.far.cycles.use_pass_volume_direct)
+
+    def test_the_first_failure_of_view_layers_is_what_is_told(self):
+        def fail(name, scene):
+            if name == "Near":
+                raise MemoryError
+
+        self.exports(fail)
+        with self.assertRaisesRegex(RuntimeError, "not enough memory"):
+            bpy.ops.covbeam.add_beams()
+        self.assertFalse(compositor.has_beams(self.scene))
+        # As it ends in the interface, where what the engine has reported is not raised.
+        self.assertRegex(latest.failure(), "not enough memory")
 
     def test_all_view_layers_that_are_rendered_have_their_own_beams_in_one_file(self):
         a, b = self.wire()

@@ -155,8 +155,6 @@ class Volume:
     phase: Phase = Phase.ISOTROPIC
     #: Mean cosine of Henyey-Greenstein, in (-1, 1), forward positive.
     asymmetry: float = 0.0
-    #: Phase functions beside that, of which it is a mixture: Phase, mean cosine, and share of what is scattered, float64 (3,), each.
-    lobes: tuple = ()
     #: How much of the medium there is; None: 1 everywhere.
     density: Density | None = None
     #: What it sends out, however much of it there is; None: it is dark. The world's is.
@@ -164,6 +162,8 @@ class Volume:
     #: Indices of the volumes whose sum this is, where all of them and no others are; empty: it is one of a scene's own. The world's is in
     #: all of them.
     parts: tuple[int, ...] = ()
+    #: Phase functions beside its own, of which it is a mixture: Phase, mean cosine, and share of what is scattered, float64 (3,), each.
+    lobes: tuple = ()
     #: CAMERA: the camera does not see it; SHADOW: it dims no straight light.
     hidden_from: Rays = Rays(0)
     #: Sets that it is in, for lamps that light some only, and that some only dim.

@@ -119,13 +119,13 @@ class Volume:
     max: np.ndarray = field(default_factory=_zero)
     phase: int = 0
     asymmetry: float = 0.0
-    lobes: tuple = ()
     density: Voxels | None = None
     glow: Voxels | None = None
     parts: tuple = ()
     scale_height: float = 0.0
     origin: np.ndarray = field(default_factory=_zero)
     up: np.ndarray = field(default_factory=_zero)
+    lobes: tuple = ()
     hidden_from: int = 0
     light_set: int = 0
     shadow_set: int = 0
