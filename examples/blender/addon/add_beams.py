@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Adding covbeam's fog light to a scene that Cycles renders, and taking it out again."""
 
-from dataclasses import replace
-
 import bpy
 
-from . import beam_render, compositor, latest, requirements
+from . import beam_render, compositor, latest, requirements, text
 
 
 def _problem(context):
@@ -53,6 +51,7 @@ Esc stops it: what was rendered of the frame is dropped, frames that are done ar
         except RuntimeError as error:
             # What the engine or Blender has reported, of any frame.
             beam_render.discard()
+            latest.settle()
             self.report({"ERROR"}, str(error).strip().removeprefix("Error: "))
             return {"CANCELLED"}
         return self._end()
@@ -93,9 +92,9 @@ Esc stops it: what was rendered of the frame is dropped, frames that are done ar
 
     def _end(self):
         beam_render.discard()
-        record = latest.get()
-        if latest.failure() is not None:
-            self.report({"ERROR"}, latest.failure())
+        record = latest.settle()
+        if record.outcome == latest.Outcome.FAILED:
+            self.report({"ERROR"}, record.error)
             return {"CANCELLED"}
         if record.outcome != latest.Outcome.DONE:
             self.report({"INFO"}, "Add Beams was stopped")
@@ -104,8 +103,8 @@ Esc stops it: what was rendered of the frame is dropped, frames that are done ar
         if missing:
             self.report({"ERROR"}, f"{missing[0]} has not been written: was the render stopped, or is the disk full?")
             return {"CANCELLED"}
-        self._render = replace(self._render, lit=tuple(latest.lit_view_layers()))
-        if not self._render.lit:
+        foggy = [name for name in self._render.view_layers if latest.had_fog_light(name)]
+        if not foggy:
             self.report({"WARNING"}, f"Nothing was changed. {record.advice[-1]}")
             return {"CANCELLED"}
         lacking = latest.missing_in_fog()
@@ -114,26 +113,36 @@ Esc stops it: what was rendered of the frame is dropped, frames that are done ar
             scene = bpy.data.scenes.get(self._render.scene)
             if scene is not None:
                 compositor.remove(scene)
-            _kept.append(self._render)
-            words = f"Cycles' fog light stays, as Covbeam's lacks some of it: {'; '.join(lacking)}"
+            _kept.append((self._render, foggy))
+            # The report of the latest view layer and frame gets what others lack.
+            record.untranslated += [what for what in lacking if what not in record.untranslated]
+            words = f"Cycles' fog light stays, as Covbeam's lacks some of it: {_lacking(lacking)}"
             record.advice.append(f"{words}. Replace Fog Light takes it all the same.")
             self.report({"WARNING"}, words)
             return {"CANCELLED"}
-        return _replace(self, self._render)
+        return _replace(self, self._render, foggy)
 
 
-#: The render whose picture has been made, but not put in the place of Cycles' fog light, as it lacks some of that; or empty.
+#: The render whose picture has been made, but not put in the place of Cycles' fog light, as it lacks some of that, and the names of
+#: its view layers with light in fog; or empty.
 _kept = []
 
 
-def _replace(operator, render):
-    """Sets up the nodes. While it was rendered, the artist may have gone to another scene."""
+def _lacking(entries):
+    """What is lacking, as long as a dialog is readable."""
+    return text.shortened(entries, 200)
+
+
+def _replace(operator, render, foggy):
+    """Sets up the nodes of view layers with light in fog. While it was rendered, the artist may have gone to another scene."""
     scene = bpy.data.scenes.get(render.scene)
-    view_layers = [scene and scene.view_layers.get(name) for name in render.lit]
+    view_layers = [scene and scene.view_layers.get(name) for name in foggy]
     if None in view_layers:
         operator.report({"ERROR"}, "The scene or a view layer was removed or renamed while it was rendered.")
         return {"CANCELLED"}
-    latest.get().advice += compositor.add(scene, view_layers, render)
+    advice = latest.get().advice
+    advice += [f'The view layer "{name}" has no light in fog: it stays as it is.' for name in render.view_layers if name not in foggy]
+    advice += compositor.add(scene, view_layers, render)
     operator.report({"INFO"}, f"Beams added: {render.path(render.first)}")
     return {"FINISHED"}
 
@@ -150,7 +159,7 @@ class COVBEAM_OT_replace_fog(bpy.types.Operator):
         return bool(_kept)
 
     def invoke(self, context, event):
-        words = "; ".join(latest.missing_in_fog())
+        words = _lacking(latest.missing_in_fog())
         manager = context.window_manager
         return manager.invoke_confirm(
             self,
@@ -162,12 +171,12 @@ class COVBEAM_OT_replace_fog(bpy.types.Operator):
         )
 
     def execute(self, context):
-        render = _kept.pop()
+        render, foggy = _kept.pop()
         missing = render.missing()
         if missing:
             self.report({"ERROR"}, f"{missing[0]} is not there any more: Add Beams renders it again.")
             return {"CANCELLED"}
-        return _replace(self, render)
+        return _replace(self, render, foggy)
 
 
 class COVBEAM_OT_remove_beams(bpy.types.Operator):

@@ -21,7 +21,7 @@ from .export import copies
 class BeamRender:
     """A render of every step-th frame from first to last of a scene's view layers into a file a frame, by way of a copy.
 
-    view_layers: as `rendered` gives them. begun: in the time of files [s]. lit: those of the view layers that have light in fog, once it is done.
+    view_layers: as `rendered` gives them. begun: in the time of files [s].
     """
 
     copy: str
@@ -32,7 +32,6 @@ class BeamRender:
     step: int
     folder: str
     begun: float
-    lit: tuple[str, ...] = ()
 
     def path(self, frame):
         return os.path.join(self.folder, f"{_stem(self.view_layers)}_{frame:04}.exr")

@@ -120,10 +120,16 @@ def _source(layers):
     return linked[0] if linked else "Image"
 
 
-def add(scene, view_layers, beams):
-    """Sets up the nodes of view layers, in the place of all from an earlier call. The first one goes to the output if nothing does.
+def _targets(layers):
+    """The sockets that the picture of the render layers goes to."""
+    source = _source(layers)
+    return [link.to_socket for node in layers if source in node.outputs for link in node.outputs[source].links]
 
-    Returns what the artist should know.
+
+def add(scene, view_layers, beams):
+    """Sets up the nodes of view layers, in the place of all from an earlier call. Returns what the artist should know.
+
+    The first view layer that is rendered goes to the output if nothing does, as it does without a compositor.
     """
     advice = []
     if not scene.render.use_compositing:
@@ -131,6 +137,11 @@ def add(scene, view_layers, beams):
         advice.append("Compositing was off in the output properties: it is on now.")
     remove(scene)
     tree = _make_tree(scene)
+    output = _output_input(tree)
+    if not output.is_linked:
+        first = _render_layers(tree, scene, scene.view_layers[beams.view_layers[0]])
+        if not _targets(first):
+            tree.links.new(first[0].outputs["Image"], output)
     for view_layer in view_layers:
         advice += _add(tree, scene, view_layer, beams)
     return advice
@@ -143,11 +154,7 @@ def _add(tree, scene, view_layer, beams):
     for name in switched_on:
         setattr(view_layer.cycles, name, True)
     all_layers = _render_layers(tree, scene, view_layer)
-    layers, source = all_layers[0], _source(all_layers)
-    targets = [link.to_socket for node in all_layers if source in node.outputs for link in node.outputs[source].links]
-    output = _output_input(tree)
-    if not targets and not output.is_linked:
-        targets = [output]
+    layers, source, targets = all_layers[0], _source(all_layers), _targets(all_layers)
     if not targets:
         advice.append(
             f'The picture of the view layer "{view_layer.name}" goes nowhere in the compositor: connect its node {_label(beams)} where it '

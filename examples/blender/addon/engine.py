@@ -151,9 +151,7 @@ class CovbeamEngine(bpy.types.RenderEngine):
         return None
 
     def _fail(self, record, message):
-        record.outcome = latest.Outcome.FAILED
-        record.error = message
-        latest.note_failure(message)
+        latest.fail(record, message)
         # The one is shown over the picture, the other in the status bar, and raised in scripts.
         self.error_set(f"Covbeam: {message}")
         self.report({"ERROR"}, f"Covbeam: {message}")

@@ -49,16 +49,17 @@ class Latest:
 
 _latest = Latest()
 
-#: Of all renders since `clear`: what of the light in fog is missing, and view layers that have some, dicts as ordered sets; why one has failed.
-_missing_in_fog, _lit, _failures = {}, {}, {}
+#: Of all renders since `clear`: what of the light in fog is missing, a dict as an ordered set; names of view layers that had any; and the
+#: record of the first render that has failed, or None.
+_missing_in_fog, _foggy, _failed = {}, set(), None
 
 
 def clear():
     """Forgets the renders so far, so that none is taken for one that is about to begin."""
-    global _latest
-    _latest = Latest()
-    for noted in (_missing_in_fog, _lit, _failures):
-        noted.clear()
+    global _latest, _failed
+    _latest, _failed = Latest(), None
+    _missing_in_fog.clear()
+    _foggy.clear()
 
 
 def lacks(what):
@@ -72,23 +73,27 @@ def missing_in_fog():
 
 
 def note_fog_light(view_layer):
-    """Notes that a render of a view layer has light in fog."""
-    _lit[view_layer] = None
+    """Notes that a render of the view layer of this name has light in fog."""
+    _foggy.add(view_layer)
 
 
-def lit_view_layers():
-    """Names of the view layers whose renders since `clear` had light in fog."""
-    return list(_lit)
+def had_fog_light(view_layer):
+    """Whether a render of the view layer of this name, in any frame since `clear`, had light in fog."""
+    return view_layer in _foggy
 
 
-def note_failure(words):
-    """Notes why a render has failed, as text for artists."""
-    _failures[words] = None
+def fail(record, message):
+    """Notes in its record that a render has failed, and why, as text for artists."""
+    global _failed
+    record.outcome, record.error = Outcome.FAILED, message
+    _failed = _failed or record
 
 
-def failure():
-    """Why the first of the renders since `clear` that has failed did so, or None."""
-    return next(iter(_failures), None)
+def settle():
+    """What the renders since `clear` have come to: the first that has failed, else the latest one. From now on `get` gives it."""
+    global _latest
+    _latest = _failed or _latest
+    return _latest
 
 
 def begin(title):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Text for people: durations, memory, and paragraphs in panels, which do not wrap text themselves."""
+"""Text for people: durations, memory, long lists, and paragraphs in panels, which do not wrap text themselves."""
 
 import textwrap
 
@@ -21,6 +21,15 @@ def duration(seconds):
 def memory(count):
     """Bytes, such as 12.3 MB."""
     return f"{count / 1e6:.1f} MB"
+
+
+def shortened(things, most):
+    """Names of things in a sentence: those that fit into `most` characters, the first always, and how many more there are."""
+    shown = 1
+    while shown < len(things) and len("; ".join(things[: shown + 1])) <= most:
+        shown += 1
+    more = len(things) - shown
+    return "; ".join(things[:shown]) + (f"; and {more} more, which the report has" if more else "")
 
 
 def draw(layout, paragraph, *, icon="NONE", width=60):

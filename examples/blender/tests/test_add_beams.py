@@ -12,7 +12,7 @@ import numpy as np
 from in_blender import InBlender
 
 from addon import beam_render, compositor, latest
-from addon.add_beams import COVBEAM_OT_add_beams
+from addon.add_beams import COVBEAM_OT_add_beams, COVBEAM_OT_replace_fog
 
 
 def volume_material(density):
@@ -219,11 +219,21 @@ class InTheInterface(AddBeams):
 
     def test_a_job_that_has_failed_is_told(self):
         self.running = False
-        record = latest.begin("failed")
-        record.outcome = latest.Outcome.FAILED
-        latest.note_failure("There is not enough memory")
+        latest.fail(latest.begin("failed"), "There is not enough memory")
         self.assertEqual(self.event("TIMER"), {"CANCELLED"})
         self.assertEqual(self.said, [({"ERROR"}, "There is not enough memory")])
+
+    def test_the_first_failure_is_told_whatever_came_after_it(self):
+        self.running = False
+        failed = latest.begin("first view layer")
+        latest.fail(failed, "There is not enough memory")
+        latest.fail(latest.begin("second view layer"), "Something else")
+        latest.begin("third view layer").outcome = latest.Outcome.DONE
+        self.assertEqual(self.event("TIMER"), {"CANCELLED"})
+        self.assertEqual(self.said, [({"ERROR"}, "There is not enough memory")])
+        self.assertFalse(compositor.has_beams(self.scene))
+        # The report panel tells the same.
+        self.assertIs(latest.get(), failed)
 
     def test_a_job_that_never_began_is_not_taken_for_the_one_before(self):
         with mock.patch.object(beam_render, "render"):
@@ -288,6 +298,25 @@ class Lacking(AddBeams):
         bpy.ops.covbeam.add_beams()
         np.testing.assert_array_equal(self.final(), before)
 
+    def test_what_many_things_lack_is_told_briefly_and_the_report_has_all_of_it(self):
+        entries = [f"light of lamp {number:02}" for number in range(60)]
+        self.lack(*entries)
+        said = []
+        operator = SimpleNamespace(report=lambda *given: said.append(given), replace=False)
+        operator._render = beam_render.begin(self.scene, self.layer, False)
+        latest.clear()
+        beam_render.render(operator._render)
+        self.assertEqual(COVBEAM_OT_add_beams._end(operator), {"CANCELLED"})
+        shown = []
+        manager = SimpleNamespace(invoke_confirm=lambda *given, **named: shown.append(named["message"]))
+        COVBEAM_OT_replace_fog.invoke(operator, SimpleNamespace(window_manager=manager), None)
+        for words in (said[0][1], *shown):
+            self.assertLess(len(words), 300)
+            self.assertIn(entries[0], words)
+            self.assertIn("more", words)
+        for entry in entries:
+            self.assertTrue(any(entry in line for line in latest.get().untranslated), entry)
+
     def test_any_frame_may_lack_it(self):
         export, frames = fake_host.export, iter((1, 2, 3))
         self.addCleanup(setattr, fake_host, "export", export)
@@ -333,6 +362,7 @@ class LayersAndFrames(AddBeams):
         self.far = self.scene.view_layers.new("Far")
         self.scene.view_layers.new("Unused").use = False
         self.addCleanup(setattr, fake_host.Session, "picture", fake_host.Session.picture)
+        self.export = fake_host.export
 
         def picture(session, poll=None):
             _, layer, frame = latest.get().title.split(", ")
@@ -368,41 +398,6 @@ class LayersAndFrames(AddBeams):
     def expected(self, frame):
         return (self.number("Near", frame) - self.number("Far", frame) / 2) / 2
 
-    def exports(self, change):
-        """Exports with a change for each view layer: function of its name and the scene."""
-        export = fake_host.export
-        self.addCleanup(setattr, fake_host, "export", export)
-
-        def changed(depsgraph, poll=None):
-            scene, report = export(depsgraph, poll)
-            change(depsgraph.view_layer.name, scene)
-            return scene, report
-
-        fake_host.export = changed
-
-    def test_a_view_layer_without_fog_keeps_what_it_has(self):
-        def clear(name, scene):
-            scene.volumes = scene.volumes if name == "Near" else ()
-
-        self.exports(clear)
-        self.wire()
-        bpy.ops.covbeam.add_beams()
-        tree = compositor._tree(self.scene)
-        self.assertEqual({node.layer for node in tree.nodes if node.bl_idname == "CompositorNodeImage"}, {"Near"})
-        self.assertFalse(self.far.cycles.use_pass_volume_direct)
-
-    def test_the_first_failure_of_view_layers_is_what_is_told(self):
-        def fail(name, scene):
-            if name == "Near":
-                raise MemoryError
-
-        self.exports(fail)
-        with self.assertRaisesRegex(RuntimeError, "not enough memory"):
-            bpy.ops.covbeam.add_beams()
-        self.assertFalse(compositor.has_beams(self.scene))
-        # As it ends in the interface, where what the engine has reported is not raised.
-        self.assertRegex(latest.failure(), "not enough memory")
-
     def test_all_view_layers_that_are_rendered_have_their_own_beams_in_one_file(self):
         a, b = self.wire()
         bpy.ops.covbeam.add_beams()
@@ -412,6 +407,56 @@ class LayersAndFrames(AddBeams):
         bpy.ops.covbeam.add_beams()
         self.assertEqual(self.names(), names)
         np.testing.assert_allclose(self.final()[..., 2], self.expected(1), rtol=0, atol=1e-4)
+
+    def fogless(self, name):
+        """From now on the view layer of this name has no fog."""
+        export = fake_host.export
+        self.addCleanup(setattr, fake_host, "export", export)
+
+        def fogless(depsgraph, poll):
+            scene, report = export(depsgraph, poll)
+            scene.volumes = () if depsgraph.view_layer.name == name else scene.volumes
+            return scene, report
+
+        fake_host.export = fogless
+
+    def test_a_view_layer_without_fog_stays_as_it_is(self):
+        for name, foggy in (("Far", self.layer), ("Near", self.far)):
+            with self.subTest(name):
+                self.fogless(name)
+                # The active view layer, Near, is what F12 shows without a compositor.
+                before = self.final()
+                self.assertEqual(bpy.ops.covbeam.add_beams(), {"FINISHED"})
+                for layer in (self.layer, self.far):
+                    self.assertEqual(layer.cycles.use_pass_volume_direct, layer == foggy)
+                    self.assertEqual(layer.cycles.use_pass_volume_indirect, layer == foggy)
+                self.assertEqual({node["covbeam_layer"] for node in compositor._ours(self.tree())}, {foggy.name})
+                self.assertTrue(any(f'"{name}"' in line and "no light in fog" in line for line in latest.get().advice))
+                if foggy == self.far:
+                    np.testing.assert_array_equal(self.final(), before)
+                bpy.ops.covbeam.remove_beams()
+                fake_host.export = self.export
+
+    def test_a_view_layer_that_fails_is_told_though_a_later_one_succeeds(self):
+        export = fake_host.export
+        self.addCleanup(setattr, fake_host, "export", export)
+
+        def failing(depsgraph, poll):
+            if depsgraph.view_layer.name == "Near":
+                raise MemoryError
+            return export(depsgraph, poll)
+
+        fake_host.export = failing
+        said = []
+        operator = SimpleNamespace(report=lambda *given: said.append(given), replace=False)
+        operator._render = beam_render.begin(self.scene, self.layer, False)
+        latest.clear()
+        # Scripts get what the engine reports; in the interface a job has it, and only the record is left.
+        with self.assertRaisesRegex(RuntimeError, "fewer photons"):
+            beam_render.render(operator._render)
+        self.assertEqual(COVBEAM_OT_add_beams._end(operator), {"CANCELLED"})
+        self.assertIn("fewer photons", said[0][1])
+        self.assertFalse(compositor.has_beams(self.scene))
 
     def test_removing_them_restores_each_view_layer(self):
         a, b = self.wire()
