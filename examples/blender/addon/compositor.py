@@ -22,6 +22,10 @@ _SWITCHED_ON = "covbeam_passes"
 
 _VOLUME_PASSES = ("use_pass_volume_direct", "use_pass_volume_indirect")
 
+#: What Cycles' denoiser knows of surfaces: of the view layer, and its sockets by those of the compositor's Denoise node.
+_GUIDES = "denoising_store_passes"
+_GUIDE_SOCKETS = {"Albedo": "Denoising Albedo", "Normal": "Denoising Normal"}
+
 #: The sockets' names before Blender 5.0 and since.
 _VOLUME_SOCKETS = (("VolumeDir", "Volume Direct"), ("VolumeInd", "Volume Indirect"))
 
@@ -150,19 +154,20 @@ def add(scene, view_layers, beams):
 def _add(tree, scene, view_layer, beams):
     """Sets up the nodes of one view layer. Returns what the artist should know."""
     advice = []
-    switched_on = [name for name in _VOLUME_PASSES if not getattr(view_layer.cycles, name)]
-    for name in switched_on:
-        setattr(view_layer.cycles, name, True)
     all_layers = _render_layers(tree, scene, view_layer)
     layers, source, targets = all_layers[0], _source(all_layers), _targets(all_layers)
+    # Cycles denoises its image, not its passes of fog light: only from the noisy image can they be subtracted.
+    denoised = source == "Image" and scene.cycles.use_denoising and view_layer.cycles.use_denoising
+    needed = (*_VOLUME_PASSES, _GUIDES) if denoised else _VOLUME_PASSES
+    switched_on = [name for name in needed if not getattr(view_layer.cycles, name)]
+    for name in switched_on:
+        setattr(view_layer.cycles, name, True)
     if not targets:
         advice.append(
             f'The picture of the view layer "{view_layer.name}" goes nowhere in the compositor: connect its node {_label(beams)} where it '
             "belongs."
         )
 
-    # Cycles denoises its image, not its passes of fog light: only from the noisy image can they be subtracted.
-    denoised = source == "Image" and scene.cycles.use_denoising and view_layer.cycles.use_denoising
     light = layers.outputs["Noisy Image" if denoised else source]
     x, y = layers.location.x + 320, layers.location.y
     nodes = []
@@ -173,15 +178,18 @@ def _add(tree, scene, view_layer, beams):
         tree.links.new(volume, b)
         nodes.append(node)
         light = result
+    # Beams are added behind the denoiser, which may change how bright they are: of pure blue it takes a tenth.
     if denoised:
         node = tree.nodes.new("CompositorNodeDenoise")
         node[_ROLE] = "denoise"
         tree.links.new(light, node.inputs["Image"])
+        for name, guide in _GUIDE_SOCKETS.items():
+            tree.links.new(layers.outputs[guide], node.inputs[name])
         nodes.append(node)
         light = node.outputs["Image"]
         advice.append(
             "Cycles denoises this scene: the nodes take its noisy image, remove Cycles' fog light from it, and denoise "
-            "what is left."
+            "what is left, guided by Cycles' denoising data."
         )
     image = _image_node(tree, beams, view_layer)
     node, _, a, b, result = _mix(tree, "sum", "ADD", "Add Light in Fog")

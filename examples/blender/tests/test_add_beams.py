@@ -97,9 +97,22 @@ class Composite(AddBeams):
         bpy.ops.covbeam.add_beams()
         self.assertIn("CompositorNodeDenoise", self.names())
         self.assertTrue(any("noisy image" in line for line in latest.get().advice))
+        # Cycles' own denoiser is guided by the same.
+        (denoise,) = (node for node in self.tree().nodes if node.bl_idname == "CompositorNodeDenoise")
+        guides = {name: denoise.inputs[name].links[0].from_socket.name for name in ("Albedo", "Normal")}
+        self.assertEqual(guides, {"Albedo": "Denoising Albedo", "Normal": "Denoising Normal"})
         expected = fake_host.picture(40, 20, passes=3).first
         # The denoiser gets a black picture, to rounding, and may leave as much.
         np.testing.assert_allclose(self.final()[..., :3], expected, rtol=0, atol=1e-3)
+
+    def test_denoising_data_is_switched_off_again_if_it_was_off(self):
+        self.scene.cycles.use_denoising = True
+        for was_on in (False, True):
+            self.layer.cycles.denoising_store_passes = was_on
+            bpy.ops.covbeam.add_beams()
+            self.assertTrue(self.layer.cycles.denoising_store_passes)
+            bpy.ops.covbeam.remove_beams()
+            self.assertEqual(self.layer.cycles.denoising_store_passes, was_on)
 
     def test_nodes_of_the_artist_stay_behind_the_sum(self):
         bpy.ops.covbeam.add_beams()
