@@ -164,8 +164,7 @@ def _add(tree, scene, view_layer, beams):
         setattr(view_layer.cycles, name, True)
     if not targets:
         advice.append(
-            f'The picture of the view layer "{view_layer.name}" goes nowhere in the compositor: connect its node {_label(beams)} where it '
-            "belongs."
+            f'The picture of the view layer "{view_layer.name}" goes nowhere in the compositor: connect its node {_label(beams)} where it belongs.'
         )
 
     light = layers.outputs["Noisy Image" if denoised else source]

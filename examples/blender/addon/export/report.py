@@ -3,7 +3,6 @@
 
 from dataclasses import dataclass
 
-
 #: Of more sources than this an entry names but the first: a line is to be read.
 _NAMED = 3
 
