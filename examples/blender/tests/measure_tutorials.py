@@ -103,15 +103,14 @@ def finished(scene, seconds, seed):
     return Rendered(None, np.stack([channels[c] for c in "RGB"], axis=-1).astype(np.float64), *spent)
 
 
-def with_beams(scene, seconds, seed):
-    """covbeam's picture of the fog's light. The compositor's nodes stand, if Add Beams has replaced Cycles' fog light."""
-    with tempfile.TemporaryDirectory() as folder:
-        settings = scene.covbeam
-        settings.time_limit, settings.passes, settings.seed, settings.folder = seconds, 1 << 20, seed, folder
-        scene.render.image_settings.exr_codec = "NONE"
-        spent = _timed(bpy.ops.covbeam.add_beams)
-        path = Path(folder) / f"beams_{scene.view_layers[0].name}_{scene.frame_current:04}.exr"
-        return Rendered(_colours(exr.read(path), ".In-Scattered") if path.exists() else None, None, *spent)
+def with_beams(scene, seconds, seed, folder):
+    """covbeam's picture of the fog's light, in a folder of its own. If Add Beams has replaced Cycles' fog light, the compositor's nodes read it."""
+    settings = scene.covbeam
+    settings.time_limit, settings.passes, settings.seed, settings.folder = seconds, 1 << 20, seed, str(folder)
+    scene.render.image_settings.exr_codec = "NONE"
+    spent = _timed(bpy.ops.covbeam.add_beams)
+    path = Path(folder) / f"beams_{scene.view_layers[0].name}_{scene.frame_current:04}.exr"
+    return Rendered(_colours(exr.read(path), ".In-Scattered") if path.exists() else None, None, *spent)
 
 
 def _blocks(pictures):
@@ -128,10 +127,11 @@ def _known(pair):
 
 
 def _noise(runs, mean):
-    """Variance between two runs times CPU seconds, over the brightness's square: of all pixels, and the median of squares of 8 x 8."""
+    """Variance between two runs times CPU seconds, over the brightness's square: of all pixels, and the median of squares of 8 x 8 that are lit."""
     variance = np.array([run.fog for run in runs]).var(axis=0, ddof=1) / (mean**2 + (0.05 * mean.mean()) ** 2)
     cost = variance * np.mean([run.cpu for run in runs])
-    return cost.mean(), float(np.median(fog_light.blocks(cost, 8)))
+    bright = fog_light.blocks(mean, 8)
+    return cost.mean(), np.median(fog_light.blocks(cost, 8)[bright > DARK * bright.mean()])
 
 
 def _shown(picture, white):
@@ -141,12 +141,13 @@ def _shown(picture, white):
 def light(ours, plain):
     """How covbeam's light is beside Cycles', of two runs each: lines of text, the last one for the table."""
     pairs = [np.array([run.fog for run in runs]) for runs in (ours, plain)]
-    (found, found_error), (expected, expected_error) = (_known(pair.mean(axis=(1, 2, 3))) for pair in pairs)
+    found, expected = (pair.mean() for pair in pairs)
     if not (found > 0 and expected > 0):
         return [f"light {found:.4g}, Cycles' {expected:.4g}"]
-    ratio = found / expected
-    off = ratio * np.hypot(found_error / found, expected_error / expected)
     (blocks, blocks_error), (wanted, wanted_error) = (_known(_blocks(pair)) for pair in pairs)
+    # The mean of two runs may be near by chance where their blocks are not.
+    ratio = found / expected
+    off = ratio * np.hypot(*(np.sqrt((error**2).sum()) / error.size / of for error, of in ((blocks_error, found), (wanted_error, expected))))
     both = np.hypot(blocks_error, wanted_error)
     lit = np.maximum(wanted, blocks) > DARK * max(found, expected)
     wrong = lit & (np.abs(blocks - wanted) > WANTED * wanted + 3 * both)
@@ -165,9 +166,10 @@ def measure(name, width, seconds, folder):
     passes = scene.view_layers[0].cycles
     passes.use_pass_volume_direct = passes.use_pass_volume_indirect = True
     print(f"{name}:", flush=True)
-    ours = [with_beams(scene, seconds / 2, seed) for seed in (2, 1)]
-    entries, asked, advice = list(latest.get().untranslated), latest.missing_in_fog(), list(latest.get().advice)
-    composited = finished(scene, seconds / 2, 3)
+    with tempfile.TemporaryDirectory() as beams:
+        ours = [with_beams(scene, seconds / 2, seed, Path(beams) / str(seed)) for seed in (1, 2)]
+        entries, asked, advice = list(latest.get().untranslated), latest.missing_in_fog(), list(latest.get().advice)
+        composited = finished(scene, seconds / 2, 3)
     replaced = bpy.ops.covbeam.remove_beams.poll()
     if replaced:
         bpy.ops.covbeam.remove_beams()
