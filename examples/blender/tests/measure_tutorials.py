@@ -92,9 +92,9 @@ def with_cycles(scene, seconds, seed, plain=False):
     channels, spent = _rendered(scene, seconds, seed, True)
     for name, value in kept.items():
         setattr(scene.cycles, name, value)
-    # By their names before Blender 5.0 and since.
+    # By their names before Blender 5.0 and since. The compositor's picture has a layer "Composite", as soon as there are nodes.
     fog = _colours(channels, ".VolumeDir", ".VolumeInd", ".Volume Direct", ".Volume Indirect")
-    return Rendered(fog, _colours(channels, ".Combined"), *spent)
+    return Rendered(fog, _colours(channels, f"{scene.view_layers[0].name}.Combined"), *spent)
 
 
 def finished(scene, seconds, seed):
