@@ -786,6 +786,15 @@ typedef struct covbeam_light {
      * That is s [m2].
      */
     double smooth;
+    /**
+     * Largest number of events of its light on the way to the camera, plus 1, where settings.limits hold: 1 lights what it shines on straight, and no
+     * caustics of it are let off; 0: as many as these say.
+     */
+    uint32_t most_events;
+    /**
+     * Not read.
+     */
+    uint32_t unused;
 } covbeam_light;
 
 /**

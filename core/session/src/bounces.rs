@@ -59,9 +59,17 @@ pub(crate) struct Counted {
     /// Whether anything has been met, and anything that is not let off.
     has_met: bool,
     has_counted: bool,
+    /// Whether nothing is let off.
+    is_strict: bool,
 }
 
 impl Counted {
+    /// Of light of a lamp that has a limit of its own on events of all kinds; u32::MAX: it has none, or nothing is limited.
+    pub(crate) fn of_lamp(limits: Option<&BounceLimits>, most: u32) -> Self {
+        let Some(limits) = limits.filter(|_| most < u32::MAX) else { return Self::default() };
+        Self { total: limits.total - limits.total.min(most), is_strict: true, ..Self::default() }
+    }
+
     /// Counts an event. `is_sharp`: whether light keeps its directions in it.
     #[inline]
     pub(crate) fn add(&mut self, limits: Option<&BounceLimits>, bounce: Bounce, is_sharp: bool) {
@@ -71,13 +79,14 @@ impl Counted {
             Bounce::Transmission => limits.free_transmissions,
             Bounce::Diffuse | Bounce::Volume => false,
         };
-        if !self.has_counted && is_sharp && is_let_off {
+        let is_let_off = is_sharp && is_let_off && !self.is_strict;
+        if !self.has_counted && is_let_off {
             self.each[bounce as usize] += u32::from(self.has_met);
         } else if self.has_counted {
             self.each[bounce as usize] += 1;
             self.total += 1;
         }
-        self.has_counted |= !(is_sharp && is_let_off);
+        self.has_counted |= !is_let_off;
         self.has_met = true;
     }
 

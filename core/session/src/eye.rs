@@ -121,9 +121,7 @@ impl EyeTracer<'_> {
         let mut knots = Vec::new();
         for _ in 0..=MOST_BOUNDS {
             let hit = scene.intersect_flat(branch.origin, branch.direction, f32::INFINITY);
-            let beyond = hit.as_ref().and_then(|hit| {
-                Some((hit, clear(scene, hit, branch.direction, &branch.interior, branch.ray)?))
-            });
+            let beyond = hit.as_ref().and_then(|hit| Some((hit, self.seen_through(hit, &branch)?)));
             let length = hit.as_ref().map_or(f32::INFINITY, |hit| hit.distance);
             if let Some(segment) = branch.segment(scene, length, pixel) {
                 segments.push(segment);
@@ -133,10 +131,24 @@ impl EyeTracer<'_> {
                     branch.throughput *= left;
                 }
             }
-            let Some((hit, interior)) = beyond.filter(|_| branch.throughput != Vec3::ZERO) else { break };
+            let Some((hit, (share, interior))) = beyond else { break };
+            branch.throughput *= share;
+            if branch.throughput == Vec3::ZERO {
+                break;
+            }
             branch = branch.straight_on(hit, interior);
         }
         sent_out
+    }
+
+    /// What a surface shows of what lies straight behind it, and what a branch is inside of there; None: nothing.
+    fn seen_through(&self, hit: &Hit, branch: &Branch) -> Option<(Vec3, Interior)> {
+        let Branch { direction, ref interior, ray, .. } = *branch;
+        if let Some(beyond) = clear(self.scene, hit, direction, interior, ray) {
+            return Some((Vec3::ONE, beyond));
+        }
+        let share = self.scene.material_at(hit).transparent();
+        (share != Vec3::ZERO).then(|| (share, interior.through(self.scene, hit, direction)))
     }
 
     /// What a piece of a path leaves of light, the radiance that its medium sends out along it, and what arrives from lamps on it.

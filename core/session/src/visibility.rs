@@ -92,6 +92,8 @@ pub struct Links {
     pub hidden: Rays,
     /// How it fades.
     pub falloff: Falloff,
+    /// Events of its light on the way to the camera, of which the limit of bounces counts one fewer at least; None: as many as that says.
+    pub bounces: Option<u32>,
 }
 
 impl Links {

@@ -81,7 +81,7 @@ class CovbeamEngine(bpy.types.RenderEngine):
         from .host.session import Session
         from .passes import Passes, put
 
-        missing = [what for what, given in (("fog", job.scene.volumes), ("light", job.scene.lights)) if not given]
+        missing = [what for what, given in (("fog", job.scene.volumes), ("light", job.scene.shines)) if not given]
         if missing:
             # As in a scene without lamps, the picture stays black.
             job.record.advice.append(

@@ -66,7 +66,7 @@ class View3D:
             return
         finally:
             self._reading = perf_counter() - start
-        missing = [what for what, given in (("fog", scene.volumes), ("light", scene.lights)) if not given]
+        missing = [what for what, given in (("fog", scene.volumes), ("light", scene.shines)) if not given]
         if missing:
             self._problem = f"there is no {' and no '.join(missing)} here that it can render"
             return

@@ -53,6 +53,10 @@ class Scene:
     volumes: tuple = ("fog",)
     lights: tuple = ("lamp",)
 
+    @property
+    def shines(self):
+        return bool(self.lights)
+
 
 def picture(width, height, passes=1):
     """Channels: red grows to the right, green downwards, from the first to the last pixel; blue counts passes."""

@@ -237,7 +237,7 @@ def _lights(scene):
         tree.links.new(root.outputs[0], emission.inputs["Strength"])
         tree.links.new(emission.outputs[0], node(tree, "OutputLight").inputs["Surface"])
     return (
-        _all('Light "Lamp"', "Cast Shadow is off", "Max Bounces")
+        _all('Light "Lamp"', "Cast Shadow is off")
         | _all('Light "Dark"', "negative strength")
         | _all('Light "Nothing"', "a scale of 0")
         | _all('Light "Wide"', "spot with uneven scale")

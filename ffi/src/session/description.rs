@@ -269,6 +269,7 @@ unsafe fn light<'a>(index: usize, given: &covbeam_light) -> Result<Light<'a>, Fa
         unlit: given.unlit,
         unshadowed: given.unshadowed,
         hidden_from: given.hidden_from,
+        most_events: given.most_events,
         falloff: given.falloff,
         smooth: given.smooth,
     };

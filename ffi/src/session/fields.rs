@@ -268,6 +268,11 @@ pub struct covbeam_light {
     pub falloff: f64,
     /// That is s [m2].
     pub smooth: f64,
+    /// Largest number of events of its light on the way to the camera, plus 1, where settings.limits hold: 1 lights what it shines on straight, and no
+    /// caustics of it are let off; 0: as many as these say.
+    pub most_events: u32,
+    /// Not read.
+    pub unused: u32,
 }
 
 /// How places in the picture become rays.

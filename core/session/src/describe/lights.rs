@@ -96,6 +96,8 @@ pub struct LightFields {
     pub falloff: f64,
     /// That is s.
     pub smooth: f64,
+    /// Largest number of events of its light, plus 1, where bounces are limited; 0: as many as these limits let.
+    pub most_events: u32,
 }
 
 impl LightFields {
@@ -144,7 +146,8 @@ pub(super) fn lights(given: &[Light], media: &Media, lit: &Lit, host: Option<&Ho
         if flux != Vec3::ZERO {
             lights.push(if light.fields.is_own { own(made, index, &fields, host)? } else { made });
             visible.push(light.fields.is_visible);
-            links.push(Links { unlit, unshadowed, hidden, falloff });
+            let bounces = light.fields.most_events.checked_sub(1);
+            links.push(Links { unlit, unshadowed, hidden, falloff, bounces });
         }
     }
     if links.iter().all(|links| *links == Links::default()) {

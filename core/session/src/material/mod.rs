@@ -232,5 +232,8 @@ impl Material {
 /// GGX's α below which a surface is smooth: it turns light by less than half a pixel of most pictures.
 pub const SMOOTH: f32 = 1e-3;
 
+/// From this α on a surface is no mirror and no clear glass: it spreads light over some 5°, and path tracers find its light.
+pub(crate) const SHARP: f32 = 0.04;
+
 /// Rougher surfaces than this one's α spread light over 20° and more, and make no caustics.
 pub(crate) const FOCUSING: f32 = 0.25;

@@ -80,7 +80,10 @@ impl Lights {
             seen_by: links.seen_by(),
             reception: Reception::PLAIN,
             bounces: 0,
-            counted: Counted::default(),
+            counted: Counted::of_lamp(
+                transport.scene.settings.limits.as_ref(),
+                links.bounces.unwrap_or(u32::MAX),
+            ),
             dark: emitted.dark,
             until: emitted.until,
             near: self.near.reach(light),

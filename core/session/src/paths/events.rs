@@ -160,7 +160,7 @@ impl Transport<'_> {
         let Some(way) = way.filter(|way| photon.reception.sends(way.lobe)) else { return lose(photon, out) };
         photon.power = scaled(photon.power, way.factor, &mut out.energy.surfaces);
         if let Some(bounce) = Bounce::of(way.lobe) {
-            photon.count(self.scene, bounce, met.keeps_focus(way.lobe));
+            photon.count(self.scene, bounce, met.is_sharp(way.lobe));
         }
         photon.take(&way, hit, &met, self.acts(Operator::Curvature));
         Ways::One

@@ -7,7 +7,7 @@ pub(crate) use lobe::Lobe;
 
 use crate::host::Host;
 use crate::light::cosine_direction;
-use crate::material::{Asks, FOCUSING, Lobes, microfacet};
+use crate::material::{Asks, FOCUSING, Lobes, SHARP, microfacet};
 use crate::scene::Scene;
 use crate::scene::optics::{Interior, curvature_towards, facing_normal, reflect, refract};
 use covbeam::{Curvature, LightField};
@@ -266,6 +266,11 @@ impl<'a> Encounter<'a> {
         }
         // And of the facets that send light to the wrong side, where it is mirrored back.
         of_facets(out, seen(1.0)) + of_facets(reflect(out, self.geometric), seen(1.0))
+    }
+
+    /// Whether a way is that of a mirror, or of clear glass, or nearly.
+    pub(crate) fn is_sharp(&self, lobe: Lobe) -> bool {
+        self.keeps_focus(lobe) && (self.own.is_some() || self.lobes.alpha < SHARP)
     }
 
     /// Whether light keeps its directions well enough on a way to make caustics.

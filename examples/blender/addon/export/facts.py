@@ -62,9 +62,12 @@ def _property(owner, name):
         paths.append(name)
     for path in paths:
         try:
-            value = np.array(owner.path_resolve(path), np.float64)
+            value = owner.path_resolve(path)
+            # Text is no number, also where it looks like one.
+            value = np.array(None if isinstance(value, str) else value, np.float64)
         except (ValueError, TypeError):
             continue
+        value = np.nan_to_num(value, nan=0.0, posinf=0.0, neginf=0.0)
         if value.ndim == 0:
             return (*[float(value)] * 3, 1.0)
         if value.ndim == 1 and 1 <= len(value) <= 4:

@@ -75,6 +75,13 @@ def note_light_flags(thing, report):
     lamp = thing.data
     if not lamp.use_shadow:
         report.add(source, "Cast Shadow is off", "it casts shadows, and fog dims it", in_fog=True)
-    # Blender without Cycles has no such settings.
-    if hasattr(lamp, "cycles") and lamp.cycles.max_bounces < 1024:
-        report.add(source, "Max Bounces", "no limit", in_fog=True)
+
+
+#: Max Bounces of lamps and worlds that limit nothing.
+_ANY = 1024
+
+
+def bounces_of(owner):
+    """Max Bounces of an evaluated light or world; None: any, as without Cycles."""
+    most = owner.cycles.max_bounces if hasattr(owner, "cycles") else _ANY
+    return most if most < _ANY else None

@@ -9,7 +9,7 @@ from covbeam.session import Geometry
 from ..host import ask
 from ..host.scene import MATERIAL, OBJECT_RULES, Light, LightKind, Rays
 from .facts import found, wanted
-from .flags import hidden_from, note_fog_flags, note_left_out, note_light_flags, of_objects
+from .flags import bounces_of, hidden_from, note_fog_flags, note_left_out, note_light_flags, of_objects
 from .lights import light
 from .linking import BLOCKERS, RECEIVERS, Linking
 from .meshes import FARTHEST, in_world, inset, reach
@@ -132,7 +132,7 @@ class Objects:
             facts = found(wanted(thing.data.node_tree), instance, self._depsgraph)
             made = light(thing.data, thing.name, self._moved(matrix), self._report, facts)
             if made is not None:
-                self.lights.append(replace(made, hidden_from=origin.hidden, group=origin.group))
+                self.lights.append(replace(made, hidden_from=origin.hidden, group=origin.group, bounces=bounces_of(thing.data)))
                 self._linked.append((self._receivers.of(thing), self._blockers.of(thing)))
         else:
             note_left_out(thing, self._report)

@@ -8,6 +8,7 @@ import numpy as np
 from ..host.scene import Scene
 from .camera import camera, frame
 from .facts import found, wanted
+from .flags import bounces_of
 from .materials import world_fog
 from .objects import Objects
 from .other_blender import polling
@@ -47,7 +48,7 @@ def export(depsgraph, poll=None, home=None):
     note_settings(depsgraph, camera_object, report)
     with polling(poll):
         scene, fog = _read(depsgraph, lambda thing: not thing.hide_render, report, poll, home)
-    note_clipping(depsgraph, camera_object, eye, scene.geometry.bounds, fog, report)
+    note_clipping(depsgraph, camera_object, replace(scene, camera=eye), fog, report)
     return replace(scene, camera=eye), report
 
 
@@ -73,7 +74,7 @@ def _read(depsgraph, shows, report, poll, home):
     # Fog without end lets nothing through from infinitely far away.
     if fog is None:
         # Without a world there is no sky.
-        lights += [replace(light, group=world.lightgroup) for light in sky(world, report, poll, facts)]
+        lights += [replace(light, group=world.lightgroup, bounces=bounces_of(world)) for light in sky(world, report, poll, facts)]
     if fog is not None:
         world_volume = len(filled)
         filled.append(Filled(world.name, fog, np.full(3, -np.inf), np.full(3, np.inf)))

@@ -3,6 +3,11 @@
 
 import numpy as np
 
+from ..host.scene import LightKind
+
+#: Kinds of lamps whose light thins out.
+_THINNING = {LightKind.POINT, LightKind.SPOT, LightKind.AREA, LightKind.MESH}
+
 
 def note_settings(depsgraph, camera_object, report):
     """Reports what differs from what is rendered."""
@@ -26,20 +31,30 @@ def exposure(scene):
     return scene.cycles.film_exposure if hasattr(scene, "cycles") else 1.0
 
 
-def note_clipping(depsgraph, camera_object, camera, bounds, world_fog, report):
+def note_clipping(depsgraph, camera_object, scene, world_fog, report):
     """Reports that Cycles ends what the camera sees at its clip distance, where something is there.
 
-    - camera: host.scene.Camera; bounds: corners of all geometry [m]; world_fog: volumes.Fog or None.
+    - scene: host.scene.Scene; world_fog: volumes.Fog or None.
     """
     data = camera_object.evaluated_get(depsgraph).data
     source = f'Camera "{camera_object.name}"'
-    low, high = bounds
-    farthest = np.linalg.norm(np.maximum(np.abs(low - camera.position), np.abs(high - camera.position)))
+    eye, (low, high) = scene.camera.position, scene.geometry.bounds
+    farthest = np.linalg.norm(np.maximum(np.abs(low - eye), np.abs(high - eye)))
     if np.isfinite(farthest) and farthest > data.clip_end:
         report.add(source, "objects beyond Clip End", "seen all the same", in_fog=True)
-    if world_fog is not None:
-        total = world_fog.at()
-        extinction = np.min(total.scattering + total.absorption)
-        # Beyond 7 mean free paths less than a thousandth of the light arrives.
-        if extinction * data.clip_end < 7:
-            report.add(source, "Clip End, which ends the fog of the world in Cycles", "the fog goes on; raise Clip End", in_fog=True)
+    if world_fog is not None and _lost(eye, scene.lights, world_fog, data.clip_end) > 0.01:
+        report.add(source, "Clip End, which ends the fog of the world in Cycles", "the fog goes on; raise Clip End", in_fog=True)
+
+
+def _lost(eye, lights, world_fog, clip_end):
+    """A bound on the share of the light in fog that is farther away than clip_end [m]."""
+    total = world_fog.at()
+    left = float(np.exp(-np.min(total.scattering + total.absorption) * clip_end))
+    # Light of a lamp thins out with the square of the distance from it: along a ray that passes it at h the share beyond x is h / (pi x). What a
+    # lamp shines on is about as far away as the camera.
+    near = [light for light in lights if light.kind in _THINNING and light.falloff == 0]
+    if len(near) < len(lights):
+        return left
+    places = [light.triangles.reshape(-1, 3).astype(np.float64) if len(light.triangles) else light.position[None] for light in near]
+    reach = max((float(np.linalg.norm(place - eye, axis=1).max()) for place in places), default=0.0)
+    return left if reach >= clip_end else left * reach / (np.pi * (clip_end - reach))

@@ -20,7 +20,7 @@ def split(scenes, names):
     lit = [name for name in names if all(any(light.group == name for light in scene.lights) for scene in scenes)]
     parts = [(name, [replace(scene, lights=_of(scene, name), volumes=_dark(scene)) for scene in scenes]) for name in lit]
     rest = [replace(scene, lights=[light for light in scene.lights if light.group not in lit]) for scene in scenes]
-    if any(scene.lights or any(volume.glow is not None for volume in scene.volumes) for scene in rest):
+    if any(scene.shines for scene in rest):
         parts.append(("", rest))
     return parts
 

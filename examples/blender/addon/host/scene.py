@@ -107,6 +107,8 @@ class Light:
     #: Of all but suns and worlds: its straight light is times d^falloff d^2 / (smooth + d^2) at a distance d [m].
     falloff: float = 0.0
     smooth: float = 0.0
+    #: Where bounces are limited, most of its light on the way to the camera; None: as many as these limits let.
+    bounces: int | None = None
 
 
 class Phase(IntEnum):
@@ -254,3 +256,8 @@ class Scene:
     camera: Camera
     #: Factor on all light of the picture, >= 0.
     exposure: float = 1.0
+
+    @property
+    def shines(self):
+        """Whether there is any light: of lamps, or of volumes that send it out."""
+        return bool(self.lights) or any(volume.glow is not None for volume in self.volumes)

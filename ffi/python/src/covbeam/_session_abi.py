@@ -115,6 +115,8 @@ class Light(ctypes.Structure):
         ("unshadowed", ctypes.c_uint64),
         ("falloff", ctypes.c_double),
         ("smooth", ctypes.c_double),
+        ("most_events", ctypes.c_uint32),
+        ("unused", ctypes.c_uint32),
     ]
 
 

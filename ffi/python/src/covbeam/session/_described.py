@@ -59,6 +59,8 @@ class Light:
     - hidden_from: Rays that do not see it: it does not fall on what they leave.
     - unlit: sets of objects and volumes that it does not fall on straight, a bit each; unshadowed: sets of objects that cast no shadow of it.
     - falloff, smooth: its straight light is times d**falloff * d**2 / (smooth + d**2) at a distance d [m], falloff from 0 to 4; not of suns and skies.
+    - bounces: where a session's limits hold, the largest number of scatterings and reflections of its light, the one that sends it to the camera apart; None: no
+      other than theirs.
     - pattern: None, or what has `cells` (rows, columns, 3), `axes` (3, 3) and `reach`; sky: cells (rows, columns, 3), turned by `turn`.
     """
 
@@ -87,6 +89,7 @@ class Light:
     unshadowed: int = 0
     falloff: float = 0.0
     smooth: float = 0.0
+    bounces: int | None = None
 
 
 @dataclass(eq=False)

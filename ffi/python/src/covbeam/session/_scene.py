@@ -196,6 +196,8 @@ def _light(name, light, kept):
     given |= _numbers(name, light, ("radius", "cosine", "blend", "spread", "angle", "falloff", "smooth"))
     given["kind"] = whole(f"{name}.kind", light.kind)
     given["hidden_from"] = whole(f"{name}.hidden_from", _of(light, "hidden_from", 0))
+    bounces = _of(light, "bounces", None)
+    given["most_events"] = 0 if bounces is None else whole(f"{name}.bounces", bounces, 0, 2**31 - 1) + 1
     given |= {field: whole(f"{name}.{field}", _of(light, field, 0), 0, 2**64 - 1) for field in ("unlit", "unshadowed")}
     given |= {f"is_{field}": bool(_of(light, field, False)) for field in ("visible", "soft", "round")}
     triangles = packed(f"{name}.triangles", _of(light, "triangles", np.zeros((0, 3, 3))), _FLOAT, (None, 3, 3))
