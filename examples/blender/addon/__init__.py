@@ -6,7 +6,7 @@ Nothing here imports numpy or covbeam when the add-on is enabled: what is missin
 
 import bpy
 
-from . import add_beams, engine, foreign_panels, panels, preferences, presets, requirements, settings
+from . import add_beams, engine, foreign_panels, missing_files, panels, preferences, presets, requirements, settings
 
 # Blender before 4.2 knows no extensions: this is how it lists the add-on, and with it the message that it is too old.
 bl_info = {
@@ -16,7 +16,7 @@ bl_info = {
     "description": "Volumetric caustics and light shafts as a pass for Cycles scenes",
 }
 
-_MODULES = (settings, presets, engine, add_beams, panels, foreign_panels)
+_MODULES = (settings, presets, engine, add_beams, missing_files, panels, foreign_panels)
 
 
 def register():

@@ -36,9 +36,13 @@ class BeamRender:
     def path(self, frame):
         return os.path.join(self.folder, f"{_stem(self.view_layers)}_{frame:04}.exr")
 
+    @property
+    def frames(self):
+        return range(self.first, self.last + 1, self.step)
+
     def missing(self):
         """Paths of frames that have not been written since the render has begun."""
-        paths = map(self.path, range(self.first, self.last + 1, self.step))
+        paths = map(self.path, self.frames)
         # File systems keep times to 2 s at worst.
         return [path for path in paths if not os.path.isfile(path) or os.path.getmtime(path) < self.begun - 2]
 

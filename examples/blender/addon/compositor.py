@@ -4,10 +4,12 @@
     (noisy) image of Cycles - volume direct - volume indirect [-> denoise] + in-scattered light of covbeam
 
 Cycles' fog is subtracted, not switched off: that is exact whatever the scene has, and undone by taking nodes away. In frames that have no
-beams a switch behind the sum lets Cycles' image through as it is.
+beams, or whose file is not there, a switch behind the sum lets Cycles' image through as it is.
 
 They stand between the render layers and whatever these went to, carry a mark, and are made once.
 """
+
+import os
 
 import bpy
 
@@ -16,9 +18,12 @@ _ROLE = "covbeam"
 _LAYER = "covbeam_layer"
 _SWITCH = "switch"
 
-#: Custom properties of the switch: the socket of the render layers that it stands for, and passes that were off before.
+#: Custom properties of the switch: the socket of the render layers that it stands for, passes that were off before, the frames that have
+#: beams (first, last, step), and what is to be told of missing files, if any are.
 _SOURCE = "covbeam_source"
 _SWITCHED_ON = "covbeam_passes"
+_FRAMES = "covbeam_frames"
+_MISSING = "covbeam_missing"
 
 _VOLUME_PASSES = ("use_pass_volume_direct", "use_pass_volume_indirect")
 
@@ -164,7 +169,8 @@ def _add(tree, scene, view_layer, beams):
         setattr(view_layer.cycles, name, True)
     if not targets:
         advice.append(
-            f'The picture of the view layer "{view_layer.name}" goes nowhere in the compositor: connect its node {_label(beams)} where it belongs.'
+            f'The picture of the view layer "{view_layer.name}" goes nowhere in the compositor: connect its node {_label(beams.frames)} where it '
+            "belongs."
         )
 
     light = layers.outputs["Noisy Image" if denoised else source]
@@ -195,10 +201,11 @@ def _add(tree, scene, view_layer, beams):
     tree.links.new(light, a)
     tree.links.new(image.outputs[_PASS], b)
     nodes.append(node)
-    node, factor, a, b, switched = _mix(tree, _SWITCH, "MIX", _label(beams))
+    node, factor, a, b, switched = _mix(tree, _SWITCH, "MIX", _label(beams.frames))
     tree.links.new(layers.outputs[source], a)
     tree.links.new(result, b)
-    _drive(factor, beams)
+    _show(_drive(factor), beams.frames)
+    node[_FRAMES] = beams.first, beams.last, beams.step
     node[_SOURCE] = source
     node[_SWITCHED_ON] = {"view_layer": view_layer.name, "passes": ",".join(switched_on)}
     nodes.append(node)
@@ -212,20 +219,81 @@ def _add(tree, scene, view_layer, beams):
     return advice
 
 
-def _label(beams):
-    """Of the switch: which frames have beams."""
-    if beams.first == beams.last:
-        return f"Light in Fog: frame {beams.first}"
-    every = "" if beams.step == 1 else f", every {beams.step}"
-    return f"Light in Fog: frames {beams.first} to {beams.last}{every}"
+def _label(frames):
+    """Of the switch: which frames, a range, have beams."""
+    if len(frames) == 1:
+        return f"Light in Fog: frame {frames[0]}"
+    every = "" if frames.step == 1 else f", every {frames.step}"
+    return f"Light in Fog: frames {frames[0]} to {frames[-1]}{every}"
 
 
-def _drive(factor, beams):
-    """Makes a factor 1 in frames that have beams, and 0 in all others."""
-    driver = factor.driver_add("default_value").driver
-    driver.type = "SCRIPTED"
+def _drive(factor):
+    """Makes a factor a curve over frames, which it returns, without an action of its own in the file."""
+    curve = factor.driver_add("default_value")
+    curve.driver.type = "SCRIPTED"
     # Blender computes expressions that are as simple as this one itself, without its permission to run scripts.
-    driver.expression = f"{beams.first} <= frame <= {beams.last} and fmod(frame - {beams.first}, {beams.step}) == 0"
+    curve.driver.expression = "frame"
+    for modifier in list(curve.modifiers):
+        curve.modifiers.remove(modifier)
+    return curve
+
+
+def _show(curve, frames):
+    """Makes the curve of a switch 1 in frames, a sequence, and 0 in all others."""
+    keys = dict.fromkeys((beside for frame in frames for beside in (frame - 1, frame + 1)), 0.0)
+    keys.update(dict.fromkeys(frames, 1.0))
+    curve.keyframe_points.clear()
+    for frame, value in sorted((keys or {0: 0.0}).items()):
+        curve.keyframe_points.insert(frame, value, options={"FAST"}).interpolation = "CONSTANT"
+    curve.update()
+
+
+def _shown(curve):
+    return [round(point.co.x) for point in curve.keyframe_points if point.co.y == 1]
+
+
+def look_for_files(scene):
+    """Lets Cycles' fog light stand in frames whose files are not there, and beams in all others that were rendered.
+
+    Returns what the artist should know, texts.
+    """
+    for switch in _switches(scene):
+        tree, (first, last, step) = switch.id_data, switch[_FRAMES]
+        curve = tree.animation_data and tree.animation_data.drivers.find(_mix_factor(switch).path_from_id("default_value"))
+        image = next((node.image for node in _ours(tree) if node[_ROLE] == "image" and node[_LAYER] == switch[_LAYER]), None)
+        if curve is None or image is None:
+            # The artist has made them something else.
+            continue
+        frames = range(first, last + 1, step)
+        stem = bpy.path.abspath(image.filepath, library=image.library).removesuffix(f"{first:04}.exr")
+        there = [frame for frame in frames if os.path.isfile(f"{stem}{frame:04}.exr")]
+        if there == _shown(curve):
+            continue
+        _show(curve, there)
+        missing = sorted({*frames}.difference(there))
+        switch.label = _label(frames)
+        switch.pop(_MISSING, None)
+        if missing:
+            switch.label += f" ({len(missing)} missing)"
+            switch[_MISSING] = (
+                f"Light in fog of Covbeam is missing in {len(missing)} of {len(frames)} frames, where Cycles' fog light stands: there is "
+                f"no file {stem}{missing[0]:04}.exr. Add Beams renders it again."
+            )
+    return missing_files(scene)
+
+
+def missing_files(scene):
+    """What the artist should know of files that `look_for_files` has not found, texts."""
+    return list(dict.fromkeys(switch[_MISSING] for switch in _switches(scene) if _MISSING in switch))
+
+
+def _switches(scene):
+    return [node for node in _ours(_tree(scene)) if _FRAMES in node] if has_beams(scene) else []
+
+
+def _mix_factor(node):
+    """The factor of a node of `_mix`."""
+    return next(socket for socket in node.inputs if socket.enabled)
 
 
 def remove(scene):

@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import caustics, latest, requirements, text
+from . import caustics, compositor, latest, requirements, text
 from .add_beams import COVBEAM_OT_add_beams, COVBEAM_OT_remove_beams, COVBEAM_OT_replace_fog
 from .engine import CovbeamEngine
 from .presets import COVBEAM_OT_preset, Preset
@@ -83,6 +83,8 @@ class COVBEAM_PT_beams(_RenderPanel, bpy.types.Panel):
         if COVBEAM_OT_replace_fog.poll(context):
             column.operator(COVBEAM_OT_replace_fog.bl_idname, icon="ERROR")
         column.operator(COVBEAM_OT_remove_beams.bl_idname, icon="X")
+        for words in compositor.missing_files(context.scene):
+            text.draw(self.layout, words, icon="ERROR")
 
 
 class COVBEAM_PT_advanced(_RenderPanel, bpy.types.Panel):

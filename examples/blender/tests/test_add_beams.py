@@ -514,6 +514,37 @@ class LayersAndFrames(AddBeams):
             else:
                 self.assertEqual(blue, cycles[frame], frame)
 
+    def test_a_frame_whose_file_is_deleted_is_cycles_own_and_is_told(self):
+        self.wire()
+        cycles = self.animation(1, 4)
+        self.scene.frame_start, self.scene.frame_end = 1, 4
+        bpy.ops.covbeam.add_beams(animation=True)
+        file = self.folder / "beams" / "beams_Near_Far_0003.exr"
+        moved = file.rename(self.folder / "moved.exr")
+
+        def check(without):
+            found = self.animation(1, 4)
+            for frame, blue in found.items():
+                if frame in without:
+                    self.assertEqual(blue, cycles[frame], frame)
+                else:
+                    self.assertAlmostEqual(blue, self.expected(frame), delta=1e-3, msg=str(frame))
+
+        check({3})
+        (words,) = compositor.missing_files(self.scene)
+        self.assertIn("in 1 of 4 frames", words)
+        self.assertIn(str(file), words)
+        # A still, too.
+        self.scene.frame_set(3)
+        self.assertAlmostEqual(self.final()[..., 2].mean(), cycles[3], delta=1e-6)
+        moved.rename(file)
+        check(set())
+        self.assertEqual(compositor.missing_files(self.scene), [])
+        for path in (self.folder / "beams").iterdir():
+            path.unlink()
+        check({1, 2, 3, 4})
+        self.assertIn("in 4 of 4 frames", compositor.missing_files(self.scene)[0])
+
     def test_a_denoised_frame_without_beams_is_cycles_own(self):
         self.scene.cycles.use_denoising = True
         self.wire()
