@@ -25,9 +25,18 @@ class _Look(bpy.types.RenderEngine):
     seen = []
 
     def update(self, data, depsgraph):
+        render, frame = depsgraph.scene.render, depsgraph.scene.frame_current
+        self.seen.append([])
+        # As Cycles does, it asks Blender for the scene at instants of its own choice while the shutter is open.
+        for time in frame + motion.moments(render, motion.INSTANTS) if render.use_motion_blur else (frame,):
+            self.frame_set(int(np.floor(time)), time - np.floor(time))
+            self.note(depsgraph)
+        self.frame_set(frame, 0.0)
+
+    def note(self, depsgraph):
         camera = depsgraph.scene.camera.evaluated_get(depsgraph)
         lamps = [tuple(instance.matrix_world.translation) for instance in depsgraph.object_instances if instance.object.type == "LIGHT"]
-        self.seen.append((np.array(camera.matrix_world.translation), sorted(lamps)))
+        self.seen[-1].append((np.array(camera.matrix_world.translation), sorted(lamps)))
 
     def render(self, depsgraph):
         self.end_result(self.begin_result(0, 0, 8, 8))
@@ -77,14 +86,17 @@ class RigidBodies(unittest.TestCase):
             self.scene.frame_set(frame)
 
     def compare(self, first, last=None):
-        """Camera and lamps of frames (of the current one if there is no last), for F12 and for Add Beams. Returns the camera's places."""
+        """Camera and lamps of frames (of the current one if there is no last), for F12 and for Add Beams.
+
+        Returns the camera's places at the instants of each frame, frame by frame, as Add Beams has them.
+        """
         self.scene.frame_start, self.scene.frame_end = first, last or first
         found = []
         exposures = motion.exposures
 
         def noted(*given):
             scenes, report = exposures(*given)
-            found.append((scenes[0].camera.position, sorted(tuple(light.position) for light in scenes[0].lights)))
+            found.append([(made.camera.position, sorted(tuple(light.position) for light in made.lights)) for made in scenes])
             return scenes, report
 
         before = Vector(self.cube.evaluated_get(bpy.context.evaluated_depsgraph_get()).matrix_world.translation)
@@ -96,13 +108,17 @@ class RigidBodies(unittest.TestCase):
         bpy.ops.render.render(animation=last is not None)
         self.scene.render.engine = "CYCLES"
         self.assertEqual(len(found), len(_Look.seen))
-        for (place, lamps), (expected, expected_lamps) in zip(found, _Look.seen):
-            # Single precision of lengths of 10 m.
-            np.testing.assert_allclose(place, expected, rtol=0, atol=1e-5)
-            np.testing.assert_allclose(lamps, expected_lamps, rtol=0, atol=1e-5)
+        for instants, expected_instants in zip(found, _Look.seen):
+            # Of a frame in which nothing moves there is a single one.
+            self.assertIn(len(instants), (1, len(expected_instants)))
+            for number, (expected, expected_lamps) in enumerate(expected_instants):
+                place, lamps = instants[number % len(instants)]
+                # Single precision of lengths of 10 m.
+                np.testing.assert_allclose(place, expected, rtol=0, atol=1e-5)
+                np.testing.assert_allclose(lamps, expected_lamps, rtol=0, atol=1e-5)
         after = self.cube.evaluated_get(bpy.context.evaluated_depsgraph_get()).matrix_world.translation
         self.assertEqual((self.scene.frame_current, after), (self.frame, before))
-        return [place for place, _ in found]
+        return [[place for place, _ in instants] for instants in found]
 
     def at(self, frame):
         self.frame = frame
@@ -112,14 +128,14 @@ class RigidBodies(unittest.TestCase):
         start = np.array(self.scene.camera.matrix_world.translation)
         self.play(20)
         self.at(20)
-        (place,) = self.compare(20)
+        ((place,),) = self.compare(20)
         self.assertGreater(np.abs(place - start).max(), 0.3)
 
     def test_an_animation_from_its_middle_while_its_last_frame_is_shown(self):
         self.play(20)
         self.at(20)
         places = self.compare(18, 20)
-        self.assertGreater(np.abs(places[0] - places[2]).max(), 1e-3)
+        self.assertGreater(np.abs(places[0][0] - places[2][0]).max(), 1e-3)
 
     def test_an_animation_from_its_beginning(self):
         self.at(1)
@@ -148,6 +164,36 @@ class RigidBodies(unittest.TestCase):
         self.play(3)
         self.at(3)
         self.compare(7, 9)
+
+    def blur(self, played, first, last, baked=False):
+        """Compares frames with motion blur after frames up to `played` were played, and returns what `compare` does."""
+        self.scene.render.use_motion_blur = True
+        self.scene.render.motion_blur_shutter = 0.8
+        self.play(played)
+        cache = self.scene.rigidbody_world.point_cache
+        if baked:
+            with bpy.context.temp_override(point_cache=cache):
+                bpy.ops.ptcache.bake_from_cache()
+        self.at(max(played, 1))
+        places = self.compare(first, last)
+        self.assertEqual(cache.is_baked, baked)
+        return places
+
+    def test_motion_blur_of_what_was_played_in_part(self):
+        places = self.blur(3, 2, 5)
+        # The shutter sees it move.
+        self.assertGreater(np.abs(places[0][0] - places[0][-1]).max(), 1e-4)
+
+    def test_motion_blur_of_what_was_never_played(self):
+        self.blur(0, 2, 4)
+
+    def test_motion_blur_of_what_was_played_wholly(self):
+        places = self.blur(8, 4, 6)
+        self.assertGreater(np.abs(places[0][0] - places[0][-1]).max(), 1e-4)
+
+    def test_motion_blur_of_what_was_baked(self):
+        places = self.blur(8, 4, 6, baked=True)
+        self.assertGreater(np.abs(places[0][0] - places[0][-1]).max(), 1e-4)
 
     def test_what_was_not_simulated(self):
         self.at(11)
