@@ -93,6 +93,9 @@ def begin(scene, active, animation):
         # Of the simulation it has what was played, which as its own cache Blender would throw away.
         with bpy.context.temp_override(scene=copy, point_cache=copy.rigidbody_world.point_cache):
             bpy.ops.ptcache.bake_from_cache()
+        # In the frame after its first one a simulation is built. Bodies are shared: the copy would take them away from the scene's own
+        # simulation, and Blender crash when that goes on.
+        copy.rigidbody_world.point_cache.frame_start -= 10_000
     copy.name = f"{scene.name} (beams)"
     copy[copies.MARK] = scene.render.pixel_aspect_x, scene.render.pixel_aspect_y
     copy.render.pixel_aspect_x = copy.render.pixel_aspect_y = 1.0
