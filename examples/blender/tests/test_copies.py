@@ -195,6 +195,13 @@ class RigidBodies(unittest.TestCase):
         places = self.blur(8, 4, 6, baked=True)
         self.assertGreater(np.abs(places[0][0] - places[0][-1]).max(), 1e-4)
 
+    def test_again_from_the_beginning(self):
+        """The scene's own simulation goes on: where its bodies are gone, Blender crashes."""
+        for played, first, last in ((3, 2, 5), (5, 2, 4), (8, 4, 6)):
+            self.at(1)
+            _Look.seen.clear()
+            self.blur(played, first, last)
+
     def test_what_was_not_simulated(self):
         self.at(11)
         self.compare(11)
