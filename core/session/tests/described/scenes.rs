@@ -63,6 +63,7 @@ pub(crate) const FOG: VolumeFields = VolumeFields {
 
 /// A point.
 pub(crate) const LAMP: LightFields = LightFields {
+    most_events: 0,
     position: [1.0, 2.4, 0.0],
     axis: [0.0; 3],
     u: [0.0; 3],
