@@ -119,7 +119,10 @@ mod tests {
 
     /// Of a path from the lamp: a letter an event; small ones are sharp.
     fn sees(limits: &BounceLimits, path: &str) -> [bool; 2] {
-        let mut counted = Counted::default();
+        seen(Counted::default(), limits, path)
+    }
+
+    fn seen(mut counted: Counted, limits: &BounceLimits, path: &str) -> [bool; 2] {
         for letter in path.chars() {
             let bounce = match letter.to_ascii_uppercase() {
                 'D' => Bounce::Diffuse,
@@ -173,6 +176,31 @@ mod tests {
                     assert_eq!(sees(&limits, &sharp), expected, "{path} {limits:?}");
                 }
             }
+        }
+    }
+
+    /// A lamp's own limit is that of all events but for the one that is seen, and lets nothing off: a path tracer looks up no such lamp.
+    #[test]
+    fn a_lamp_has_fewer_events_than_all() {
+        let limits = BounceLimits { volume: 4, ..CYCLES };
+        for (most, path, is_seen) in [
+            (0, "", true),
+            (0, "t", false),
+            (0, "D", false),
+            (1, "t", true),
+            (1, "D", true),
+            (1, "tD", false),
+            (2, "tD", true),
+            (2, "DDD", false),
+            (90, "DDDD", true),
+            (90, "DDDDDD", false),
+            (u32::MAX, "t", true),
+        ] {
+            assert_eq!(
+                seen(Counted::of_lamp(Some(&limits), most), &limits, path)[0],
+                is_seen,
+                "{most} {path}"
+            );
         }
     }
 

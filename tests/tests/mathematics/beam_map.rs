@@ -10,6 +10,7 @@ use covbeam_tests::kernel::plain;
 use covbeam_tests::random::Stream;
 
 const FOG: Medium = Medium {
+    more: &[],
     scattering: Vec3::new(0.2, 0.15, 0.1),
     absorption: Vec3::new(0.02, 0.03, 0.0),
     phase: PhaseFunction { kind: PhaseKind::HenyeyGreenstein, asymmetry: 0.6 },

@@ -31,7 +31,7 @@ const AIR: Density<'static> =
 
 fn media(density: Density<'_>) -> impl Iterator<Item = Medium<'_>> {
     COEFFICIENTS.into_iter().flat_map(move |[scattering, absorption]| {
-        PHASES.into_iter().map(move |phase| Medium { scattering, absorption, phase, density })
+        PHASES.into_iter().map(move |phase| Medium { scattering, absorption, phase, density, more: &[] })
     })
 }
 

@@ -99,6 +99,30 @@ fn glass_without_a_shadow_lets_straight_light_by() {
     assert_alike("what is transparent", &tinted, quarters(&through));
 }
 
+/// The camera in a ball that lets through half of what is behind it sees the mean of a scene without it, and of one where it is black.
+#[test]
+fn fog_behind_what_is_partly_transparent_is_seen_through_it() {
+    let inside = |transparent: f32| {
+        scene(true, |given| {
+            given.camera.position = [0.0, 0.3, 0.0];
+            given.materials[1] = MaterialFields { transparent: [transparent; 3], ..BLACK };
+            given.objects[1].hidden_from = Rays::ALL.bits() & !Rays::CAMERA.bits();
+        })
+    };
+    let [without, half, black] = [1.0, 0.5, 0.0].map(|transparent| {
+        let quarters = quarters(&inside(transparent));
+        [0, 1].map(|which| quarters.iter().map(|quarter| quarter[which]).sum::<f64>())
+    });
+    assert!(
+        black[0] < 0.8 * without[0],
+        "hardly any fog is behind the ball: {black:?} of {without:?} before it"
+    );
+    let (mean, error) =
+        (f64::midpoint(without[0], black[0]), (half[1] + (without[1] + black[1]) / 4.0).sqrt());
+    println!("{} for {mean} ± {error}", half[0]);
+    assert!(error < 0.05 * mean && (half[0] - mean).abs() < 5.0 * error);
+}
+
 /// Fog that no light of lamps falls on is as dark as where these do not shine, and what the floor reflects lights it all the same.
 #[test]
 fn lamps_light_what_they_are_linked_to() {
