@@ -5,7 +5,6 @@
 #![doc = include_str!("../README.md")]
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
-pub mod bounces;
 pub mod camera;
 pub mod color;
 pub mod describe;
@@ -29,5 +28,4 @@ pub mod scene;
 pub mod session;
 pub mod settings;
 pub mod surface;
-pub mod visibility;
 pub mod work;

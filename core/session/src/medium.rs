@@ -7,7 +7,7 @@ pub mod volume;
 
 use crate::medium::density::MediumDensity;
 use crate::medium::glow::Glow;
-use crate::visibility::Heed;
+use crate::scene::visibility::Heed;
 use covbeam::{Medium, PhaseShare};
 use std::sync::Arc;
 

@@ -1,6 +1,7 @@
 //! Light paths: from a light through media and surfaces until they are absorbed or escape.
 
 mod connect;
+mod division;
 mod emission;
 mod events;
 mod fields;

@@ -1,5 +1,6 @@
 //! What a scene is: objects, lights, media, camera and the defaults of a render.
 
+pub mod bounces;
 mod coincident;
 pub(crate) mod geometry;
 #[cfg(test)]
@@ -8,8 +9,8 @@ pub mod media;
 mod nesting;
 pub mod optics;
 pub(crate) mod passage;
+pub mod visibility;
 
-use crate::bounces::{Bounce, BounceLimits, Counted};
 use crate::camera::Camera;
 use crate::host::Host;
 pub use crate::light::kinds::Light;
@@ -20,7 +21,8 @@ pub use crate::medium::density::MediumDensity;
 pub use crate::medium::{MediumId, SceneMedium};
 pub use crate::object::Object;
 pub use crate::object::placed::{Placed, PlacedObject};
-pub use crate::visibility::{Heed, Links, Rays};
+use crate::scene::bounces::{Bounce, BounceLimits, Counted};
+pub use crate::scene::visibility::{Heed, Links, Rays};
 use covbeam_geometry::hit::Hit;
 pub use covbeam_geometry::shape::Shape;
 use glam::Vec3;

@@ -55,7 +55,7 @@ class Scene:
 
     @property
     def shines(self):
-        return bool(self.lights)
+        return bool(self.lights) or any(getattr(volume, "glow", None) is not None for volume in self.volumes)
 
 
 def picture(width, height, passes=1):

@@ -3,9 +3,9 @@
 use crate::memory::read_options;
 use crate::status::{Failure, covbeam_status::*, fail, work};
 use ::covbeam_geometry::MAX_COORDINATE;
-use ::covbeam_session::bounces::BounceLimits;
 use ::covbeam_session::pilot::defaults::{Cells, Given};
 use ::covbeam_session::scene::MAX_PHOTONS;
+use ::covbeam_session::scene::bounces::BounceLimits;
 use ::covbeam_session::settings::{Layers, Method, Settings};
 use ::covbeam_session::work::threads::{self, Spawn, Worker};
 use core::ffi::c_void;
@@ -141,14 +141,7 @@ pub(super) unsafe fn chosen(settings: *const covbeam_session_settings) -> Result
     // SAFETY: by this function's contract.
     let given = unsafe { read_options(settings, LEAST, "settings") }?;
     let covbeam_session_settings { seed, photons, grid, most_events, threads, radius, error, .. } = given;
-    let method = match given.method {
-        m if m == covbeam_method::COVBEAM_METHOD_COVBEAM as u32 => Method::Covbeam,
-        m if m == covbeam_method::COVBEAM_METHOD_THESIS as u32 => Method::Thesis,
-        m if m == covbeam_method::COVBEAM_METHOD_PLAIN as u32 => Method::Plain,
-        m if m == covbeam_method::COVBEAM_METHOD_LIGHT_TRACE as u32 => Method::LightTrace,
-        m if m == covbeam_method::COVBEAM_METHOD_MARCH as u32 => Method::March,
-        other => return Err(wrong("method", other, "a covbeam_method")),
-    };
+    let method = method(given.method)?;
     if !(radius == 0.0 || (1e-9..=f64::from(MAX_COORDINATE)).contains(&radius)) {
         return Err(wrong("radius", radius, "a number from 1e-9 to 1e9, or 0 for the scene's own"));
     }
@@ -195,6 +188,17 @@ pub(super) unsafe fn chosen(settings: *const covbeam_session_settings) -> Result
     }
     let spawn = given.spawn.map(|start| spawn(start, given.spawn_user));
     Ok(Chosen { given: numbers, settings, first_pass: given.first_pass, threads, spawn })
+}
+
+fn method(given: u32) -> Result<Method, Failure> {
+    match given {
+        m if m == covbeam_method::COVBEAM_METHOD_COVBEAM as u32 => Ok(Method::Covbeam),
+        m if m == covbeam_method::COVBEAM_METHOD_THESIS as u32 => Ok(Method::Thesis),
+        m if m == covbeam_method::COVBEAM_METHOD_PLAIN as u32 => Ok(Method::Plain),
+        m if m == covbeam_method::COVBEAM_METHOD_LIGHT_TRACE as u32 => Ok(Method::LightTrace),
+        m if m == covbeam_method::COVBEAM_METHOD_MARCH as u32 => Ok(Method::March),
+        other => Err(wrong("method", other, "a covbeam_method")),
+    }
 }
 
 /// Threads that a host starts.

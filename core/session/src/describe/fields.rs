@@ -1,6 +1,6 @@
 //! Checks of numbers; each error names the field.
 
-use crate::visibility::{Heed, Rays, SETS};
+use crate::scene::visibility::{Heed, Rays, SETS};
 use crate::work::failure::{Failure, Result, invalid};
 use covbeam_geometry::MAX_COORDINATE;
 use glam::{DVec3, Vec3};

@@ -90,7 +90,7 @@ pub struct LightFields {
     pub unlit: u64,
     /// Sets of objects that it passes as if they were not there.
     pub unshadowed: u64,
-    /// Rays that do not see it where it falls: the bits of [`Rays`](crate::visibility::Rays). The camera's and those to lamps do not count.
+    /// Rays that do not see it where it falls: the bits of [`Rays`](crate::scene::visibility::Rays). The camera's and those to lamps do not count.
     pub hidden_from: u32,
     /// Its straight light is times dᵃ d²/(s + d²) at a distance d, s in m²: a from 0 to 4, and s. Suns and skies have none.
     pub falloff: f64,

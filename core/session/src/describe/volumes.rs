@@ -46,7 +46,7 @@ pub struct VolumeFields {
     pub origin: [f64; 3],
     /// Where it falls to, unit.
     pub up: [f64; 3],
-    /// Rays that do not see it, by the bits of [`Rays`](crate::visibility::Rays): of the camera, and to lamps, whose straight light is not dimmed
+    /// Rays that do not see it, by the bits of [`Rays`](crate::scene::visibility::Rays): of the camera, and to lamps, whose straight light is not dimmed
     /// in it then, and scattered all the same.
     pub hidden_from: u32,
     /// Which set it is in, for lamps that light some only: below 64.

@@ -4,7 +4,7 @@ use crate::host::Host;
 use crate::material::{Asks, Material};
 use crate::medium::fogs::AddedFogs;
 use crate::object::geometry::{MOST_SURFACES, Shading, Surfaces};
-use crate::visibility::{Heed, Links, Rays};
+use crate::scene::visibility::{Heed, Links, Rays};
 use covbeam_geometry::hit::Hit;
 use covbeam_geometry::instances::Instances;
 use covbeam_geometry::shape::unite;

@@ -1,6 +1,5 @@
 //! Emission: the light that a path starts from, and the photon that leaves it.
 
-use crate::bounces::Counted;
 use crate::lamps::near::Near;
 use crate::light::EmittedPhoton;
 use crate::paths::photon::Photon;
@@ -9,6 +8,7 @@ use crate::paths::record::{PhotonRecord, Record, add};
 use crate::paths::transport::Transport;
 use crate::paths::weight::inverse;
 use crate::random::PathSampler;
+use crate::scene::bounces::Counted;
 use crate::scene::{Light, Scene};
 use crate::surface::origin::Origin;
 use glam::Vec3;

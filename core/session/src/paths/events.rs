@@ -1,7 +1,6 @@
 //! Events of light paths, in media and on surfaces: what is absorbed, what is recorded, and which ways are
 //! left.
 
-use crate::bounces::Bounce;
 use crate::material::Lobes;
 use crate::paths::operators::Operator;
 use crate::paths::photon::Photon;
@@ -10,6 +9,7 @@ use crate::paths::scattering::{Scattering, albedo};
 use crate::paths::transport::Transport;
 use crate::random::PathSampler;
 use crate::scene::Material;
+use crate::scene::bounces::Bounce;
 use crate::scene::optics::{Boundary, facing_normal};
 use crate::surface::encounter::{Encounter, Lobe};
 use covbeam::Medium;
@@ -159,7 +159,7 @@ impl Transport<'_> {
         let way = way.filter(|way| is_lit || way.lobe == Lobe::Transparent);
         let Some(way) = way.filter(|way| photon.reception.sends(way.lobe)) else { return lose(photon, out) };
         photon.power = scaled(photon.power, way.factor, &mut out.energy.surfaces);
-        if let Some(bounce) = Bounce::of(way.lobe) {
+        if let Some(bounce) = way.lobe.bounce() {
             photon.count(self.scene, bounce, met.is_sharp(way.lobe));
         }
         photon.take(&way, hit, &met, self.acts(Operator::Curvature));

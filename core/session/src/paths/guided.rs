@@ -9,7 +9,6 @@ mod collisions;
 mod directions;
 mod glass;
 
-use crate::bounces::Bounce;
 use crate::color::mean;
 use crate::paths::emission::{Lights, choose_light};
 use crate::paths::events::Ways;
@@ -19,6 +18,7 @@ use crate::paths::record::{PhotonRecord, Record, add};
 use crate::paths::transport::Transport;
 use crate::paths::weight::{self, inverse, patience};
 use crate::random::PathSampler;
+use crate::scene::bounces::Bounce;
 use covbeam::Knot;
 use glam::Vec3;
 

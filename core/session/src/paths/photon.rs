@@ -1,11 +1,11 @@
 //! The moving photon of a light path, and what an event makes of it.
 
-use crate::bounces::{Bounce, Counted};
 use crate::kind::Kind;
 use crate::light::falloff::Falloff;
 use crate::paths::reception::Reception;
 use crate::paths::record::{PhotonRecord, Record, add};
 use crate::paths::scattering::Scattering;
+use crate::scene::bounces::{Bounce, Counted};
 use crate::scene::optics::{Boundary, Interior, curvature_towards, reflect};
 use crate::scene::{Rays, Scene};
 use crate::surface::SurfacePhoton;

@@ -1,7 +1,7 @@
 //! Scattering into directions that are drawn: a collision in a medium, or a diffuse surface.
 
-use crate::bounces::Bounce;
 use crate::light::cosine_direction;
+use crate::scene::bounces::Bounce;
 use covbeam::{LightField, Medium};
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;

@@ -183,7 +183,7 @@ mod tests {
     use crate::object::placed;
     use crate::random::Random;
     use crate::scene::made::{Made, camera, cuboid, point, sphere};
-    use crate::visibility::Heed;
+    use crate::scene::visibility::Heed;
 
     /// A lamp above the middle.
     fn made() -> Made {

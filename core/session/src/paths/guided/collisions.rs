@@ -2,7 +2,6 @@
 //! what is lost.
 
 use super::{Branch, LEAST, MOST, Tree};
-use crate::bounces::Bounce;
 use crate::color::mean;
 use crate::paths::events::scattered;
 use crate::paths::fields::CarriedField;
@@ -12,6 +11,7 @@ use crate::paths::scattering::albedo;
 use crate::paths::segment::Inside;
 use crate::paths::weight::channel;
 use crate::random::PathSampler;
+use crate::scene::bounces::Bounce;
 use glam::Vec3;
 
 /// How collisions are drawn on a segment.

@@ -1,8 +1,9 @@
 //! Lobes of a surface: which there are, how directions behave in each, and the share of light that each takes.
 
 use crate::material::Lobes;
+use crate::scene::bounces::Bounce;
 use crate::scene::optics::refract;
-use crate::visibility::Rays;
+use crate::scene::visibility::Rays;
 use glam::Vec3;
 
 /// A lobe.
@@ -31,6 +32,16 @@ impl Lobe {
     /// Those that keep directions apart, or nearly.
     pub(super) const SHARP: [Self; 5] =
         [Self::Transparent, Self::Metal, Self::Coat, Self::GlassReflection, Self::GlassTransmission];
+
+    /// The kind of event that it is; None: light goes straight on.
+    pub(crate) fn bounce(self) -> Option<Bounce> {
+        match self {
+            Self::Transparent => None,
+            Self::Diffuse => Some(Bounce::Diffuse),
+            Self::Metal | Self::Coat | Self::GlassReflection => Some(Bounce::Glossy),
+            Self::Translucent | Self::GlassTransmission => Some(Bounce::Transmission),
+        }
+    }
 
     /// The kind of the ray that comes to light which it sends on: of what is transparent none of its own.
     #[inline]

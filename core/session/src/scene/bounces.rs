@@ -4,8 +4,6 @@
 //! the first event is free, and the one that sends light to the camera counts. Light that glass and mirrors focus is what a path tracer
 //! hardly finds: what is sharp all the way from the lamp may be let off, as if the light came straight from there.
 
-use crate::surface::encounter::Lobe;
-
 /// A kind of event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Bounce {
@@ -17,18 +15,6 @@ pub(crate) enum Bounce {
     Transmission,
     /// Scattered by a medium.
     Volume,
-}
-
-impl Bounce {
-    /// That of a lobe; None: light goes straight on.
-    pub(crate) fn of(lobe: Lobe) -> Option<Self> {
-        match lobe {
-            Lobe::Transparent => None,
-            Lobe::Diffuse => Some(Self::Diffuse),
-            Lobe::Metal | Lobe::Coat | Lobe::GlassReflection => Some(Self::Glossy),
-            Lobe::Translucent | Lobe::GlassTransmission => Some(Self::Transmission),
-        }
-    }
 }
 
 /// Largest numbers of events of each kind, and of all, between the camera and the last one before the lamp.
