@@ -152,11 +152,6 @@ impl Scene {
         self.medium_of(region).heed.hidden.has(ray)
     }
 
-    /// Whether lamps pass things as if they were not there.
-    pub(crate) fn has_unshadowed(&self) -> bool {
-        self.links.iter().any(|links| links.unshadowed != 0)
-    }
-
     /// Whether light may be scattered and reflected so often.
     pub(crate) fn allows(&self, bounces: u32) -> bool {
         self.settings.bounces.is_none_or(|most| bounces <= most)

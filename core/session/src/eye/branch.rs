@@ -98,7 +98,7 @@ impl Branch {
             _ if met.is_rough() => next.watch.of_none(),
             _ => next.watch,
         };
-        let ray = if way.lobe == Lobe::Transparent { self.ray } else { way.lobe.ray() };
+        let ray = way.lobe.sent_on(self.ray);
         Self { watch, ray, ..next }
     }
 

@@ -80,10 +80,7 @@ impl Lights {
             seen_by: links.seen_by(),
             reception: Reception::PLAIN,
             bounces: 0,
-            counted: Counted::of_lamp(
-                transport.scene.settings.limits.as_ref(),
-                links.bounces.unwrap_or(u32::MAX),
-            ),
+            counted: Counted::of_lamp(transport.scene.settings.limits.as_ref(), links.bounces),
             dark: emitted.dark,
             until: emitted.until,
             near: self.near.reach(light),

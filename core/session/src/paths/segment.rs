@@ -82,9 +82,7 @@ impl Inside<'_> {
             Loss::Inside(before) => before * self.fog.transmittance(self.column.at(distance)),
         }
     }
-}
 
-impl Inside<'_> {
     /// Pieces of a stretch on which nothing of the light is lost, and factors on beams there, which lose what they do: with shifts at random their
     /// mean is all of the light everywhere.
     ///

@@ -336,7 +336,7 @@ impl Walker<'_> {
         importon.weight *= way.factor[channel];
         importon.direction = way.direction;
         importon.interior = way.interior;
-        importon.ray = if way.lobe == Lobe::Transparent { importon.ray } else { way.lobe.ray() };
+        importon.ray = way.lobe.sent_on(importon.ray);
         importon.specular &= !is_diffuse;
         importon.bounces += u32::from(!importon.specular && way.lobe != Lobe::Transparent);
         true

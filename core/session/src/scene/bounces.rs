@@ -50,9 +50,9 @@ pub(crate) struct Counted {
 }
 
 impl Counted {
-    /// Of light of a lamp that has a limit of its own on events of all kinds; u32::MAX: it has none, or nothing is limited.
-    pub(crate) fn of_lamp(limits: Option<&BounceLimits>, most: u32) -> Self {
-        let Some(limits) = limits.filter(|_| most < u32::MAX) else { return Self::default() };
+    /// Of light of a lamp that may have a limit of its own on events of all kinds, which counts where there are others.
+    pub(crate) fn of_lamp(limits: Option<&BounceLimits>, most: Option<u32>) -> Self {
+        let (Some(limits), Some(most)) = (limits, most) else { return Self::default() };
         Self { total: limits.total - limits.total.min(most), is_strict: true, ..Self::default() }
     }
 
@@ -180,14 +180,14 @@ mod tests {
             (2, "DDD", false),
             (90, "DDDD", true),
             (90, "DDDDDD", false),
-            (u32::MAX, "t", true),
         ] {
             assert_eq!(
-                seen(Counted::of_lamp(Some(&limits), most), &limits, path)[0],
+                seen(Counted::of_lamp(Some(&limits), Some(most)), &limits, path)[0],
                 is_seen,
                 "{most} {path}"
             );
         }
+        assert!(seen(Counted::of_lamp(Some(&limits), None), &limits, "t")[0]);
     }
 
     #[test]

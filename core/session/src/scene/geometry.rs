@@ -103,9 +103,9 @@ impl Scene {
     }
 
     /// Whether something may let light go straight on: it is transparent in part, or a dielectric that has the index of what is around all, or
-    /// of another one; or some lamp passes it.
+    /// of another one.
     pub(crate) fn may_be_seen_through(&self) -> bool {
-        if self.has_unshadowed() || self.placed.as_ref().is_some_and(Placed::shows_through) {
+        if self.placed.as_ref().is_some_and(Placed::shows_through) {
             return true;
         }
         let mut indices = self.objects.iter().filter_map(|object| match object.material {

@@ -53,6 +53,12 @@ impl Looks<'_> {
         !scene.is_hidden(region, ray)
     }
 
+    /// Whether it passes anything as if that were not there.
+    #[inline]
+    fn passes_any(self) -> bool {
+        matches!(self, Self::For(links) if links.passes_any())
+    }
+
     /// Whether it enters and leaves what fills an object; a shadow ray stays inside of what it started in, if that is not in its way.
     #[inline]
     fn crosses(self, object: &PlacedObject) -> bool {
@@ -90,7 +96,7 @@ pub(crate) fn passage(
         fog.map_or(Vec3::ONE, |fog| media::transmittance(fog, from, to))
     };
     // Among bounds of fog something is nearly always met, whatever it is.
-    let shown = scene.placed.as_ref().filter(|placed| placed.shows_through() || scene.has_unshadowed());
+    let shown = scene.placed.as_ref().filter(|placed| placed.shows_through() || looks.passes_any());
     if let Some(placed) = shown.filter(|_| scene.objects.is_empty()) {
         return among_placed(scene, placed, interior, [from, to], (looks, through));
     }

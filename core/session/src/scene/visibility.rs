@@ -103,6 +103,12 @@ impl Links {
         self.unlit >> set & 1 == 0
     }
 
+    /// Whether it passes anything as if that were not there.
+    #[inline]
+    pub(crate) fn passes_any(&self) -> bool {
+        self.unshadowed != 0
+    }
+
     /// Whether a medium in a set scatters it.
     #[inline]
     pub(crate) fn lights_medium(&self, set: u8) -> bool {

@@ -33,7 +33,7 @@ impl ShadowRays<'_> {
         }
         self.count += 1;
         let from = sent.1;
-        let arrives = match self.scene.may_be_seen_through() {
+        let arrives = match self.stretch.may_be_seen_through(self.scene) {
             true => {
                 let looks = Looks::For(&self.stretch.links);
                 passage(self.scene, self.fogs, segment.interior, [place, from], looks)

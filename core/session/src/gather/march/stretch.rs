@@ -94,7 +94,7 @@ impl<'a> Stretch<'a> {
         let phases = fog.phases(-incoming.dot(ray.direction));
         let amount = fog.scattering * (fog.density.at(place) * phases);
         // What other media on its way leave of light is found together with what stands there.
-        let left = match scene.may_be_seen_through() {
+        let left = match self.may_be_seen_through(scene) {
             true => Vec3::ONE,
             false if scene.is_hidden(self.segment.medium, Rays::SHADOW) => Vec3::ONE,
             false => media::transmittance(fog, place, from),
@@ -104,6 +104,11 @@ impl<'a> Stretch<'a> {
             * amount
             * fog.transmittance(column.at(distance))
             * left
+    }
+
+    /// Whether something may let its light go straight on.
+    pub(super) fn may_be_seen_through(&self, scene: &Scene) -> bool {
+        self.links.passes_any() || scene.may_be_seen_through()
     }
 
     /// The greatest density along it.

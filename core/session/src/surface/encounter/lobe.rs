@@ -43,6 +43,12 @@ impl Lobe {
         }
     }
 
+    /// The kind of a ray that it sends on, which was of another one: what goes straight on stays of that.
+    #[inline]
+    pub(crate) fn sent_on(self, ray: Rays) -> Rays {
+        if self == Self::Transparent { ray } else { self.ray() }
+    }
+
     /// The kind of the ray that comes to light which it sends on: of what is transparent none of its own.
     #[inline]
     pub(crate) fn ray(self) -> Rays {
