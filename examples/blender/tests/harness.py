@@ -3,6 +3,7 @@
 
 import os
 import sys
+import tempfile
 import unittest
 from pathlib import Path
 
@@ -19,6 +20,22 @@ def main():
     # The bpy package 4.2 crashes when Python ends after a class with methods was registered, even if it has been
     # unregistered: it frees panels after Python has gone.
     os._exit(not program.result.wasSuccessful())
+
+
+def folder_of(case):
+    """The path of a folder that goes with a test of a unittest.TestCase."""
+    folder = tempfile.TemporaryDirectory()
+    case.addCleanup(folder.cleanup)
+    return Path(folder.name)
+
+
+def with_addon(case):
+    """Lets a test of a unittest.TestCase have the add-on, and returns the path of a folder: both go with it."""
+    import addon
+
+    addon.register()
+    case.addCleanup(addon.unregister)
+    return folder_of(case)
 
 
 def start_gpu():

@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests of the add-on on the host of fake_host, whose pictures are known exactly."""
 
-import tempfile
 import unittest
-from pathlib import Path
 
 import bpy
 import exr
 import fake_host
-from harness import write_exr
+import harness
 
 import addon
 
@@ -29,16 +27,14 @@ class InBlender(unittest.TestCase):
 
     def setUp(self):
         bpy.ops.wm.read_homefile(use_factory_startup=True)
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        self.folder = harness.folder_of(self)
         fake_host.Session.seconds = 0.0
         fake_host.Session.settings.clear()
         self.scene = bpy.context.scene
         render = self.scene.render
         render.engine = "COVBEAM"
         render.resolution_x, render.resolution_y, render.resolution_percentage = 80, 40, 50
-        write_exr(render.image_settings)
+        harness.write_exr(render.image_settings)
         self.scene.covbeam.passes, self.scene.covbeam.time_limit = 3, 0.0
 
     def tearDown(self):

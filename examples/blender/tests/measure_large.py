@@ -15,7 +15,6 @@ from pathlib import Path
 from time import perf_counter
 
 import bpy
-import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 

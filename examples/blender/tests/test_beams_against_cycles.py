@@ -1,16 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The whole way of Add Beams, with the real host: the composited picture has Cycles' light, where Cycles has it."""
 
-import tempfile
 import unittest
-from pathlib import Path
 
 import bpy
 import exr
 import harness
 import numpy as np
 
-import addon
 
 
 class BeamsAgainstCycles(unittest.TestCase):
@@ -18,11 +15,7 @@ class BeamsAgainstCycles(unittest.TestCase):
 
     def setUp(self):
         bpy.ops.wm.read_factory_settings()
-        addon.register()
-        self.addCleanup(addon.unregister)
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        self.folder = harness.with_addon(self)
         scene = self.scene = bpy.context.scene
         scene.world.color = (0, 0, 0)
         scene.world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0

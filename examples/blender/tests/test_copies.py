@@ -2,9 +2,7 @@
 """What the copy of a scene that Add Beams renders has of the scene itself: rigid bodies stand where F12 has them, with all that hangs on them
 (a lamp, the camera, instances), and pixels have their shape."""
 
-import tempfile
 import unittest
-from pathlib import Path
 from unittest import mock
 
 import bpy
@@ -12,7 +10,6 @@ import harness
 import numpy as np
 from mathutils import Vector
 
-import addon
 from addon.engine import CovbeamEngine
 from addon.export import motion
 
@@ -47,13 +44,9 @@ class RigidBodies(unittest.TestCase):
 
     def setUp(self):
         bpy.ops.wm.read_factory_settings()
-        addon.register()
+        self.folder = harness.with_addon(self)
         bpy.utils.register_class(_Look)
-        self.addCleanup(addon.unregister)
         self.addCleanup(bpy.utils.unregister_class, _Look)
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
         _Look.seen.clear()
         scene = self.scene = bpy.context.scene
         scene.render.engine = "CYCLES"
@@ -212,16 +205,13 @@ class RigidBodies(unittest.TestCase):
 class Pixels(unittest.TestCase):
     def test_the_camera_sees_pixels_that_are_not_square(self):
         bpy.ops.wm.read_factory_settings()
-        addon.register()
-        self.addCleanup(addon.unregister)
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
+        folder = harness.with_addon(self)
         scene = bpy.context.scene
         render = scene.render
         render.engine = "CYCLES"
         render.resolution_x, render.resolution_y, render.resolution_percentage = 24, 16, 100
         render.pixel_aspect_x, scene.camera.data.shift_y = 1.7, 0.1
-        scene.covbeam.folder = folder.name
+        scene.covbeam.folder = str(folder)
         found = []
         exposures = motion.exposures
 
@@ -233,7 +223,7 @@ class Pixels(unittest.TestCase):
         with mock.patch.object(motion, "exposures", noted), mock.patch.object(CovbeamEngine, "_render", lambda engine, job: None):
             bpy.ops.covbeam.add_beams()
         # A file is there: Blender 5.0.1 writes no layers of other pixels than square ones.
-        self.assertEqual(len(list(Path(folder.name).iterdir())), 1)
+        self.assertEqual(len(list(folder.iterdir())), 1)
         (camera,) = found
         depsgraph = bpy.context.evaluated_depsgraph_get()
         matrix = np.array(scene.camera.calc_matrix_camera(depsgraph, x=24, y=16, scale_x=1.7, scale_y=1.0))

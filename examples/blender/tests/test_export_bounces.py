@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Limits of bounces: fog is as bright as by Cycles, whatever its Light Paths are; caustics are there all the same."""
 
-import tempfile
 import unittest
 
 import bpy
@@ -18,9 +17,7 @@ class Bounces(unittest.TestCase):
         addon.register()
 
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
+        self.folder = harness.folder_of(self)
 
     def thick(self, **limits):
         """Fog of four free paths over a bright floor, most of whose light has been scattered before."""

@@ -30,6 +30,15 @@ def noise(tree, scale=2.0, coordinates="Object"):
     return texture.outputs[0]
 
 
+def squared(tree):
+    """Heights x^2, of where the surface was."""
+    parts, product = node(tree, "SeparateXYZ"), node(tree, "Math", operation="MULTIPLY")
+    tree.links.new(node(tree, "TexCoord").outputs["Object"], parts.inputs[0])
+    for k in range(2):
+        tree.links.new(parts.outputs["X"], product.inputs[k])
+    return product.outputs[0]
+
+
 def bump(material, height=noise, strength=1.0, distance=0.1, normal=None, **settings):
     """Bends a material's normals by a Bump node; returns that."""
     tree = material.node_tree
@@ -216,15 +225,7 @@ class Normals(unittest.TestCase):
                 self.compare(0.8, 5)
 
     def test_displaced_and_bumped(self):
-        def along(tree):
-            """Heights that only depend on where the surface was."""
-            parts, square_ = node(tree, "SeparateXYZ"), node(tree, "Math", operation="MULTIPLY")
-            tree.links.new(node(tree, "TexCoord").outputs["Object"], parts.inputs[0])
-            for k in range(2):
-                tree.links.new(parts.outputs["X"], square_.inputs[k])
-            return square_.outputs[0]
-
-        square(displace(glass(), "BOTH", height=along), 10, True, scale=(1, 1, 1.5))
+        square(displace(glass(), "BOTH", height=squared), 10, True, scale=(1, 1, 1.5))
         self.compare(0.6, 5)
 
     def test_vertices_go_along_their_normals_and_sharp_edges_tear(self):
@@ -279,14 +280,7 @@ class Meshes(unittest.TestCase):
         return made.outputs[0]
 
     def test_what_cycles_dices_is_cut_before_it_moves(self):
-        def along(tree):
-            parts, squared = node(tree, "SeparateXYZ"), node(tree, "Math", operation="MULTIPLY")
-            tree.links.new(node(tree, "TexCoord").outputs["Object"], parts.inputs[0])
-            for k in range(2):
-                tree.links.new(parts.outputs["X"], squared.inputs[k])
-            return squared.outputs[0]
-
-        thing = square(displace(glass(), "DISPLACEMENT", scale=0.5, height=along))
+        thing = square(displace(glass(), "DISPLACEMENT", scale=0.5, height=squared))
         modifier = thing.modifiers.new("Finer", "SUBSURF")
         modifier.subdivision_type, modifier.levels, modifier.render_levels = "SIMPLE", 1, 1
         places = np.random.default_rng(1).uniform((-0.99, -0.99, 5), (0.99, 0.99, 5), (200, 3)).astype(np.float32)

@@ -2,7 +2,6 @@
 """Light linking, shadows that are not those of what is seen, Ray Visibility and falloffs: Add Beams' light in fog is Cycles' own."""
 
 import sys
-import tempfile
 import unittest
 from pathlib import Path
 
@@ -12,7 +11,6 @@ import exr
 import harness
 import numpy as np
 
-import addon
 from addon import latest
 from addon.export.scene import export
 from addon.host.scene import Rays
@@ -65,11 +63,7 @@ class VisibilityTest(unittest.TestCase):
 
     def setUp(self):
         scene = self.scene = cycles.empty_scene(SIZE, SAMPLES)
-        addon.register()
-        self.addCleanup(addon.unregister)
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        self.folder = harness.with_addon(self)
         cycles.look((0, -6, 1.8), (0, 0, 1.5), 32)
         grey = cycles.material("Grey", ("ShaderNodeBsdfDiffuse", {"Color": (0.4, 0.4, 0.4, 1)}, "Surface"))
         bpy.ops.mesh.primitive_plane_add(size=14)

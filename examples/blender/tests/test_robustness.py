@@ -3,10 +3,8 @@
 
 import gc
 import random
-import tempfile
 import time
 import unittest
-from pathlib import Path
 
 import bpy
 import exr
@@ -36,11 +34,7 @@ def alive():
 class Robustness(unittest.TestCase):
     def setUp(self):
         bpy.ops.wm.read_factory_settings()
-        addon.register()
-        self.addCleanup(addon.unregister)
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.path = Path(folder.name) / "picture.exr"
+        self.path = harness.with_addon(self) / "picture.exr"
         self.prepare()
 
     def prepare(self):

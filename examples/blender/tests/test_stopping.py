@@ -1,16 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Esc stops Add Beams and all of its work at once, whatever it is at: with the real host, whose threads are native."""
 
-import tempfile
 import threading
 import time
 import unittest
-from pathlib import Path
 
 import bpy
 import harness
 
-import addon
 from addon import compositor
 from addon.engine import CovbeamEngine
 
@@ -23,11 +20,7 @@ class Stopping(unittest.TestCase):
 
     def setUp(self):
         bpy.ops.wm.read_factory_settings()
-        addon.register()
-        self.addCleanup(addon.unregister)
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        self.folder = harness.with_addon(self)
         scene = self.scene = bpy.context.scene
         tree = bpy.data.objects["Cube"].data.materials[0].node_tree
         tree.nodes.clear()

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Small foggy scenes in which one thing is changed, and the light of their fog by Cycles and by Add Beams. For walk.py."""
 
-import math
 from pathlib import Path
 
 import bpy

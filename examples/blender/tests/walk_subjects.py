@@ -83,76 +83,63 @@ def _find(tree, type_):
     return next(node for node in tree.nodes if node.type == type_)
 
 
-def _in_fog(kind, settings):
-    scene = stage()
+def _fed_by(role, target):
+    """A Subject's build: what a node gives, between 0 and 1, goes into something of the stage.
+
+    target: changes a scene; gives a tree of nodes, the socket of it that is fed, and (factor, more) of what it is fed with.
+    """
+
+    def build(kind, settings):
+        scene = stage()
+        tree, socket, (factor, more) = target(scene)
+        output = _fed(tree, kind, role, settings)
+        if output is None:
+            return None
+        tree.links.new(_scaled(tree, _number(tree, output), factor, more), socket)
+        return scene
+
+    return build
+
+
+def _fog(scene):
     tree = bpy.data.materials["Mist"].node_tree
-    output = _fed(tree, kind, "fog", settings)
-    if output is None:
-        return None
-    tree.links.new(_scaled(tree, _number(tree, output), 0.25, 0.05), _find(tree, "VOLUME_SCATTER").inputs["Density"])
-    return scene
+    return tree, _find(tree, "VOLUME_SCATTER").inputs["Density"], (0.25, 0.05)
 
 
-def _in_lamp(kind, settings):
-    scene = stage()
+def _lamp(scene):
     tree = _nodes_of(bpy.data.objects["Key"].data)
-    output = _fed(tree, kind, "lamps", settings)
-    if output is None:
-        return None
-    tree.links.new(_scaled(tree, _number(tree, output), 0.7, 0.3), _find(tree, "EMISSION").inputs["Strength"])
-    return scene
+    return tree, _find(tree, "EMISSION").inputs["Strength"], (0.7, 0.3)
 
 
-def _in_sky(kind, settings):
-    scene = stage()
+def _sky(scene):
     bpy.data.objects["Key"].data.energy = 50
     tree = scene.world.node_tree
-    output = _fed(tree, kind, "sky", settings)
-    if output is None:
-        return None
     background = _find(tree, "BACKGROUND")
     background.inputs["Color"].default_value = (1, 0.8, 0.6, 1)
-    tree.links.new(_scaled(tree, _number(tree, output), 0.4, 0.1), background.inputs["Strength"])
-    return scene
+    return tree, background.inputs["Strength"], (0.4, 0.1)
 
 
-def _in_card(kind, settings):
-    scene = stage()
+def _card(scene):
     made = scenes.material("Card")
     tree = made.node_tree
-    output = _fed(tree, kind, "surfaces", settings)
-    if output is None:
-        return None
     mix = tree.nodes.new("ShaderNodeMixShader")
-    tree.links.new(_number(tree, output), mix.inputs[0])
     tree.links.new(tree.nodes.new("ShaderNodeBsdfTransparent").outputs[0], mix.inputs[1])
     tree.links.new(tree.nodes.new("ShaderNodeBsdfDiffuse").outputs[0], mix.inputs[2])
     tree.links.new(mix.outputs[0], _find(tree, "OUTPUT_MATERIAL").inputs["Surface"])
     card(made)
-    return scene
+    return tree, mix.inputs[0], (1.0, 0.0)
 
 
-def _in_screen(kind, settings):
-    scene = stage()
+def _screen(scene):
     bpy.data.objects["Key"].data.energy = 50
     made = scenes.material("Screen", ("ShaderNodeEmission", {}, "Surface"))
-    tree = made.node_tree
-    output = _fed(tree, kind, "surfaces", settings)
-    if output is None:
-        return None
-    tree.links.new(_scaled(tree, _number(tree, output), 6.0, 1.0), _find(tree, "EMISSION").inputs["Strength"])
     card(made)
-    return scene
+    return made.node_tree, _find(made.node_tree, "EMISSION").inputs["Strength"], (6.0, 1.0)
 
 
-def _in_floor(kind, settings):
-    scene = stage()
+def _floor(scene):
     tree = bpy.data.materials["Grey"].node_tree
-    output = _fed(tree, kind, "surfaces", settings)
-    if output is None:
-        return None
-    tree.links.new(_scaled(tree, _number(tree, output), 0.8, 0.1), _find(tree, "BSDF_DIFFUSE").inputs["Color"])
-    return scene
+    return tree, _find(tree, "BSDF_DIFFUSE").inputs["Color"], (0.8, 0.1)
 
 
 def _as_shader(owner, socket):
@@ -201,12 +188,12 @@ def _as_normal(kind, settings):
 
 #: Roles of nodes: group of the table, and what builds its scene.
 ROLES = {
-    "Density of fog": _in_fog,
-    "Lamps": _in_lamp,
-    "Background": _in_sky,
-    "Cut-outs": _in_card,
-    "Shining meshes": _in_screen,
-    "Colour of surfaces": _in_floor,
+    "Density of fog": _fed_by("fog", _fog),
+    "Lamps": _fed_by("lamps", _lamp),
+    "Background": _fed_by("sky", _sky),
+    "Cut-outs": _fed_by("surfaces", _card),
+    "Shining meshes": _fed_by("surfaces", _screen),
+    "Colour of surfaces": _fed_by("surfaces", _floor),
     "Surface shader": _as_shader("Skin", "Surface"),
     "Volume shader": _as_shader("Mist", "Volume"),
     "Normals and displacement": _as_normal,

@@ -8,12 +8,11 @@ import numpy as np
 from ..host import ask
 from .materials import leads_somewhere
 from .nodes import Values, closures, find, follow
-from .quarters import Pieces, corners
+from .quarters import Pieces, corners, depths
 from .relief import bent_by
 
-#: Pieces of a mesh, and of one that hardly reflects, or one a triangle if that is more; how often a triangle is cut; and places that are looked at
-#: together.
-_MOST, _MOST_DULL, _DEEPEST, _SLICE = 1 << 18, 1 << 16, 9, 1 << 17
+#: Pieces of a mesh, and of one that hardly reflects, or one a triangle if that is more; and places that are looked at together.
+_MOST, _MOST_DULL, _SLICE = 1 << 18, 1 << 16, 1 << 17
 
 #: Normals in the middles of a piece's sides are no farther off what is between those at its corners [rad].
 _OFF = np.radians(0.5)
@@ -120,9 +119,9 @@ class Normals:
         self._depths = np.zeros(len(ground.surface.mesh.corners), int)
         areas, flat = ground.surface.areas(triangles), ground.surface.uv_areas(triangles)
         # Half of the pieces by how large triangles are, half by how much of an image is on them.
-        self._depths[triangles] = depths = _depths(sum(of / max(float(of.sum()), 1e-300) for of in (areas, flat)), most)
+        self._depths[triangles] = found = depths(sum(of / max(float(of.sum()), 1e-300) for of in (areas, flat)), most)
         #: Pieces within which normals are about what is between those at their corners.
-        parts = [self._cut(triangles[depths == depth], depth) for depth in np.unique(depths)]
+        parts = [self._cut(triangles[found == depth], depth) for depth in np.unique(found)]
         self.pieces = Pieces.together(parts)
 
     def __call__(self, triangles, shares):
@@ -172,12 +171,6 @@ class Normals:
         found = [self(pieces.triangle, ends[:, k]) for k in range(3)]
         area = 4.0**-pieces.level * self._ground.surface.areas(pieces.triangle)
         return float(np.average(_apart(self(pieces.triangle, ends.mean(axis=1)), sum(found)), weights=area + 1e-300))
-
-
-def _depths(wanted, most):
-    """How often each triangle may be cut, int (n,), that gets a share of so many pieces."""
-    share = wanted / max(float(wanted.sum()), 1e-300)
-    return np.clip(np.floor(np.log2(np.maximum(share * most, 1)) / 2), 0, _DEEPEST).astype(int)
 
 
 def _apart(ones, others):

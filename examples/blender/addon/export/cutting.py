@@ -8,10 +8,10 @@ import numpy as np
 from ..host import ask
 from ..host.scene import MATERIAL
 from .lobes import REFLECTING, WEIGHTS
-from .quarters import Pieces, middles, piece_at
+from .quarters import DEEPEST, Pieces, depths, middles, piece_at
 
-#: No more places of a mesh are looked at; and how often a triangle is cut.
-_MOST_LOOKS, _DEEPEST = 1 << 21, 9
+#: No more places of a mesh are looked at.
+_MOST_LOOKS = 1 << 21
 
 #: Materials of a mesh's pieces beside what is not there at all.
 _KINDS = 32
@@ -72,8 +72,8 @@ def cut(triangles, areas, wanted, look, detail, poll):
     - look: function of places, triangles (n,) and shares of their corners (n, 3), that returns MATERIAL and radiance there, (n,) and (n, 3).
     - detail: a Detail; poll: as for export.
     """
-    depths = _depths(wanted, detail)
-    parts = [_Part(triangles[of], areas[of], depth, look, poll) for depth in range(_DEEPEST + 1) if (of := np.flatnonzero(depths == depth)).size]
+    cuts = depths(wanted, min(max(detail.looks, detail.looks_each * len(wanted)), _MOST_LOOKS))
+    parts = [_Part(triangles[cuts == depth], areas[cuts == depth], depth, look, poll) for depth in np.unique(cuts).tolist()]
     brightest = max(float(part.fields[..., _WIDTH:].max()) for part in parts)
     for part in parts:
         part.judge(detail.columns, 1 / brightest if brightest > 0 else 0.0)
@@ -89,13 +89,6 @@ def cut(triangles, areas, wanted, look, detail, poll):
     rows = values[:, :_WIDTH].astype(np.float32).copy().view(MATERIAL)[:, 0]
     pieces = Pieces.together([piece for part in parts for piece in part.pieces()])
     return Cut(pieces, rows, values[:, _WIDTH:], _error(parts, values, look))
-
-
-def _depths(wanted, detail):
-    """How often each triangle is cut, int (m,)."""
-    looks = min(max(detail.looks, detail.looks_each * len(wanted)), _MOST_LOOKS)
-    share = wanted / max(float(wanted.sum()), 1e-300)
-    return np.clip(np.floor(np.log2(np.maximum(share * looks, 1)) / 2), 0, _DEEPEST).astype(int)
 
 
 def _numbers(rows, emission):
@@ -181,10 +174,10 @@ class _Leaf:
 def _few_enough(parts, detail):
     """The first tolerance, and how many levels must go beside it, that leave few enough pieces."""
     last = detail.tolerances[-1]
-    for choice in [(tolerance, 0) for tolerance in detail.tolerances] + [(last, fewer) for fewer in range(1, _DEEPEST)]:
+    for choice in [(tolerance, 0) for tolerance in detail.tolerances] + [(last, fewer) for fewer in range(1, DEEPEST)]:
         if sum(part.count(*choice) for part in parts) <= max(detail.pieces, sum(len(part.triangles) for part in parts)):
             return choice
-    return last, _DEEPEST
+    return last, DEEPEST
 
 
 def _kinds(fields, areas, columns, per_radiance):

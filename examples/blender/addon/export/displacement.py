@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from .materials import leads_somewhere
-from .meshes import flat_normals
+from .meshes import extent_of, flat_normals
 from .nodes import Values
 from .relief import Ground, unit
 
@@ -40,8 +40,8 @@ def displaced(surface, matrix, of_triangles, report):
         places = Ground(surface, matrix).places(triangle[first], np.eye(3)[corner[first]], _STEP, of_vertices=not is_torn)
         positions[vertices] += _moved(material, places, report) @ into.T
     positions = positions.astype(np.float32)
-    extent = np.maximum(positions.max(axis=0), -positions.min(axis=0))
-    return replace(mesh, positions=positions, normals=_normals(mesh, positions, remade, surface.is_smooth()), extent=extent)
+    normals = _normals(mesh, positions, remade, surface.is_smooth())
+    return replace(mesh, positions=positions, normals=normals, extent=extent_of(positions))
 
 
 def _moved(material, places, report):

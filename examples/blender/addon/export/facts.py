@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 
 from .noise import hash_words
+from .trees import nodes_in
 
 #: Words of hashes are up to this.
 _WORD = 0xFFFFFFFF
@@ -16,10 +17,8 @@ def wanted(tree):
     """What the nodes of a tree, and of groups in it, ask: set of (kind, name), where kind is that of an Attribute node, or "INFO" for an
     output of Object Info."""
     asked = set()
-    for node in tree.nodes if tree is not None else ():
-        if node.type == "GROUP":
-            asked |= wanted(node.node_tree)
-        elif node.type == "OBJECT_INFO":
+    for node in nodes_in(tree):
+        if node.type == "OBJECT_INFO":
             asked |= {("INFO", output.identifier) for output in node.outputs if output.is_linked}
         elif node.type == "ATTRIBUTE" and node.attribute_type != "GEOMETRY":
             asked.add((node.attribute_type, node.attribute_name))

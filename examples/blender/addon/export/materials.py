@@ -11,6 +11,7 @@ from .lobes import Lobes
 from .nodes import PROBE, Values, follow
 from .report import Report
 from .surfaces import add_surface
+from .trees import nodes_in
 from .volumes import Fog, fog
 
 
@@ -68,6 +69,8 @@ def _shadow(values, material, surface, lobes):
     """What a surface lets through of light on its way from a lamp, as Lobes have it."""
     if not material.use_transparent_shadow:
         return np.zeros(3) if lobes.weights["transparent"].any() else None
+    if not any(node.type == "LIGHT_PATH" for node in nodes_in(material.node_tree)):
+        return None
     seen = Lobes()
     add_surface(values.for_shadows(), surface, (), 1.0, seen)
     shadow, transparent = seen.weights["transparent"], lobes.weights["transparent"]

@@ -48,8 +48,12 @@ def triangles(mesh):
     if normals is not None:
         _mend(normals, positions, corners)
     slots = _slots(mesh, count)
-    extent = np.maximum(positions.max(axis=0), -positions.min(axis=0))
-    return Triangles(positions, corners, slots, np.flatnonzero(np.bincount(slots)), normals, extent)
+    return Triangles(positions, corners, slots, np.flatnonzero(np.bincount(slots)), normals, extent_of(positions))
+
+
+def extent_of(positions):
+    """Triangles.extent of vertices, (n, 3) with n > 0."""
+    return np.maximum(positions.max(axis=0), -positions.min(axis=0))
 
 
 def box(low, high):
@@ -57,8 +61,7 @@ def box(low, high):
     corners = np.array([[(low, high)[(k >> axis) & 1][axis] for axis in range(3)] for k in range(8)], np.float32)
     faces = np.array([(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)], np.int32)
     halves = np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])
-    extent = np.abs(corners).max(axis=0)
-    return Triangles(corners, halves, np.zeros(len(halves), np.int32), np.zeros(1, np.int64), None, extent)
+    return Triangles(corners, halves, np.zeros(len(halves), np.int32), np.zeros(1, np.int64), None, extent_of(corners))
 
 
 def _slots(mesh, count):

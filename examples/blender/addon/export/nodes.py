@@ -105,19 +105,23 @@ class Values:
 
     def at(self, places):
         """The same, at some textures.Places."""
-        return Values(self.source, self.report, places, self._pictures, self._facts, self._for_shadows, self._is_fog)
+        return self._changed(places=places)
 
     def quiet(self):
         """The same, without a report."""
-        return Values(self.source, Report(), self._places, self._pictures, self._facts, self._for_shadows, self._is_fog)
+        return self._changed(report=Report())
 
     def of_fog(self):
         """The same, for nodes of fog."""
-        return Values(self.source, self.report, self._places, self._pictures, self._facts, self._for_shadows, True)
+        return self._changed(is_fog=True)
 
     def for_shadows(self):
         """The same for shadow rays, without a report."""
-        return Values(self.source, Report(), self._places, self._pictures, self._facts, True, self._is_fog)
+        return self._changed(report=Report(), for_shadows=True)
+
+    def _changed(self, **changes):
+        kept = {"report": self.report, "places": self._places, "pictures": self._pictures, "facts": self._facts}
+        return Values(self.source, **kept | {"for_shadows": self._for_shadows, "is_fog": self._is_fog} | changes)
 
     def number(self, node, identifier, groups, missing=0.0):
         """A number. `missing`: what it is if this version of Blender has no such input."""

@@ -54,7 +54,7 @@ class Objects:
             if instance.show_self and shows(instance.object):
                 self._add(instance)
             if instance.show_particles and shows(instance.object):
-                self._add_hair(instance)
+                self._add_shape(instance, self._shapes.hair(instance))
         for bound in self._bounds:
             self._bound(*bound)
         for (number, hidden, group, *keys), corners in self._emitting.items():
@@ -121,19 +121,16 @@ class Objects:
         # Object and matrix are Blender's only until the next instance: nothing of them is kept.
         thing = instance.object
         matrix = np.array(instance.matrix_world, np.float64)
-        origin = self._origin(instance)
         if thing.type in KINDS:
-            shape = self._shapes.shape(instance, matrix)
-            if shape is not None:
-                keys = (self._receivers.of(thing), self._blockers.of(thing)) if shape.emitting else ()
-                self._place(shape, self._moved(matrix), origin, keys)
+            self._add_shape(instance, self._shapes.shape(instance, matrix))
         elif thing.type == "LIGHT":
             note_light_flags(thing, self._report)
             facts = found(wanted(thing.data.node_tree), instance, self._depsgraph)
             made = light(thing.data, thing.name, self._moved(matrix), self._report, facts)
             if made is not None:
+                origin = self._origin(instance)
                 self.lights.append(replace(made, hidden_from=origin.hidden, group=origin.group, bounces=bounces_of(thing.data)))
-                self._linked.append((self._receivers.of(thing), self._blockers.of(thing)))
+                self._linked.append(self._keys(thing))
         else:
             note_left_out(thing, self._report)
 
@@ -145,11 +142,15 @@ class Objects:
         pointers = thing.original.as_pointer(), maker.original.as_pointer() if maker is not None else None
         return Origin(thing.name, pointers, hidden_from(thing, maker, self._view_layer), thing.lightgroup)
 
-    def _add_hair(self, instance):
-        thing, shape = instance.object, self._shapes.hair(instance)
+    def _add_shape(self, instance, shape):
+        """Places a Shape, or None, where an instance is."""
         if shape is not None:
-            keys = (self._receivers.of(thing), self._blockers.of(thing)) if shape.emitting else ()
+            keys = self._keys(instance.object) if shape.emitting else ()
             self._place(shape, self._moved(np.array(instance.matrix_world, np.float64)), self._origin(instance), keys)
+
+    def _keys(self, thing):
+        """Of the collections that an evaluated emitter is linked to."""
+        return self._receivers.of(thing), self._blockers.of(thing)
 
     def _moved(self, matrix):
         """A transform (4, 4) to where the scene is moved."""

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from .meshes import Triangles
+from .meshes import Triangles, extent_of
 
 #: Triangles of all balls; how often the eight faces of a ball are cut into four, the best first.
 _MOST, _CUTS = 4_000_000, (3, 2, 1, 0)
@@ -30,8 +30,8 @@ def balls(cloud):
     normals = out.astype(np.float32)[faces]
     normals = np.broadcast_to(normals, (len(radii), *normals.shape)).reshape(-1, 3, 3)
     made = made.reshape(-1, 3)
-    extent = np.maximum(made.max(axis=0), -made.min(axis=0))
-    return Triangles(made, corners, np.zeros(len(corners), np.int32), np.zeros(1, np.int64), np.ascontiguousarray(normals), extent), every
+    slots = np.zeros(len(corners), np.int32)
+    return Triangles(made, corners, slots, np.zeros(1, np.int64), np.ascontiguousarray(normals), extent_of(made)), every
 
 
 def _ball(cuts):

@@ -12,6 +12,9 @@ import numpy as np
 
 from .meshes import Triangles
 
+#: No triangle is cut more often.
+DEEPEST = 9
+
 
 @dataclass(frozen=True)
 class Pieces:
@@ -29,6 +32,12 @@ class Pieces:
     def together(parts):
         """All pieces of some Pieces."""
         return Pieces(*(np.concatenate(of) for of in zip(*((p.triangle, p.level, p.number, p.kind) for p in parts))))
+
+
+def depths(wanted, most):
+    """How often triangles are cut, int (m,), that get shares of `most` pieces: `wanted`, float64 (m,), is what these are like."""
+    share = wanted / max(float(wanted.sum()), 1e-300)
+    return np.clip(np.floor(np.log2(np.maximum(share * most, 1)) / 2), 0, DEEPEST).astype(int)
 
 
 @lru_cache

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .arithmetic import NotConstant, as_colour, as_number
+from .trees import nodes_in
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ class Standing:
 
 
 def unit(vectors):
-    """The same, of length 1; 0 stays 0."""
+    """The same, of length 1; what is 0 or no number is 0."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return np.where(length > 0, vectors / np.where(length > 0, length, 1), 0.0)
 
@@ -142,11 +143,7 @@ RELIEF = {"BUMP": _bump, "NORMAL_MAP": _normal_map, "DISPLACEMENT": _displacemen
 
 def is_turned(tree):
     """Whether nodes of a tree, or of groups in it, give vectors of the world's directions."""
-    return any(
-        (node.type in RELIEF and getattr(node, "space", "").endswith("WORLD"))
-        or (node.type == "GROUP" and node.node_tree is not None and is_turned(node.node_tree))
-        for node in tree.nodes
-    )
+    return any(node.type in RELIEF and getattr(node, "space", "").endswith("WORLD") for node in nodes_in(tree))
 
 
 @dataclass(frozen=True)

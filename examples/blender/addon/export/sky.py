@@ -13,6 +13,7 @@ from .nodes import Values, closures, find, follow
 from .other_blender import Failed
 from .sky_texture import sky_of
 from .textures import Places
+from .trees import nodes_in
 
 #: By a setting of a world's Ray Visibility that is off: what does not see its background.
 _RAYS = {"diffuse": Rays.DIFFUSE, "glossy": Rays.GLOSSY, "transmission": Rays.TRANSMISSION, "scatter": Rays.VOLUME}
@@ -51,10 +52,8 @@ def _lights(world, report, poll, facts):
 def _skies(tree, poll):
     """By pointer of the Sky Textures of a tree, and of the groups in it: the node, and its sky_texture.Sky, or why there is none as text."""
     found = {}
-    for node in tree.nodes:
-        if node.type == "GROUP" and node.node_tree is not None:
-            found |= _skies(node.node_tree, poll)
-        elif node.type == "TEX_SKY" and node.outputs[0].is_linked:
+    for node in nodes_in(tree):
+        if node.type == "TEX_SKY" and node.outputs[0].is_linked:
             try:
                 made = sky_of(node, poll)
             except Failed as reason:

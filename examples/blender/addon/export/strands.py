@@ -7,7 +7,7 @@ from math import pi, sin
 import bpy
 import numpy as np
 
-from .meshes import Triangles
+from .meshes import Triangles, extent_of
 
 #: Sides of tubes, the best first, and how many triangles a mesh of such may have; where there are more hairs they have fewer.
 _SIDES = {12: 500_000, 6: 1_500_000, 4: 3_000_000, 3: 4_000_000}
@@ -204,9 +204,8 @@ def _around(lines, sides):
     corners = np.stack([ring + side, ring + after, ring + sides + after, ring + side, ring + sides + after, ring + sides + side], axis=2)
     corners = corners.reshape(-1, 3).astype(np.int32)
     slots = np.repeat(lines.slots[strand[~last]], 2 * sides)
-    extent = np.maximum(positions.max(axis=0), -positions.min(axis=0))
     normals = out.reshape(-1, 3).astype(np.float32)[corners] if sides > 4 else None
-    return Triangles(positions, corners, slots, np.unique(slots), normals, extent)
+    return Triangles(positions, corners, slots, np.unique(slots), normals, extent_of(positions))
 
 
 def _unit(vectors):

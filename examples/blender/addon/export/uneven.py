@@ -7,7 +7,7 @@ from .bump import bend, normals_of
 from .displacement import displaced, moves
 from .flags import is_diced
 from .materials import has_nodes
-from .quarters import Pieces, mesh_of
+from .quarters import Pieces, depths, mesh_of
 from .relief import Ground, is_turned
 
 #: Pieces of a mesh that is cut before it is moved.
@@ -131,11 +131,9 @@ class Uneven:
 def _diced(surface):
     """The Triangles of a Surface cut about evenly into many."""
     areas = surface.areas(np.arange(len(surface.mesh.corners)))
-    share = areas / max(float(areas.sum()), 1e-300)
-    depths = np.clip(np.floor(np.log2(np.maximum(share * _MOST, 1)) / 2), 0, 9).astype(int)
-    parts = []
-    for depth in np.unique(depths):
-        of = np.flatnonzero(depths == depth)
+    cuts, parts = depths(areas, _MOST), []
+    for depth in np.unique(cuts):
+        of = np.flatnonzero(cuts == depth)
         triangle, number = np.repeat(of, 4**depth), np.tile(np.arange(4**depth), len(of))
         parts.append(Pieces(triangle, np.full(len(triangle), depth), number, surface.mesh.slots[triangle].astype(np.int64)))
     return mesh_of(surface.mesh, Pieces.together(parts))[0]
