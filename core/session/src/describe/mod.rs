@@ -59,7 +59,7 @@ pub struct ObjectFields {
     pub volume: i32,
     /// Whether it has an inside: fog inside of what is of glass is kept apart from that outside.
     pub is_closed: bool,
-    /// Rays that do not see it: the bits of [`Rays`].
+    /// Rays that do not see it: the bits of [`Rays`](crate::scene::Rays).
     pub hidden_from: u32,
     /// Which set it is in, for lamps that light some only: below 64.
     pub light_set: u32,
