@@ -300,6 +300,48 @@ class CutOuts(unittest.TestCase):
         far = np.abs(wanted[:, None] - found[None]).max(axis=2).min(axis=1)
         self.assertLess(far.max(), 0.02)
 
+    def test_a_floor_is_as_rough_as_its_texture_where_it_is(self):
+        of = panes(4)
+        card(scenes.material("Floor", coloured("BsdfPrincipled", of, "Roughness")))
+        made, report = scenes.exported()
+        self.assertEqual(str(report), "")
+        self.assertLess(made.geometry.triangle_count, 5000)
+        alpha = made.materials["alpha"][self.looked_at(made, 4)["material"]].reshape(4, 4)
+        # A number is a colour's luminance.
+        rough = np.array(of.pixels).reshape(4, 4, 4)[..., :3] @ np.array([0.2126, 0.7152, 0.0722])
+        np.testing.assert_allclose(alpha, rough**2, atol=0.03)
+
+    def test_textures_that_make_no_difference_are_none(self):
+        def mixed(tree):
+            made, mix = node(tree, "BsdfDiffuse"), node(tree, "Mix", data_type="RGBA")
+            tree.links.new(node(tree, "TexNoise").outputs[0], mix.inputs[0])
+            tree.links.new(next(s for s in mix.outputs if s.enabled), made.inputs["Color"])
+            return made
+
+        card(scenes.material("Wall", mixed))
+        made, report = scenes.exported()
+        self.assertEqual(str(report), "")
+        np.testing.assert_allclose(made.materials["diffuse"][self.looked_at(made, 4)["material"]], 0.5, atol=1e-6)
+
+    def test_places_in_the_world_are_those_of_each_object(self):
+        def bright(tree):
+            made, place, size = node(tree, "Emission"), node(tree, "NewGeometry"), node(tree, "VectorMath", operation="ABSOLUTE")
+            tree.links.new(place.outputs["Position"], size.inputs[0])
+            tree.links.new(size.outputs[0], made.inputs["Color"])
+            return made
+
+        first = card(scenes.material("Screen", bright))
+        scenes.add(first.data, location=(4, 5, 6))
+        made, report = scenes.exported()
+        self.assertNotIn("comes from", str(report))
+        for middle in (np.zeros(3), np.array([4.0, 5.0, 6.0])):
+            near = [light for light in made.lights if np.linalg.norm(light.triangles.mean(axis=(0, 1)) - middle) < 2]
+            areas = [0.5 * np.linalg.norm(np.cross(*np.diff(light.triangles, axis=1).transpose(1, 0, 2)), axis=1).sum() for light in near]
+            mean = np.average([light.radiance for light in near], axis=0, weights=areas)
+            # Around the first it is the mean of |x| between -1 and 1.
+            expected = np.where(middle == 0, [0.5, 0.5, 0.0], middle)
+            np.testing.assert_allclose(mean, expected, atol=0.02)
+
     def test_closed_glass_of_many_colours_stays_closed(self):
         bpy.ops.mesh.primitive_cube_add(size=2)
         bpy.context.object.data.materials.append(scenes.material("Glass", coloured("BsdfGlass", panes(4))))

@@ -42,13 +42,17 @@ def _coordinates(tree, role):
 
 
 def _fed(tree, kind, role, settings):
-    """A node whose first vector is a coordinate, and whose first other input varies too; its first output of values, or None."""
+    """A node whose first vector is a coordinate, or else its first other input, and whose other inputs differ; its first output of values, or None."""
     node = tree.nodes.new(kind)
     for key, value in settings.items():
         setattr(node, key, value)
     usable = [socket for socket in node.inputs if socket.enabled and socket.type != "SHADER"]
     vector = next((s for s in usable if s.type == "VECTOR" and s.identifier not in ("Normal", "Tangent")), None)
-    number = next((s for s in usable if s.type in ("VALUE", "RGBA") and s.identifier not in ("Scale",)), None)
+    # A factor of 1 is all of what a node does.
+    numbers = [s for s in usable if s.type in ("VALUE", "RGBA") and s.identifier != "Scale"]
+    number = next((s for s in numbers if s.name not in ("Factor", "Fac") or "MIX" in node.type), next(iter(numbers), None))
+    for socket, colour in zip((s for s in usable if s.type == "RGBA"), ((0.9, 0.5, 0.1, 1), (0.1, 0.3, 0.8, 1))):
+        socket.default_value = colour
     if vector is not None:
         tree.links.new(_coordinates(tree, role), vector)
     elif number is not None:

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..host import ask
 from ..host.scene import MATERIAL
-from .lobes import REFLECTING, WEIGHTS
+from .lobes import WEIGHTS
 from .quarters import DEEPEST, Pieces, depths, middles, piece_at
 
 #: No more places of a mesh are looked at.
@@ -26,7 +26,8 @@ _CLEAR = 1 - 1 / 512
 _WIDTH = MATERIAL.itemsize // 4
 _COLUMN = {name: slice(MATERIAL.fields[name][1] // 4, MATERIAL.fields[name][1] // 4 + 3) for name in (*WEIGHTS, "shadow")}
 _PASSING = np.r_[tuple(_COLUMN[name] for name in ("transparent", "shadow", "translucent", "glass_transmission"))]
-_REFLECTING = np.r_[tuple(_COLUMN[name] for name in REFLECTING)]
+_REFLECTING = np.r_[tuple(_COLUMN[name] for name in ("diffuse", "metal", "edge", "coat", "glass_reflection"))]
+_ALPHA, _IOR = (MATERIAL.fields[name][1] // 4 for name in ("alpha", "ior"))
 _SPECULAR = np.r_[tuple(_COLUMN[name] for name in ("metal", "glass_reflection", "glass_transmission", "coat"))]
 
 
@@ -49,7 +50,7 @@ class Detail:
 FINE = Detail(1 << 18, 64, 1 << 18, (0.02, 0.05, 0.1, 0.2), _PASSING)
 
 #: Where they decide what it reflects: in fog that is as even as the light of a lamp as large as a piece.
-COARSE = Detail(1 << 14, 1, 1 << 12, (0.1, 0.2), np.r_[_PASSING, _REFLECTING])
+COARSE = Detail(1 << 14, 1, 1 << 12, (0.1, 0.2), np.r_[_PASSING, _REFLECTING, _ALPHA, _IOR])
 
 
 @dataclass(frozen=True)
@@ -220,11 +221,10 @@ def _of_kinds(fields, areas, kinds):
         if of.any():
             weights = np.maximum(areas[of], 1e-300)
             found[kind] = weights @ fields[of] / weights.sum()
-            for name in ("ior", "alpha"):
-                column = MATERIAL.fields[name][1] // 4
+            for column in (_ALPHA, _IOR):
                 found[kind, column] = (weights * specular[of]) @ fields[of, column] / (weights * specular[of]).sum()
     found[0] = 0
-    found[0, _COLUMN["transparent"]] = found[0, _COLUMN["shadow"]] = found[0, MATERIAL.fields["ior"][1] // 4] = 1
+    found[0, _COLUMN["transparent"]] = found[0, _COLUMN["shadow"]] = found[0, _IOR] = 1
     return found
 
 

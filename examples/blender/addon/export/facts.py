@@ -9,26 +9,32 @@ import numpy as np
 from .noise import hash_words
 from .trees import nodes_in
 
+#: The question where a thing is placed. Its answer is the transform, row by row.
+PLACED = "PLACED", ""
+
 #: Words of hashes are up to this.
 _WORD = 0xFFFFFFFF
 
 
 def wanted(tree):
-    """What the nodes of a tree, and of groups in it, ask: set of (kind, name), where kind is that of an Attribute node, or "INFO" for an
-    output of Object Info."""
+    """What the nodes of a tree, and of groups in it, ask: set of (kind, name), where kind is that of an Attribute node, "INFO" for an
+    output of Object Info, or that of PLACED."""
     asked = set()
     for node in nodes_in(tree):
         if node.type == "OBJECT_INFO":
             asked |= {("INFO", output.identifier) for output in node.outputs if output.is_linked}
         elif node.type == "ATTRIBUTE" and node.attribute_type != "GEOMETRY":
             asked.add((node.attribute_type, node.attribute_name))
+        elif (node.type == "NEW_GEOMETRY" and node.outputs["Position"].is_linked) or (node.type == "TEX_COORD" and node.object is not None):
+            asked.add(PLACED)
     return asked
 
 
 def found(asked, instance, depsgraph, material=None):
     """What has been asked of a bpy.types.DepsgraphObjectInstance, and of a bpy.types.Material of it: (question, answer) in order.
 
-    instance: None for the world's nodes. Answers are tuples of four floats, red, green, blue and alpha, or (x, y, z, 1), or four times a number; None: it is not known.
+    instance: None for the world's nodes. Answers are tuples of four floats, red, green, blue and alpha, or (x, y, z, 1), or four times a number,
+    but for PLACED; None: it is not known.
     """
     return tuple((question, _answer(*question, instance, depsgraph, material)) for question in sorted(asked))
 
@@ -36,6 +42,8 @@ def found(asked, instance, depsgraph, material=None):
 def _answer(kind, name, instance, depsgraph, material):
     if instance is None and kind != "VIEW_LAYER":
         return None
+    if kind == "PLACED":
+        return tuple(value for row in instance.matrix_world for value in row)
     if kind == "INFO":
         return _INFO[name](instance, material)
     if kind == "VIEW_LAYER":
@@ -106,3 +114,12 @@ def told(node, output, facts):
     if output.type == "VALUE":
         return float(np.mean(answer[:3]))
     return np.array(answer[:3], np.float64)
+
+
+def in_world(places, facts):
+    """Places of an object, float64 (n, 3), in the world, or None if nodes have not asked for it; facts: as `found` has made them."""
+    matrix = dict(facts).get(PLACED)
+    if matrix is None:
+        return None
+    matrix = np.array(matrix, np.float64).reshape(4, 4)
+    return places @ matrix[:3, :3].T + matrix[:3, 3]

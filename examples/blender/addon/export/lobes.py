@@ -8,9 +8,6 @@ from ..host.scene import MATERIAL
 #: The fields that are weights per channel, of all light.
 WEIGHTS = tuple(name for name in MATERIAL.names if MATERIAL[name].shape and name != "shadow")
 
-#: Those of what goes back from the side that light comes from.
-REFLECTING = ("diffuse", "metal", "edge", "coat", "glass_reflection")
-
 
 class Lobes:
     """What a surface's closures add up to: weights by field of MATERIAL, and emitted radiance [W/(m^2 sr)], each (3,), or (n, 3) where it
@@ -43,11 +40,6 @@ class Lobes:
         parts = [self.weights[name] for name in ("transparent", "translucent", "glass_transmission")]
         parts += [self.weights["transparent"] if self.shadow is None else self.shadow, self.emission]
         return np.concatenate(np.broadcast_arrays(*parts), axis=-1)
-
-    @property
-    def reflecting(self):
-        """What decides what it reflects: weights, (15,) or (n, 15)."""
-        return np.concatenate(np.broadcast_arrays(*(self.weights[name] for name in REFLECTING)), axis=-1)
 
     def row(self, note):
         """One element of MATERIAL. note(what, instead): called with what a row cannot say."""

@@ -82,12 +82,13 @@ def patterned(material, facts=()):
     nodes.Values has them."""
     if material is None or not has_nodes(material):
         return None
+    values = Values("", Report(), places=PROBE, facts=facts)
     with np.errstate(all="ignore"):
-        lobes = _lobes(Values("", Report(), places=PROBE, facts=facts), material)
-    for detail, values in ((FINE, lobes.passing), (COARSE, lobes.reflecting)):
-        if values.ndim > 1 and (values != values[0]).any():
-            return detail
-    return None
+        passing = _lobes(values, material).passing
+    if passing.ndim > 1 and (passing != passing[0]).any():
+        return FINE
+    # Whether textures make any difference the places themselves will tell.
+    return COARSE if values.varies else None
 
 
 def looked_at(material, report, facts=()):

@@ -190,6 +190,7 @@ class Values:
             if value is None:
                 raise NotConstant(end.node.name)
         elif self._places is PROBE and (kind == "TEX_IMAGE" or is_texture):
+            self.varies = True
             value = _drawn(end.node.name, 1 if end.socket.type == "VALUE" else 3)
         elif kind == "TEX_IMAGE":
             value = self._image(end, argument)

@@ -49,6 +49,8 @@ def principled(values, node, groups, weight, lobes):
     eta = _adjusted(ior, level)
     if np.any(eta != 1):
         lobes.add_specular(eta, roughness, coat=weight)
+        if np.any(eta < 1):
+            values.note("index of refraction below 1", "reflects less than in Cycles", in_fog=True)
         _note_tint(values, tint)
     if np.any(share("Subsurface Weight") > 0):
         values.note("subsurface scattering", "diffuse", in_fog=True)

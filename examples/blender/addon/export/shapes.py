@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..host.scene import MATERIAL
-from .cutting import FINE, cut
+from .cutting import cut
 from .enclosure import wrong
-from .facts import found, wanted
+from .facts import found, in_world, wanted
 from .flags import note_mesh_flags
 from .grids import Grids
 from .lobes import Lobes
@@ -213,16 +213,18 @@ class Shapes:
 
     def _cut_material(self, surface, triangles, material, detail):
         """The cutting.Cut of some triangles of a surface_places.Surface, with what it lacks reported."""
-        look = looked_at(material, self._report, self._of(material)[1])
+        facts = self._of(material)[1]
+        look = looked_at(material, self._report, facts)
 
         def at(triangles, shares):
-            return look(surface.places(triangles, shares), len(triangles))
+            places = surface.places(triangles, shares)
+            return look(replace(places, world=in_world(places.object, facts)), len(triangles))
 
         areas, flat = surface.areas(triangles), surface.uv_areas(triangles)
         # Half of the looks by how large triangles are, half by how much of an image is on them.
         wanted = sum(of / max(float(of.sum()), 1e-300) for of in (areas, flat))
         made = cut(triangles, areas, wanted, at, detail, self._poll)
-        if detail is FINE and made.error > 0.01:
+        if made.error > 0.01:
             self._report.add(
                 f'Material "{material.name}"',
                 "varies finely in what it lets through, or shines",
