@@ -99,7 +99,7 @@ static void own_geometry() {
     matt.asks = COVBEAM_ASKS_LOBES;
     lamp.position[1] = 3;
     description.materials = {matt, glass};
-    description.objects = {{-1, 0}, {-1, 1}};
+    description.objects = {{-1, 0, 0, 0, 0}, {-1, 1, 0, 0, 0}};
     description.volumes = {fog}, description.fixed.world_volume = 0;
     description.lights = {lamp};
     covbeam_camera& camera = description.fixed.camera;

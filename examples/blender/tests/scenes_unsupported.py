@@ -74,7 +74,7 @@ def _flags(scene):
     # What hides things before Blender 5.0 from volume scatter rays has no effect, and fog from shadow rays another one.
     last = "is hidden from volume scatter" if bpy.app.version >= (5, 0) else "casts no shadow"
     rays = "is hidden from diffuse", "is hidden from glossy", "is hidden from transmission", last
-    expected = _all('Object "Hidden"', *(f"fog that {each}" for each in rays))
+    expected = _all('Object "Hidden"', *(f"fog that {each}" for each in (*rays, "is a shadow catcher")))
     maker = add(None, "Maker", instance_type="COLLECTION", instance_collection=bpy.data.collections.new("Made"))
     maker.instance_collection.objects.link(bpy.data.objects.new("Twin", scenes.box("First").data))
     maker.visible_camera = False

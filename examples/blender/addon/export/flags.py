@@ -47,8 +47,10 @@ def of_objects(hidden):
     return hidden & ~_LAMPS_ONLY
 
 
-def note_fog_flags(name, hidden, report):
-    """Reports of a filled object what it is hidden from, of which the host heeds some only. hidden: Rays."""
+def note_fog_flags(name, hidden, is_catcher, report):
+    """Reports of a filled object what it is hidden from, of which the host heeds some only, and that it is a shadow catcher. hidden: Rays."""
+    if is_catcher:
+        report.add(f'Object "{name}"', "fog that is a shadow catcher", "seen as any other fog", in_fog=True)
     for rays, what in _RAYS.values():
         if rays & of_objects(hidden) & ~_FOG:
             report.add(f'Object "{name}"', "fog that " + what.replace("hidden", "is hidden"), "they see it", in_fog=True)

@@ -27,6 +27,7 @@ class Origin:
     hidden: Rays
     #: Its light group's name; empty: none.
     group: str
+    is_catcher: bool
 
 
 class Objects:
@@ -140,7 +141,8 @@ class Objects:
         # Blender has triangles of curves and the like as instances that they make themselves.
         maker = None if maker is None or maker.original == thing.original else maker
         pointers = thing.original.as_pointer(), maker.original.as_pointer() if maker is not None else None
-        return Origin(thing.name, pointers, hidden_from(thing, maker, self._view_layer), thing.lightgroup)
+        is_catcher = thing.is_shadow_catcher or (maker is not None and maker.is_shadow_catcher)
+        return Origin(thing.name, pointers, hidden_from(thing, maker, self._view_layer), thing.lightgroup, is_catcher)
 
     def _add_shape(self, instance, shape):
         """Places a Shape, or None, where an instance is."""
@@ -202,7 +204,7 @@ class Objects:
 
     def _fill(self, shape, matrix, origin, low, high):
         """Fills the last object, of a shape between two corners [m], with its fog."""
-        note_fog_flags(origin.name, origin.hidden, self._report)
+        note_fog_flags(origin.name, origin.hidden, origin.is_catcher, self._report)
         self.object_volumes.append(len(self.filled))
         frame = Frame(matrix, *shape.texture_space, self._home, shape.grids)
         self.filled.append(Filled(origin.name, shape.fog, np.float64(low), np.float64(high), frame))
