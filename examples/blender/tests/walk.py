@@ -29,7 +29,7 @@ import addon
 VERSION = ".".join(map(str, bpy.app.version[:2]))
 
 #: What Blender 5.0.1 itself, without the extension, dies of, and pictures of layers that it cannot write.
-NOT_IN_5 = {"Density of fog: IES Texture", "Render: Pixel Aspect X: 1.75", "Render: Pixel Aspect Y: 1.75"}
+NOT_IN_5 = {"Density of fog: IES Texture", "Background: IES Texture", "Render: Pixel Aspect X: 1.75", "Render: Pixel Aspect Y: 1.75"}
 
 
 def judged(subject, folder):
