@@ -5,7 +5,8 @@ in a foggy scene, by Cycles and by Add Beams.
     python walk.py FOLDER [--only TEXT ...] [--part K/N] [--all-settings] [--table README.md]
 
 Prints a line for each: `same`, where all that is seen agrees; `asks`, where Add Beams names what is missing and keeps Cycles' fog; `refused`, where it
-renders nothing and says why; `differs`, which must not be. The answers of all runs so far are kept in FOLDER, by version of Blender; --table makes the
+renders nothing and says why; `fails`, where Blender itself makes no picture; `differs`, which must not be. What the process itself has `died` of is
+left out in the next run: try it without the extension. The answers of all runs so far are kept in FOLDER, by version of Blender; --table makes the
 README's table of those of all versions. Some 1,300 scenes, a second or two each; --part runs a share of them. Exits with 1 if anything differs.
 """
 
@@ -28,9 +29,6 @@ import addon
 
 VERSION = ".".join(map(str, bpy.app.version[:2]))
 
-#: What Blender 5.0.1 itself, without the extension, dies of, and pictures of layers that it cannot write.
-NOT_IN_5 = {"Density of fog: IES Texture", "Background: IES Texture", "Render: Pixel Aspect X: 1.75", "Render: Pixel Aspect Y: 1.75"}
-
 
 def judged(subject, folder):
     """What has come of a Subject: its kind and the words for it; None if there is no such thing."""
@@ -46,7 +44,10 @@ def judged(subject, folder):
 
 
 def _looked_at(scene, folder, effort):
-    cycles, error = by_cycles(scene, folder, effort)
+    try:
+        cycles, error = by_cycles(scene, folder, effort)
+    except RuntimeError as reason:
+        return "fails", f"in Blender itself: {reason}"
     answer = Answer(scene, folder, effort)
     if answer.refused:
         return "refused", answer.refused
@@ -88,8 +89,11 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         for subject in chosen[part - 1 :: parts]:
             key = f"{subject.group}: {subject.name}"
-            if (VERSION == "5.0" and key in NOT_IN_5) or (key in answers and not options.again):
+            if key in answers and not options.again:
                 continue
+            # What the process dies of, the next run does not look at again.
+            answers[key] = [subject.group, subject.name, "died", ""]
+            kept.write_text(json.dumps(answers, indent=0))
             try:
                 found = judged(subject, folder)
             except Exception as reason:
@@ -97,12 +101,14 @@ def main():
                 traceback.print_exc()
                 found = "differs", f"{type(reason).__name__}: {reason}"
             if found is None:
+                del answers[key]
                 continue
             wrong += found[0] == "differs"
             print(f"walk {VERSION}: {found[0]}: {key}: {found[1]}", flush=True)
             answers[key] = [subject.group, subject.name, *found]
             kept.write_text(json.dumps(answers, indent=0))
-    print(f"walk {VERSION}: {len(answers)} answers, {wrong} of this run differ", flush=True)
+    died = [key for key, (*_, kind, _) in answers.items() if kind == "died"]
+    print(f"walk {VERSION}: {len(answers)} answers, {wrong} of this run differ; it has died of: {'; '.join(died) or 'nothing'}", flush=True)
     return wrong > 0
 
 
