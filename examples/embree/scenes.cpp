@@ -14,7 +14,7 @@ static void add(World& world, const Solid& solid, covbeam_material material) {
     material.asks = solid.texture.pixels.empty() ? COVBEAM_ASKS_NOTHING : COVBEAM_ASKS_LOBES;
     if (!solid.mask.pixels.empty()) grey(1).store(material.transparent); // the most that there is
     world.solids.push_back(solid), world.materials.push_back(material);
-    world.objects.push_back({-1, solid.mesh.triangles.empty()});
+    world.objects.push_back({-1, solid.mesh.triangles.empty(), 0, 0, 0});
 }
 
 static void fill(World& world, double scattering, double absorption, double asymmetry) {

@@ -113,6 +113,7 @@ pub(crate) fn run(body: impl FnOnce() -> Result<(), Failure>) -> covbeam_status 
 }
 
 /// Runs what a thread of a session does that the host has started.
+#[cfg(feature = "session")]
 pub(crate) fn work(body: impl FnOnce()) {
     WORKS.set(true);
     body();

@@ -13,23 +13,8 @@ import bpy
 
 from . import latest, requirements, text
 from .budget import Budget
+from .pass_names import passes_of
 from .settings import session_settings
-
-#: Name, channels, their letters and kind of each pass, in Blender's words.
-PASSES = (
-    ("Combined", 4, "RGBA", "COLOR"),
-    ("In-Scattered", 3, "RGB", "COLOR"),
-    ("Radius", 1, "X", "VALUE"),
-    ("Bandwidth", 1, "X", "VALUE"),
-    ("Standard Error", 1, "X", "VALUE"),
-)
-
-
-def _passes(view_layer):
-    """PASSES, and those of the view layer's light groups."""
-    from .passes import group_pass
-
-    return PASSES + tuple((group_pass(group.name), 3, "RGB", "COLOR") for group in view_layer.lightgroups)
 
 
 class CovbeamEngine(bpy.types.RenderEngine):
@@ -47,7 +32,7 @@ class CovbeamEngine(bpy.types.RenderEngine):
     view3d = None
 
     def update_render_passes(self, scene, view_layer):
-        for name, channels, letters, kind in _passes(view_layer):
+        for name, channels, letters, kind in passes_of(view_layer):
             self.register_pass(scene, view_layer, name, channels, letters, kind)
 
     def update(self, data, depsgraph):

@@ -7,6 +7,7 @@ import numpy as np
 
 from . import text
 from .host import Cancelled
+from .pass_names import group_pass
 
 #: Share of the time that may go into showing what there is so far.
 DISPLAY_SHARE = 0.1
@@ -119,11 +120,6 @@ class Passes:
         self._picture = taken
         self._display += taken
         self._shown = self.session.passes
-
-
-def group_pass(group):
-    """The name of a light group's pass, as Blender names Cycles': at most 63 bytes."""
-    return f"In-Scattered_{group}".encode()[:63].decode(errors="ignore")
 
 
 def put(engine, result, picture):

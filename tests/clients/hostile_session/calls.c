@@ -222,7 +222,7 @@ static const covbeam_description *described(size_t *pixels) {
     volumes[2].density = STRUCTS(float, densities, 8);
     lamp(&lights[0], below(6));
     lamp(&lights[1], below(6));
-    covbeam_object objects[2] = { { 2, 1 }, { -1, 0 } };
+    covbeam_object objects[2] = { { 2, 1, 0, 0, 0 }, { -1, 0, 0, 0, 0 } };
     all.camera.is_own = 0;
     all.camera.projection = below(4);
     all.camera.widest = 1;
