@@ -50,7 +50,7 @@ class CovbeamEngine(bpy.types.RenderEngine):
     def render(self, depsgraph):
         job, self.job = self.job, None
         view_layer = depsgraph.view_layer.name
-        for name, channels, letters, _ in _passes(depsgraph.view_layer)[1:]:
+        for name, channels, letters, _ in passes_of(depsgraph.view_layer)[1:]:
             self.add_pass(name, channels, letters, layer=view_layer)
         # Blender crashes when it saves a picture that nothing has been put into.
         self.end_result(self.begin_result(0, 0, 1, 1, layer=view_layer))

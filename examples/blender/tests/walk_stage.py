@@ -15,8 +15,9 @@ from addon import latest
 #: Pixels along a picture, and along the blocks of which means are compared.
 SIZE, BLOCKS = 32, 4
 
-#: Samples of Cycles' pictures, and time of covbeam's [s]: of one of each for a look, and of two of each where they do not agree at once.
-LOOK, AGAIN = (128, 0.4), (384, 1.2)
+#: Samples of Cycles' pictures, and passes of covbeam's: of one of each for a look, and of two of each where they do not agree at once. Light paths
+#: of a pass.
+LOOK, AGAIN, _PHOTONS = (128, 6), (384, 20), 1000
 
 #: Seeds of the two.
 _SEEDS = (1, 2)
@@ -108,7 +109,7 @@ class Answer:
 
     def __init__(self, scene, folder, effort=AGAIN):
         settings = scene.covbeam
-        settings.passes, settings.time_limit, settings.folder = 100_000, effort[1], str(folder)
+        settings.passes, settings.photons, settings.time_limit, settings.folder = effort[1], _PHOTONS, 0, str(folder)
         scene.render.image_settings.exr_codec = "NONE"
         found, self.asks, self.refused = [], [], ""
         layer = next(layer for layer in scene.view_layers if layer.use)
