@@ -22,14 +22,15 @@ def _all(source, *whats):
 
 
 def _settings(scene):
-    scene.render.use_multiview = True
+    scene.render.use_multiview = scene.cycles.use_fast_gi = True
+    scene.cycles.sample_clamp_direct = 1.0
     layer = bpy.context.view_layer
     layer.use_solid = layer.use_volumes = False
     camera = scene.camera.data
     camera.dof.use_dof = True
     camera.clip_end, camera.clip_start = 15.0, 0.1
     return (
-        _all('Scene "Scene"', "stereoscopy")
+        _all('Scene "Scene"', "stereoscopy", "Fast GI Approximation", "Clamp Direct")
         | _all('View layer "ViewLayer"', "Surfaces", "Volumes")
         | _all('Camera "Camera"', "objects beyond Clip End", "Clip End, which ends the fog")
     )

@@ -20,6 +20,11 @@ def note_settings(depsgraph, camera_object, report):
         report.add(source, "stereoscopy", "one view, from the camera itself")
     if hasattr(scene, "covbeam") and scene.covbeam.orders == "ALL":
         report.add(source, "limits of Cycles' Light Paths", "light of all orders, as Light in Advanced says")
+    if hasattr(scene, "cycles"):
+        if scene.cycles.use_fast_gi:
+            report.add(source, "Fast GI Approximation", "light is followed as often as Light Paths let", in_fog=True)
+        if scene.cycles.sample_clamp_direct > 0:
+            report.add(source, "Clamp Direct", "nothing is clamped; set it to 0", in_fog=True)
     source = f'View layer "{layer.name}"'
     for name, what in (("use_solid", "Surfaces"), ("use_volumes", "Volumes")):
         if not getattr(layer, name):
