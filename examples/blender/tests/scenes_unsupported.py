@@ -30,7 +30,7 @@ def _settings(scene):
     camera.dof.use_dof = True
     camera.clip_end, camera.clip_start = 15.0, 0.1
     return (
-        _all('Scene "Scene"', "stereoscopy", "Fast GI Approximation", "Clamp Direct")
+        _all("Scene", "stereoscopy", "Fast GI Approximation", "Clamp Direct")
         | _all('View layer "ViewLayer"', "Surfaces", "Volumes")
         | _all('Camera "Camera"', "objects beyond Clip End", "Clip End, which ends the fog")
     )

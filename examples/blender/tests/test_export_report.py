@@ -18,7 +18,6 @@ from addon.export.scene import export  # noqa: E402
 
 #: Words of entries that ask nothing, and why: what they name changes fog's light by no more than its noise, or not at all.
 _HARMLESS = {
-    "bump or normal map of a matt surface": "what it scatters changes by 1.5 % in all, and fog sees it from everywhere",
     "bump seen from behind": "what Cycles makes of the back of a bump is its own; seen from in front it is the same",
     "spot without Soft Falloff": "inside of the lamp's own ball alone",
     "edge tint of metal": "the same at 0 and at 82 degrees; between, by less than a hundredth of what it reflects",

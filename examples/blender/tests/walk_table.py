@@ -16,8 +16,8 @@ def table(folder):
                 found.setdefault(group, {}).setdefault(name, {})[version] = kind, words
     lines = ["| what | same picture | named, and Cycles' fog kept |", "| --- | --- | --- |"]
     for group, names in found.items():
-        same = [name for name, answers in names.items() if all(kind == "same" for kind, _ in answers.values())]
-        others = [_shown(name, answers) for name, answers in names.items() if name not in same]
+        same = [name for name, answers in sorted(names.items()) if all(kind == "same" for kind, _ in answers.values())]
+        others = [_shown(name, answers) for name, answers in sorted(names.items()) if name not in same]
         lines.append(f"| {group} | {', '.join(same)} | {', '.join(others)} |")
     return "\n".join(lines) + "\n"
 

@@ -60,8 +60,10 @@ def bend(material, report):
         return None
     chosen = max(found, key=found.get)
     if not found[chosen] > 0:
-        # Fog above a floor of waves of 60 degrees is darker by 1.5 %, that beside a card of such of 30 degrees by 3 %.
-        values.note("bump or normal map of a matt surface", "ignored, as light that it scatters hardly depends on it")
+        # Fog above a floor of waves of 60 degrees is darker by 1.5 %, that beside a card of such of 30 degrees by 3 %. Vectors that move a surface
+        # sideways are no bump of what it has become.
+        is_far = raised is not None and raised.is_moved and follow(output.inputs["Displacement"]).node.type == "VECTOR_DISPLACEMENT"
+        values.note("bump or normal map of a matt surface", "ignored, as light that it scatters hardly depends on it", in_fog=is_far)
         return None
     if sum(strength > 0 for strength in found.values()) > 1:
         values.note("several normals in one material", "those of the strongest closure are used for all", in_fog=True)

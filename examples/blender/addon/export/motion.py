@@ -46,7 +46,7 @@ def exposures(depsgraph, frame_set, poll=None):
     _note(depsgraph, scenes, report)
     if len({_kind(made) for made in scenes}) > 1:
         made, report = export(depsgraph, poll)
-        source = f'Scene "{scene.name}"'
+        source = "Scene"
         report.add(source, "motion blur of light or fog that is not there all the time", "everything stands still at the frame", in_fog=True)
         return [made], report
     return scenes, report
@@ -102,7 +102,7 @@ def _kind(made):
 def _note(depsgraph, scenes, report):
     """Reports what Cycles blurs otherwise of scenes in which something moves."""
     scene = depsgraph.scene_eval
-    source = f'Scene "{scene.name}"'
+    source = "Scene"
     lamps = [[light for light in made.lights if light.kind not in {LightKind.MESH, LightKind.WORLD}] for made in scenes]
     if not all(_alike(each, lamps[0]) for each in lamps):
         report.add(source, "lamps that move while the shutter is open", "blurred; in Cycles they stand still", in_fog=True)

@@ -12,7 +12,7 @@ _THINNING = {LightKind.POINT, LightKind.SPOT, LightKind.AREA, LightKind.MESH}
 def note_settings(depsgraph, camera_object, report):
     """Reports what differs from what is rendered."""
     scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
-    source = f'Scene "{scene.name}"'
+    source = "Scene"
     data = None if camera_object is None else camera_object.evaluated_get(depsgraph).data
     if data is not None and data.type == "PANO" and data.dof.use_dof and (data.dof.aperture_blades > 2 or data.dof.aperture_ratio != 1):
         report.add(f'Camera "{camera_object.name}"', "shape of a panorama's aperture", "turned otherwise about each ray", in_fog=True)
