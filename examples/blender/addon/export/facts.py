@@ -45,6 +45,9 @@ def _answer(kind, name, instance, depsgraph, material):
     if kind == "PLACED":
         return tuple(value for row in instance.matrix_world for value in row)
     if kind == "INFO":
+        if instance.object.type == "LIGHT" and bpy.app.version < (5, 0):
+            # Cycles has zeros there for lamps, and another random number.
+            return None
         return _INFO[name](instance, material)
     if kind == "VIEW_LAYER":
         scene = depsgraph.scene_eval

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Settings of the scene, the view layer and the camera that the host does not honour: all reported."""
 
+import bpy
 import numpy as np
 
 from ..host.scene import LightKind
@@ -25,6 +26,11 @@ def note_settings(depsgraph, camera_object, report):
             report.add(source, "Fast GI Approximation", "light is followed as often as Light Paths let", in_fog=True)
         if scene.cycles.sample_clamp_direct > 0:
             report.add(source, "Clamp Direct", "nothing is clamped; set it to 0", in_fog=True)
+        # What is brighter than all that a picture shows is taken for noise.
+        if 0 < scene.cycles.sample_clamp_indirect < 1:
+            report.add(source, "Clamp Indirect below 1", "nothing is clamped", in_fog=True)
+        if bpy.app.version < (5, 0) and scene.cycles.transparent_max_bounces == 0:
+            report.add(source, "Transparent Max Bounces 0, with which Cycles sees no fog in meshes", "it is seen", in_fog=True)
     source = f'View layer "{layer.name}"'
     for name, what in (("use_solid", "Surfaces"), ("use_volumes", "Volumes")):
         if not getattr(layer, name):
