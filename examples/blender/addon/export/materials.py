@@ -32,6 +32,12 @@ def has_nodes(block):
     return block.node_tree is not None and (bpy.app.version >= (5, 0) or block.use_nodes)
 
 
+def has_surface(material):
+    """Whether nodes describe the surface of a bpy.types.Material, and not its fog alone."""
+    output = material.node_tree.get_output_node("CYCLES") if has_nodes(material) else None
+    return output is not None and leads_somewhere(output.inputs["Surface"])
+
+
 def translate(material, report, facts=()):
     """A bpy.types.Material, or None for what Cycles shows where there is none, as Translated. facts: as nodes.Values has them."""
     lobes = Lobes()

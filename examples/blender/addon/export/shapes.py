@@ -8,11 +8,11 @@ import numpy as np
 from ..host.scene import MATERIAL
 from .cutting import cut
 from .enclosure import wrong
-from .facts import found, in_world, wanted
+from .facts import PLACED, found, in_world, wanted
 from .flags import note_mesh_flags
 from .grids import Grids
 from .lobes import Lobes
-from .materials import Translated, filling, patterned, looked_at, translate
+from .materials import Translated, filling, has_surface, patterned, looked_at, translate
 from .meshes import FARTHEST, Triangles, box, is_closed, reach, triangles
 from .points import balls
 from .quarters import Pieces, mesh_of
@@ -97,7 +97,8 @@ class Shapes:
     def _told(self, material, instance):
         pointer = material.as_pointer()
         if pointer not in self._wanted:
-            self._wanted[pointer] = wanted(material.node_tree)
+            # Fog is told of places itself: instances of it share what it is.
+            self._wanted[pointer] = wanted(material.node_tree) - (set() if has_surface(material) else {PLACED})
         return found(self._wanted[pointer], instance, self._depsgraph, material)
 
     def _of(self, material):
