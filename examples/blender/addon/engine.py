@@ -89,7 +89,7 @@ class CovbeamEngine(bpy.types.RenderEngine):
             else:
                 made = Session(job.scene, job.settings, self.goes_on, job.instants)
             with closing(made) as session:
-                passes = Passes(self, session, job.budget, result, job.start)
+                passes = Passes(self, session, job.budget, result, job.start, job.settings.threads)
                 passes.run()
         finally:
             # What has been shown is kept, cancelled or not.

@@ -18,8 +18,13 @@ STATUS_INTERVAL = 0.25
 #: With a time limit, the first pass has this share of the light paths: it tells how many of them a pass has time for.
 TRIAL = 1 / 16
 
-#: Share of the time that one pass takes at most, with a time limit.
+#: Share of the time that one pass takes at most, with a time limit; but light paths may take as long as all else in a pass does: where that takes
+#: longer, fewer paths would save next to nothing.
 PASS_SHARE = 0.15
+
+#: Parts of a pass that take as long as there are many light paths; in the gather, pairs of a beam and an eye ray do, each so long on one core [s].
+_OF_PATHS = ("photons", "light fields", "beams")
+_PAIR = 6e-8
 
 #: A cancelled render shows its last passes only if making the picture takes no longer than this [s].
 LAST_PICTURE = 0.1
@@ -29,14 +34,14 @@ class Passes:
     """Runs the passes of a session within a budget; hands pictures and progress to the engine.
 
     - result: Blender's render result, with the layer that is rendered.
-    - start: when the scene began to be read, of perf_counter.
+    - start: when the scene began to be read, of perf_counter; threads: of the session.
     - cancelled: whether the artist has stopped it. What was shown last is kept.
     """
 
-    def __init__(self, engine, session, budget, result, start):
+    def __init__(self, engine, session, budget, result, start, threads):
         self.engine, self.session, self.budget, self.result = engine, session, budget, result
         self.cancelled = False
-        self._start, self._told = start, perf_counter()
+        self._start, self._told, self._threads = start, perf_counter(), threads
         # Seconds spent on pictures; those that the latest pass and picture took; and the passes that the latest picture shows.
         self._display = self._pass = self._picture = 0.0
         self._shown = 0
@@ -59,19 +64,26 @@ class Passes:
 
     def _try_out(self):
         """Finds out what a pass and a picture cost, and gives passes as many light paths as there is time for."""
-        trial = max(int(TRIAL * self.session.photons), 1)
+        most = self.session.photons
+        trial = max(int(TRIAL * most), 1)
         self.session.restart(trial)
-        planned = self.session.times["plan"]
+        before, pairs = self.session.times, self.session.pairs
         self._render_pass()
+        spent = {name: seconds - before[name] for name, seconds in self.session.times.items()}
         # The first pass finds out where light paths are needed.
-        self._pass -= self.session.times["plan"] - planned
+        self._pass -= spent["plan"]
         self._show(self._poll)
+        of_pairs = _PAIR * (self.session.pairs - pairs) / self._threads
+        paths = sum(spent[name] for name in _OF_PATHS) + min(of_pairs, spent["gather"])
+        other = max(self._pass - paths, 0.0)
         left = self.budget.seconds - self._elapsed() - self._picture
-        photons = int(trial * PASS_SHARE * left / max(self._pass, 1e-6))
+        # Two passes at least are to fit. Where next to nothing is theirs there may be as many paths as anyone wants.
+        of_paths = min(max(PASS_SHARE * left - other, other), 0.5 * left - other)
+        photons = min(int(trial * of_paths / max(paths, 1e-6)), most)
         # Where there is no time for more, the trial is the first pass.
         if photons > trial:
             self.session.restart(photons)
-            self._pass *= min(photons, self.session.photons) / trial
+            self._pass = other + paths * photons / trial
             self._shown = 0
 
     def _render_pass(self):

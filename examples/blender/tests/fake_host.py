@@ -75,12 +75,14 @@ class Session:
     open = 0
     settings = []
     memory = 7_000_000
-    times = {"photons": 0.0, "plan": 0.0, "gather": 0.0}
+    pairs = 0
 
     def __init__(self, scene, settings, poll=None, instants=()):
         # Nobody's choice is the scene's own.
         self.scene, self.passes, self._most = scene, 0, settings.photons or 5000
         self.photons = self._most
+        # Of parts that passes add to, and all that the library has.
+        self.times = dict.fromkeys(("photons", "light fields", "grid", "beams", "plan", "gather", "picture"), 0.0)
         Session.open += 1
         Session.settings.append(settings)
 

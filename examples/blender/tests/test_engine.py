@@ -264,11 +264,19 @@ class Settings(InBlender):
             self.assertGreaterEqual(passes, 1)
             self.assertEqual(latest.get().outcome, latest.Outcome.DONE)
 
-    def test_a_time_limit_makes_passes_shorter(self):
+    def paths_of_passes(self, path, pair, other):
+        """Light paths of the passes of a render of 2 s with at most 50,000 a pass.
+
+        - path, pair, other: seconds that one of the paths takes, that its pairs take in the gather, and that a pass takes without any.
+        """
+
         class Paths(fake_host.Session):
             def render_pass(self, poll):
-                # 20 us a light path: 1 s for a pass of 50,000.
-                time.sleep(2e-5 * self.photons)
+                spent = {"photons": path * self.photons, "gather": pair * self.photons + other}
+                time.sleep(sum(spent.values()))
+                self.times = {name: seconds + spent.get(name, 0.0) for name, seconds in self.times.items()}
+                # Of as many cores as there are.
+                self.pairs += int(pair * self.photons * self.settings[-1].threads / 6e-8)
                 self.passes += 1
                 counts.append(self.photons)
 
@@ -281,8 +289,17 @@ class Settings(InBlender):
         self.render()
         self.assertEqual(counts[0], 3125)
         self.assertEqual(len(set(counts[1:])), 1)
-        # 0.15 of 2 s, less what the trial and the overhead took.
-        self.assertTrue(8000 < counts[1] < 16000, counts)
+        return counts[1]
+
+    def test_a_time_limit_makes_passes_shorter(self):
+        # 20 us a light path: 1 s for a pass of 50,000. 0.15 of 2 s, less what the trial and the overhead took.
+        for path, pair in ((2e-5, 0.0), (1e-5, 1e-5)):
+            self.assertTrue(8000 < self.paths_of_passes(path, pair, 0.0) < 16000)
+
+    def test_a_time_limit_leaves_light_paths_as_much_time_as_the_rest_of_a_pass_takes(self):
+        # 0.4 s whatever the paths: so few that they take next to nothing would be noise for no gain.
+        self.assertTrue(15_000 < self.paths_of_passes(1e-5, 1e-5, 0.4) < 22_000)
+        self.assertEqual(self.paths_of_passes(1e-6, 0.0, 0.4), 50_000)
 
     def test_a_budget_has_no_pass_that_would_end_too_late(self):
         limit = budget.Budget(100, 10.0)
@@ -425,7 +442,7 @@ class Messages(InBlender):
         self.assertRegex(record.title, "^Scene, ViewLayer, frame 1$")
         self.assertIn("Geometry: 12 triangles, 0.0 MB", record.figures)
         self.assertTrue(any(line.startswith("Passes: 3 of 3 in ") for line in record.figures))
-        self.assertIn("Of the time: photons 0 %, plan 0 %, gather 0 %", record.figures)
+        self.assertIn("Of the time: photons 0 %, light fields 0 %, grid 0 %, beams 0 %, plan 0 %, gather 0 %, picture 0 %", record.figures)
         self.assertIn("Memory of light and image: 7.0 MB", record.figures)
 
     def test_each_frame_keeps_its_report_in_its_file(self):

@@ -78,6 +78,10 @@ class GroupSession:
         times = [part.session.times for part in self._parts]
         return {name: sum(each[name] for each in times) for name in times[0]}
 
+    @property
+    def pairs(self):
+        return sum(part.session.pairs for part in self._parts)
+
     def restart(self, photons, plain=False):
         for part in self._parts:
             part.session.restart(max(round(part.share * photons), 1), plain)
