@@ -160,6 +160,10 @@ fn densities(c: &mut Criterion) {
     group.bench_function("knots of a ray of length 4", |b| {
         b.iter(|| rays.iter().map(|&(origin, direction)| tabulate(origin, direction)).sum::<usize>());
     });
+    group.bench_function("column over a way of length 4", |b| {
+        let column = |&(origin, direction)| voxels.column_over(origin, direction, 4.0, f32::INFINITY);
+        b.iter(|| rays.iter().map(column).sum::<f32>());
+    });
     for (name, density) in [("exponential", air), ("voxels", voxels)] {
         let (origin, direction) = rays[0];
         let mut knots = Vec::new();

@@ -75,7 +75,7 @@ pub struct Settings {
     pub emission: Emission,
     /// Whether light paths go where the picture needs them, after a pilot that depends on scene and seed alone. For [`Gather::Adaptive`].
     pub guided: bool,
-    /// Whether straight light comes from shadow rays, but for media of voxels. For [`Gather::Adaptive`].
+    /// Whether straight light comes from shadow rays. For [`Gather::Adaptive`].
     pub shadow_rays: bool,
     /// Layers of light. For [`Gather::Adaptive`].
     pub layers: Layers,

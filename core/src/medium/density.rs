@@ -138,6 +138,19 @@ impl Density<'_> {
         }
     }
 
+    /// The column of a straight way alone, without a table: what a shadow ray needs.
+    ///
+    /// - `origin` \[m\], `direction` (unit), `length` \[m\] > 0: of the way; in a grid none of it inside the box or not finite: 0.
+    /// - `most` \[m\]: in a grid it ends at the first cell behind which the column is larger.
+    ///
+    /// Guarantee: in a grid the integral of the trilinear density, cell by cell, to single precision. Cost: about 12 ns a cell, a quarter of the table's.
+    pub fn column_over(&self, origin: Vec3, direction: Vec3, length: f32, most: f32) -> f32 {
+        match self {
+            Density::Grid(grid) => grid.column_over(origin, direction, length, most),
+            _ => self.column(origin, direction, &[]).at(length),
+        }
+    }
+
     /// The most knots that [`Density::knots`] makes, for a host that has their memory ready: 64 for each cell
     /// that a ray can meet, about 64 (nx + ny + nz) in a grid; 0 for the other densities.
     pub fn most_knots(&self) -> usize {

@@ -11,6 +11,9 @@ use libm::{ceil, sqrt};
 /// Most parts that one cell of a density grid is cut into.
 const MOST_PARTS: f64 = 64.0;
 
+/// The first of the two places of a unit interval whose values' mean integrates exactly the cubic that a trilinear density is along a line.
+const GAUSS: f32 = 0.211_324_87;
+
 /// Relative density given at the centres of voxels: trilinear between them, held over the half voxel at the
 /// border of the box, 0 outside it. The values belong to the caller.
 #[derive(Clone, Copy, Debug)]
@@ -111,6 +114,46 @@ impl<'a> DensityGrid<'a> {
         table.finish(knot);
     }
 
+    /// See [`super::Density::column_over`].
+    pub(super) fn column_over(&self, origin: Vec3, direction: Vec3, length: f32, most: f32) -> f32 {
+        let Some(mut dda) = Dda::new(&self.voxels.layout, Lattice::Centres, origin, direction, length) else {
+            return 0.0;
+        };
+        let Trilinear { layout, scale, strides: [dx, dy, dz], .. } = self.voxels;
+        let start = (origin - layout.min) * scale + 0.5;
+        let slope = direction * scale;
+        let last = layout.cells.map(|count| count - 1);
+        let mut column = 0.0;
+        while let Some((cell, from, to)) = dda.next_cell() {
+            let side = |axis: usize, stride: usize| {
+                let low = cell[axis].saturating_sub(1);
+                let high = cell[axis].min(last[axis]);
+                [low as usize * stride, high as usize * stride]
+            };
+            let ([x, right], [y, above], [z, behind]) = (side(0, dx), side(1, dy), side(2, dz));
+            let row = |at: usize| [self.values[at + x], self.values[at + right]];
+            let [[a, b], [c, d], [e, f], [g, h]] =
+                [row(y + z), row(above + z), row(y + behind), row(above + behind)];
+            if a + b + c + d + e + f + g + h == 0.0 {
+                continue;
+            }
+            let corner = Vec3::new(cell[0] as f32, cell[1] as f32, cell[2] as f32);
+            let (from, step) = (from as f32, (to - from) as f32);
+            let density = |share: f32| {
+                let Vec3 { x, y, z } = start + (from + share * step) * slope - corner;
+                let mix = |low: f32, high: f32, t: f32| low + t * (high - low);
+                let front = mix(mix(a, b, x), mix(c, d, x), y);
+                let back = mix(mix(e, f, x), mix(g, h, x), y);
+                mix(front, back, z)
+            };
+            column += 0.5 * step * (density(GAUSS) + density(1.0 - GAUSS));
+            if column > most {
+                break;
+            }
+        }
+        column.max(0.0)
+    }
+
     /// See [`super::Density::most_knots`].
     pub(super) fn most_knots(&self) -> usize {
         // Between centres and up to both borders there is a cell more than voxels; the start has a knot, too.
@@ -153,7 +196,14 @@ impl<'a> DensityGrid<'a> {
             return;
         }
         while let Some((cell, from, to)) = dda.next_cell() {
-            let [a, b, c, d, e, f, g, h] = self.corners(cell);
+            let corners = self.corners(cell);
+            if corners == [0.0; 8] {
+                if !point(to, column) {
+                    return;
+                }
+                continue;
+            }
+            let [a, b, c, d, e, f, g, h] = corners;
             let density = |s: f64| {
                 let place = |axis: usize| start[axis] + s * slope[axis] - f64::from(cell[axis]);
                 let (x, y, z) = (place(0), place(1), place(2));
@@ -170,19 +220,29 @@ impl<'a> DensityGrid<'a> {
                 + largest([e - a, f - b, g - c, h - d]) * slope[2].abs();
             let step = to - from;
             let parts = ceil(step * sqrt(change / (8.0 * error))).clamp(1.0, MOST_PARTS);
-            let part = step / parts;
-            for i in 0..parts as u32 {
-                let left = from + f64::from(i) * part;
-                // Two Gauss points integrate the cubic that a trilinear density is along a line exactly.
-                const GAUSS: f64 = 0.211_324_865_405_187_1;
-                column += 0.5 * part * (density(left + GAUSS * part) + density(left + (1.0 - GAUSS) * part));
-                let right = if f64::from(i + 1) == parts { to } else { left + part };
+            let integral =
+                integral_of_cubic([0.0, 1.0, 2.0, 3.0].map(|third| density(from + third / 3.0 * step)));
+            let before = column;
+            for i in 1..=parts as u32 {
+                let share = f64::from(i) / parts;
+                // Where there is next to nothing it may fall by a rounding.
+                column = f64::max(column, before + step * integral(share));
+                let right = if f64::from(i) == parts { to } else { from + share * step };
                 if !point(right, column) {
                     return;
                 }
             }
         }
     }
+}
+
+/// The integral from 0 of a cubic, which a trilinear density is along a line, by its values at 0, 1/3, 2/3 and 1.
+fn integral_of_cubic([q0, q1, q2, q3]: [f64; 4]) -> impl Fn(f64) -> f64 {
+    let linear = 0.5 * (-11.0 * q0 + 18.0 * q1 - 9.0 * q2 + 2.0 * q3);
+    let square = 4.5 * (2.0 * q0 - 5.0 * q1 + 4.0 * q2 - q3);
+    let cube = 4.5 * (3.0 * (q1 - q2) + q3 - q0);
+    let [half, third, quarter] = [linear / 2.0, square / 3.0, cube / 4.0];
+    move |u| u * (q0 + u * (half + u * (third + u * quarter)))
 }
 
 /// Leaves out the points of a march that a straight line between the kept ones reproduces to `half`.

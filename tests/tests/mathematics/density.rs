@@ -123,6 +123,38 @@ fn the_table_of_a_grid_is_within_its_error_of_the_integral() {
     assert!(most_knots < 17 * 30, "{most_knots}");
 }
 
+/// Of ways that start inside, outside and at the border, end anywhere, or go along the axes, through cells that hold nothing and all others.
+#[test]
+fn a_column_without_a_table_is_the_integral() {
+    let mut random = random(11);
+    let values = values(&mut random);
+    let grid = Density::Grid(DensityGrid::new(LAYOUT, &values).unwrap());
+    let size = LAYOUT.max - LAYOUT.min;
+    for way in 0..200 {
+        let place = Vec3::from([0; 3].map(|_| 1.6 * random.uniform() - 0.3));
+        let origin =
+            LAYOUT.min + if way % 5 == 0 { place.clamp(Vec3::ZERO, Vec3::ONE) } else { place } * size;
+        let direction = if way % 4 == 0 { Vec3::AXES[way / 4 % 3] } else { direction(&mut random) };
+        let length = 4.0 * random.uniform() + 1e-3;
+        let found = grid.column_over(origin, direction, length, f32::INFINITY);
+        let expected = quadrature(&values, origin, direction, f64::from(length), 1, 20_000)[1];
+        // The midpoint rule errs by as much where the density jumps at the box' sides: 3 x length/20,000.
+        assert!(
+            (f64::from(found) - expected).abs() < 1e-3,
+            "{origin} {direction} {length}: {found}, {expected}"
+        );
+        let ended = grid.column_over(origin, direction, length, 0.1);
+        assert!(ended <= found && (ended == found || ended > 0.1), "{ended} of {found}");
+    }
+    let nothing = [Vec3::NAN, Vec3::INFINITY].map(|origin| grid.column_over(origin, Vec3::X, 1.0, 1.0));
+    assert_eq!(nothing, [0.0; 2]);
+    let air = ExponentialDensity { origin: Vec3::ZERO, up: Vec3::Y, scale_height: 2.0 };
+    for density in [Density::Uniform, Density::Exponential(air)] {
+        let column = density.column(Vec3::ONE, Vec3::Y, &[]).at(3.0);
+        assert_eq!(density.column_over(Vec3::ONE, Vec3::Y, 3.0, 1.0), column);
+    }
+}
+
 #[test]
 fn no_table_has_more_knots_than_the_density_says() {
     let mut random = random(9);

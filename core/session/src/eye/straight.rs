@@ -1,6 +1,8 @@
 //! Light that comes straight from the lamps and is scattered once on its way to the camera: shadow rays, from places along
 //! the eye rays.
 
+mod places;
+
 use crate::eye::segment::EyeSegment;
 use crate::lamps::near::Near;
 use crate::lamps::{Drawn, LampTree, MOST_ASKED, Stretch};
@@ -10,14 +12,18 @@ use crate::scene::passage::{Looks, passage};
 use crate::scene::{MediumDensity, Scene};
 use covbeam::{Column, EyeRay, Knot, Medium};
 use glam::Vec3;
+use places::{Angles, Places, Seen};
 
-/// Places on a piece of an eye path, for each lamp, in a pass. With 8 a rose window has twice the error at equal time, and smooth light twice
+/// Places on a piece of an eye path, for each lamp, in a pass; fewer by the root of what a shadow ray costs more among voxels. With 8 a rose window has twice the error at equal time, and smooth light twice
 /// the noise of straight light after 20 seconds; 32 cost as much as they are worth.
 const PLACES: f32 = 16.0;
 
 /// The same behind the first surface, where the noise is that of the paths: with 16 a figurine in fog has the same error and a tenth more
 /// time, fog in a glass box a quarter more; with 1 they have a twentieth more variance.
 const PLACES_BEHIND: f32 = 4.0;
+
+/// What a voxel on a shadow ray's way costs, over the ray.
+const VOXEL: f32 = 0.08;
 
 /// Most places, where few eye rays stand for many pixels.
 const MOST_PLACES: f32 = 64.0;
@@ -38,16 +44,10 @@ const POINT_STEPS: [f64; 2] = [0.732_050_807_568_877_3, 0.645_751_311_064_590_6]
 /// Purpose of random numbers.
 const KEY: u32 = 0x57a1;
 
-/// Whether straight light in a region is left to beams: where density varies from voxel to voxel a shadow ray's transmittance costs as much
-/// as some fifty pairs.
-pub(crate) fn is_left_to_beams(scene: &Scene, medium: u32) -> bool {
-    matches!(scene.medium_of(medium).density, MediumDensity::Grid(_))
-}
-
 /// Shadow rays of a piece of an eye path, alone in its pixel, or what costs as much.
 pub(crate) fn rays_of_piece(scene: &Scene, segment: &EyeSegment) -> u32 {
     let all = scene.lights.iter().filter(|light| light.is_straight()).take(LAMPS + 1).count();
-    let places = places_on(segment) as u32;
+    let places = (cost_of_ray(scene, segment) * places_on(scene, segment)) as u32;
     if all > LAMPS { DRAWN * places * LAMPS as u32 } else { places * all as u32 }
 }
 
@@ -58,8 +58,19 @@ pub(crate) fn rays_of_surface(lamps: &LampTree) -> u32 {
     each * asked.saturating_sub(LAMPS as u32)
 }
 
-fn places_on(segment: &EyeSegment) -> f32 {
-    if segment.is_first() { PLACES } else { PLACES_BEHIND }
+fn places_on(scene: &Scene, segment: &EyeSegment) -> f32 {
+    if segment.is_first() { PLACES / cost_of_ray(scene, segment).sqrt() } else { PLACES_BEHIND }
+}
+
+/// What a shadow ray costs over one in even fog: in voxels it walks through half of the box, about.
+fn cost_of_ray(scene: &Scene, segment: &EyeSegment) -> f32 {
+    match &scene.medium_of(segment.medium).density {
+        MediumDensity::Grid(volume) => {
+            let across = volume.layout.cells.iter().sum::<u32>() as f32 / 3.0;
+            1.0 + VOXEL * 0.5 * across
+        }
+        MediumDensity::Uniform | MediumDensity::Exponential(_) => 1.0,
+    }
 }
 
 /// The straight light of a pass.
@@ -70,7 +81,7 @@ pub(crate) struct Straight<'a> {
     pub(crate) lamps: &'a LampTree,
     pub(crate) seed: u32,
     pub(crate) pass: u32,
-    /// Where it is left to beams; None: nowhere.
+    /// Where it is left to beams, next to lamps; None: nowhere.
     pub(crate) near: Option<&'a Near>,
 }
 
@@ -79,6 +90,7 @@ struct Piece<'a> {
     segment: &'a EyeSegment,
     fog: &'a Medium<'a>,
     column: Column<'a>,
+    seen: Seen<'a>,
     /// The part with light that is not lost on its way.
     from: f32,
     to: f32,
@@ -88,38 +100,6 @@ struct Piece<'a> {
 struct Shifts {
     place: f32,
     point: [f32; 2],
-}
-
-/// What a lamp shines on of a piece, by the angle seen from it.
-struct Angles {
-    /// Distances along the ray.
-    from: f32,
-    to: f32,
-    /// Of what is nearest to the lamp, and how far from it that is.
-    foot: f32,
-    height: f32,
-    /// Of both ends, and of those of a gap that is left to beams.
-    start: f32,
-    end: f32,
-    gap: [f32; 2],
-}
-
-impl Angles {
-    fn skipped(&self) -> f32 {
-        self.gap[1] - self.gap[0]
-    }
-
-    /// Of all but the gap.
-    fn width(&self) -> f32 {
-        self.end - self.start - self.skipped()
-    }
-
-    /// Distance of an angle that is counted from the start, the gap left out, and the angle's tangent.
-    fn place(&self, angle: f32) -> (f32, f32) {
-        let angle = self.start + angle;
-        let tangent = libm::tanf(if angle < self.gap[0] { angle } else { angle + self.skipped() });
-        (self.foot + self.height * tangent, tangent)
-    }
 }
 
 impl Straight<'_> {
@@ -136,15 +116,16 @@ impl Straight<'_> {
         knots: &mut Vec<Knot>,
     ) -> Vec3 {
         let fog = &self.fogs[segment.medium as usize];
-        if fog.scattering == Vec3::ZERO || is_left_to_beams(self.scene, segment.medium) {
+        if fog.scattering == Vec3::ZERO {
             return Vec3::ZERO;
         }
         let ray = &segment.ray;
         let column = media::column(fog, ray.origin, ray.direction, ray.length, knots);
         let to = ray.length.min(media::opaque_distance(fog, ray.origin, ray.direction, &column));
-        let piece = Piece { segment, fog, column, from: 0.0, to };
-        let places =
-            (places_on(segment) / (density * looks as f32).sqrt()).round().clamp(1.0, MOST_PLACES) as u32;
+        let piece = Piece { segment, fog, column, seen: Seen::new(fog, column, 0.0, to), from: 0.0, to };
+        let places = (places_on(self.scene, segment) / (density * looks as f32).sqrt())
+            .round()
+            .clamp(1.0, MOST_PLACES) as u32;
         let fraction = look as f32 / looks as f32;
         let mut random = Random::new([self.seed, pixel, segment.signature as u32, KEY]);
         let mut sum = Vec3::ZERO;
@@ -160,7 +141,7 @@ impl Straight<'_> {
     /// Of lamps that are drawn, each with its places.
     fn of_many(&self, piece: &Piece, draws: u32, random: &mut Random, fraction: f32) -> Vec3 {
         let Shifts { place, point } = self.shifts(random, fraction);
-        let Piece { segment, fog, column, from, to } = piece;
+        let Piece { segment, fog, column, from, to, .. } = piece;
         let left = |distance: f32| fog.mean_transmittance(column.at(distance));
         let EyeRay { origin, direction, .. } = segment.ray;
         let stretch = Stretch::new([origin, direction], [*from, *to], self.lamps.reach(), left);
@@ -171,10 +152,10 @@ impl Straight<'_> {
         let mut sum = Vec3::ZERO;
         self.lamps.along(&stretch, draws, place, &seen, &mut |drawn: Drawn| {
             let Some(angles) = self.angles(piece, drawn.lamp) else { return };
-            let step = angles.width() / drawn.expected();
+            let places = Places::new(&piece.seen, &angles);
             for draw in drawn.draws.clone() {
-                let angle = drawn.rest(draw) * angles.width();
-                let (step, point) = ((angle, step), spread(point, draw as usize));
+                let (angle, stands_for) = places.at(drawn.rest(draw));
+                let (step, point) = ((angle, stands_for / drawn.expected()), spread(point, draw as usize));
                 sum += self.at_angle(piece, drawn.lamp, &angles, step, point);
             }
         });
@@ -193,15 +174,16 @@ impl Straight<'_> {
         Shifts { place, point: [a, (b + fraction).fract()] }
     }
 
-    /// One place in each of equal steps of the angle seen from the lamp (C. Kulla and M. Fajardo 2012), all shifted alike. A disk's light has a
-    /// bound where its middle's 1/d² has none: it is looked at from further away.
+    /// One place in each of steps that are worth as much, all shifted alike: by the angle seen from the lamp (C. Kulla and M. Fajardo 2012) and by
+    /// what is seen of the fog. A disk's light has a bound where its middle's 1/d² has none: it is looked at from further away.
     fn of_lamp(&self, piece: &Piece, lamp: usize, places: u32, shifts: &Shifts) -> Vec3 {
         let Some(angles) = self.angles(piece, lamp) else { return Vec3::ZERO };
-        let step = angles.width() / places as f32;
+        let along = Places::new(&piece.seen, &angles);
         let mut sum = Vec3::ZERO;
         for index in 0..places {
-            let angle = (index as f32 + shifts.place) * step;
-            sum += self.at_angle(piece, lamp, &angles, (angle, step), spread(shifts.point, index as usize));
+            let (angle, stands_for) = along.at((index as f32 + shifts.place) / places as f32);
+            let step = (angle, stands_for / places as f32);
+            sum += self.at_angle(piece, lamp, &angles, step, spread(shifts.point, index as usize));
         }
         sum
     }
@@ -336,7 +318,8 @@ mod tests {
                 .map(|radiance| f64::from(radiance.x))
                 .collect();
             let column = media::column(&fogs[0], origin, direction, 3.0, &mut knots);
-            let piece = Piece { segment: &segment, fog: &fogs[0], column, from: 0.0, to: 3.0 };
+            let seen = Seen::new(&fogs[0], column, 0.0, 3.0);
+            let piece = Piece { segment: &segment, fog: &fogs[0], column, seen, from: 0.0, to: 3.0 };
             let all: Vec<f64> = (0..100)
                 .map(|pass| {
                     let of = |lamp: usize| {

@@ -4,7 +4,7 @@ use super::fields::latest_field_pass;
 use super::times::{PassTimes, timed};
 use super::{FIELD_SEQUENCE, FITS, PLAIN_SEQUENCE, Renderer};
 use crate::eye::EyeTracer;
-use crate::eye::straight::{Straight, is_left_to_beams};
+use crate::eye::straight::Straight;
 use crate::film::samples::PassImage;
 use crate::gather::{BeamView, View};
 use crate::kind::{Kind, Split};
@@ -143,8 +143,7 @@ impl Renderer<'_> {
         let mut beams = vec![[(); 2].map(|()| vec![Vec::new(); self.scene.region_count()]); split.count()];
         let mut next_to_lamps = vec![Vec::new(); self.scene.region_count()];
         for PathBeam { medium, kind, near, beam } in record.beams.drain(..) {
-            let is_marched = self.settings.shadow_rays && kind == Kind::Straight;
-            if is_marched && !is_left_to_beams(self.scene, medium) {
+            if self.settings.shadow_rays && kind == Kind::Straight {
                 next_to_lamps[medium as usize].extend(first_part(beam, near));
             } else {
                 let is_narrow = narrows && kind == Kind::Focused;

@@ -61,7 +61,7 @@ pub(crate) struct Spread {
     beams: f32,
     /// Pairs with the beams of one light path, of an eye ray.
     pairs: f32,
-    /// Shadow rays of an eye ray, or what costs as much; where straight light is left to beams, their pairs do.
+    /// Shadow rays of an eye ray, or what costs as much.
     shadow_rays: f32,
 }
 

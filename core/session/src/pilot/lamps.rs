@@ -2,7 +2,6 @@
 
 use super::instant::Poll;
 use crate::color::mean;
-use crate::eye::straight::is_left_to_beams;
 use crate::paths::guidance::{LampEmission, of_diffuse};
 use crate::random::{Emission, PathSampler, Random};
 use crate::scene::geometry::MOST_BOUNDS;
@@ -172,9 +171,8 @@ impl<'a> Lamp<'a> {
         let from = ray.origin + dark * ray.direction;
         let found = self.importance.of_segment(fog, from, ray.direction, end - dark);
         let lights = self.scene.links_of(self.number).lights_medium(self.scene.medium_of(id).heed.light_set);
-        let is_seen = !ray.is_straight || is_left_to_beams(self.scene, id);
         let scattered = if self.scene.allows(ray.bounces + 1) { found.scattered } else { 0.0 };
-        let all = ray.power * (scattered + if is_seen { found.beam } else { 0.0 });
+        let all = ray.power * (scattered + if ray.is_straight { 0.0 } else { found.beam });
         let worth = if ray.is_straight && !lights { 0.0 } else { all };
         let column = media::column(fog, ray.origin, ray.direction, reach, knots);
         ray.power *= fog.mean_transmittance(column.at(reach));

@@ -126,13 +126,13 @@ impl<'a> Look<'a> {
         for index in (0..paths).take_while(|_| !cancelled()) {
             let before = [record.beams.len(), record.surface.len()];
             tracer.trace(sequence, index, paths, Record::Beams, &mut record);
-            let of_path = |guidance| trial::worth(guidance, scene, fogs, &record, before);
+            let of_path = |guidance| trial::worth(guidance, fogs, &record, before);
             worth.extend(tracer.guidance().map(of_path));
         }
         let radius = WIDER * scene.settings.schedule.radius;
         let mut beams: Vec<Vec<Beam>> = vec![Vec::new(); fogs.len()];
         for found in record.beams {
-            if trial::is_gathered(scene, &found) {
+            if trial::is_gathered(&found) {
                 beams[found.medium as usize].push(found.beam);
             }
         }

@@ -6,7 +6,6 @@
 
 use super::instant::Poll;
 use crate::color::mean;
-use crate::eye::straight::is_left_to_beams;
 use crate::kind::Kind;
 use crate::paths::guidance::Guidance;
 use crate::paths::record::{PathBeam, PhotonRecord};
@@ -41,8 +40,8 @@ pub(super) fn pays(
     let plain = (0..PATHS).take_while(|_| !cancelled()).map(|index| {
         let mut record = PhotonRecord::default();
         tracer.trace(SEQUENCE, index, PATHS, Record::Beams, &mut record);
-        beams_of_plain += record.beams.iter().filter(|path| is_gathered(scene, path)).count();
-        worth(guidance, scene, fogs, &record, [0, 0])
+        beams_of_plain += record.beams.iter().filter(|path| is_gathered(path)).count();
+        worth(guidance, fogs, &record, [0, 0])
     });
     let [of_guided, of_plain] = [evenness(guided), evenness(&plain.collect::<Vec<f32>>())];
     let beams = [beams as f64 / guided.len() as f64, beams_of_plain as f64 / f64::from(PATHS)];
@@ -57,16 +56,10 @@ fn is_better([guided, plain]: [f64; 2], [of_guided, of_plain]: [f64; 2]) -> bool
 /// How much of the picture's light, relative to its brightness, the paths of a record bring about that are not straight from lamps.
 ///
 /// - `from`: the first beam and surface photon that count.
-pub(super) fn worth(
-    guidance: &Guidance,
-    scene: &Scene,
-    fogs: &[Medium],
-    record: &PhotonRecord,
-    from: [usize; 2],
-) -> f32 {
+pub(super) fn worth(guidance: &Guidance, fogs: &[Medium], record: &PhotonRecord, from: [usize; 2]) -> f32 {
     let importance = guidance.importance();
     let of_beams = record.beams[from[0]..].iter().map(|path| {
-        if !is_gathered(scene, path) {
+        if !is_gathered(path) {
             return 0.0;
         }
         let beam = &path.beam;
@@ -80,8 +73,8 @@ pub(super) fn worth(
 }
 
 /// Whether it becomes part of a map.
-pub(super) fn is_gathered(scene: &Scene, path: &PathBeam) -> bool {
-    path.kind != Kind::Straight || is_left_to_beams(scene, path.medium)
+pub(super) fn is_gathered(path: &PathBeam) -> bool {
+    path.kind != Kind::Straight
 }
 
 /// The share of paths that would bring about all there is, each the same: 1 where all do, k/n where k of n bring all of it; 0 without any.

@@ -43,9 +43,8 @@ pub fn transmittance(medium: &Medium, from: Vec3, to: Vec3) -> Vec3 {
     if !(distance > 0.0) {
         return Vec3::ONE;
     }
-    let mut knots = Vec::new();
-    let column = column(medium, from, offset / distance, distance, &mut knots);
-    medium.transmittance(column.at(distance))
+    let column = medium.density.column_over(from, offset / distance, distance, medium.opaque_column());
+    medium.transmittance(column)
 }
 
 /// Distance beyond which nothing is left to see of light that starts at `origin`, in any channel that the medium scatters: what it does not

@@ -126,7 +126,7 @@ fn fog_within_the_same_fog_changes_nothing_wherever_lamp_and_camera_are() {
     }
 }
 
-/// A coloured cloud of voxels, whole and in two halves, each with a bound and a medium of its own: straight light is left to beams. What gets
+/// A coloured cloud of voxels, whole and in two halves, each with a bound and a medium of its own. What gets
 /// through the first half is another colour then.
 #[test]
 fn light_goes_on_from_one_half_of_a_cloud_into_the_other() {

@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The fog's light by covbeam beside what else an artist may pick, at equal CPU time, in scenes as people make them (people.py).
+
+    python measure_people.py FOLDER [--width 128] [--seconds 4 16] [--reference 60] [--only slats ...]
+
+Of each scene, the light of the fog before the first surface, two pictures by each of
+
+- covbeam: Add Beams' picture;
+- Cycles, not denoised, without clamping and adaptive sampling;
+- OIDN: Cycles' fog light through Blender's Denoise node, guided by albedo and normal of Cycles' denoising data, prefiltered;
+- plain: beams with the same radius everywhere, paths that learn nothing, an eye ray through every pixel.
+
+The error of a picture is the mean of (picture - a)(picture - b) over that of the reference's squared brightness, with a tenth of its mean added: a and b
+are two long renders by others with seeds of their own, which share no noise with it: what they have between them falls out. Where Cycles finds
+next to none of the light they are plain beams, else Cycles'. Also that of the worst of 4 x 4 blocks.
+
+Prints a line a scene and time: the errors, and covbeam's over the least of the others. Writes NAME.png: covbeam, Cycles, OIDN, plain at the last of the
+times, and the reference. Seconds are of CPU, of all threads; reading the scene is in them. For Blender 5.0 and newer.
+"""
+
+import argparse
+import os
+import sys
+import tempfile
+from dataclasses import fields, replace
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
+import exr
+import fog_light
+import harness
+from covbeam import session
+from covbeam.session import Layer, Method
+from measure_glass_ball import show
+from measure_tutorials import with_beams, with_cycles
+from people import PEOPLE, make
+
+import addon
+from addon.export.scene import export
+from addon.host.session import described
+from addon.settings import session_settings
+
+#: Blocks along each side.
+BLOCKS = 4
+
+#: What is measured, covbeam first.
+METHODS = ("covbeam", "Cycles", "OIDN", "plain")
+
+
+def _plain(scene, seconds, seed):
+    """The fog's light by plain beams, after so many seconds by the clock."""
+    made, _ = export(bpy.context.evaluated_depsgraph_get())
+    chosen = replace(session_settings(scene), beyond=False, seed=seed)
+    given = {each.name: getattr(chosen, each.name) for each in fields(chosen)}
+    with_plain = session.Session(described(made), **given, method=Method.PLAIN)
+    try:
+        with_plain.until(seconds=seconds)
+        return with_plain.picture(Layer.ALL).astype(np.float64)
+    finally:
+        with_plain.close()
+
+
+def _denoised(scene, seconds, seed):
+    """Cycles' fog light through the compositor's Denoise node."""
+    layer = scene.view_layers[0]
+    layer.cycles.denoising_store_passes = True
+    tree = bpy.data.node_groups.new("Denoise", "CompositorNodeTree")
+    tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+    kept, scene.compositing_node_group = scene.compositing_node_group, tree
+    layers, denoise, output = (tree.nodes.new(kind) for kind in ("CompositorNodeRLayers", "CompositorNodeDenoise", "NodeGroupOutput"))
+    total = tree.nodes.new("ShaderNodeMix")
+    total.data_type, total.blend_type = "RGBA", "ADD"
+    factor, a, b = [socket for socket in total.inputs if socket.enabled][:3]
+    factor.default_value = 1.0
+    tree.links.new(layers.outputs["Volume Direct"], a)
+    tree.links.new(layers.outputs["Volume Indirect"], b)
+    tree.links.new(next(socket for socket in total.outputs if socket.enabled), denoise.inputs["Image"])
+    for guide in ("Albedo", "Normal"):
+        tree.links.new(layers.outputs[f"Denoising {guide}"], denoise.inputs[guide])
+    tree.links.new(denoise.outputs["Image"], output.inputs[0])
+    scene.cycles.seed, scene.cycles.time_limit, scene.cycles.samples = seed, seconds, 1 << 20
+    softened = scene.cycles.use_denoising, scene.cycles.use_adaptive_sampling, scene.cycles.sample_clamp_indirect
+    scene.cycles.use_denoising, scene.cycles.use_adaptive_sampling, scene.cycles.sample_clamp_indirect = False, False, 0
+    harness.write_exr(scene.render.image_settings, layers=False)
+    with tempfile.TemporaryDirectory() as folder:
+        scene.render.filepath = str(Path(folder) / "picture.exr")
+        bpy.ops.render.render(write_still=True)
+        channels = exr.read(Path(scene.render.filepath))
+    scene.cycles.use_denoising, scene.cycles.use_adaptive_sampling, scene.cycles.sample_clamp_indirect = softened
+    scene.compositing_node_group = kept
+    return np.stack([channels[c] for c in "RGB"], axis=-1).astype(np.float64)
+
+
+def _cycles(scene, seconds, seed):
+    return with_cycles(scene, seconds, seed, plain=True).fog
+
+
+def _covbeam(scene, seconds, seed):
+    with tempfile.TemporaryDirectory() as folder:
+        made = with_beams(scene, seconds, seed, Path(folder)).fog
+        if bpy.ops.covbeam.remove_beams.poll():
+            bpy.ops.covbeam.remove_beams()
+    return made
+
+
+_RENDER = dict(zip(METHODS, (_covbeam, _cycles, _denoised, _plain)))
+
+
+def timed(method, scene, cpu, seed):
+    """A picture of about so many seconds of CPU, and how many it took."""
+    # All threads are busy most of the time; what is off is told.
+    seconds = cpu / os.cpu_count()
+    before = fog_light.cpu_seconds()
+    return _RENDER[method](scene, seconds, seed), fog_light.cpu_seconds() - before
+
+
+def errors(picture, references):
+    """Relative squared errors of a picture: of all of it, and of the worst block."""
+    a, b = references
+    mean = 0.5 * (a + b)
+    product = ((picture - a) * (picture - b)).mean(axis=-1)
+    weight = (a * b).mean(axis=-1) + (0.1 * mean.mean()) ** 2
+    height, width = (size // BLOCKS for size in product.shape)
+    cut = [each[: height * BLOCKS, : width * BLOCKS].reshape(BLOCKS, height, BLOCKS, width).mean(axis=(1, 3)) for each in (product, weight)]
+    return product.mean() / weight.mean(), (cut[0] / cut[1]).max()
+
+
+def measure(name, width, times, reference, folder):
+    """Renders a scene and prints what there is to say."""
+    scene = make(name, width)
+    passes = scene.view_layers[0].cycles
+    passes.use_pass_volume_direct = passes.use_pass_volume_indirect = True
+    by = "plain" if PEOPLE[name].focuses else "Cycles"
+    references = np.array([timed(by, scene, reference, seed)[0] for seed in (101, 102)])
+    shown = []
+    for cpu in times:
+        found = {}
+        for method in METHODS:
+            pictures = [timed(method, scene, cpu, seed) for seed in (1, 2)]
+            each = np.array([errors(picture, references) for picture, _ in pictures])
+            found[method] = *each.mean(axis=0), np.mean([spent for _, spent in pictures])
+            shown.append(pictures[0][0])
+        least = min(found[method][0] for method in METHODS[1:])
+        line = ", ".join(f"{method} {whole:.2e} (worst {worst:.1e}; {spent:.1f} s)" for method, (whole, worst, spent) in found.items())
+        print(f"{name:10} {cpu:3g} s: {line}: {found['covbeam'][0] / max(least, 1e-12):.3f} of the best other", flush=True)
+    mean = references.mean(axis=0)
+    top = np.percentile(mean, 99)
+    row = [np.clip(each / max(top, 1e-12), 0, 1) for each in [*shown[-len(METHODS) :], mean]]
+    show(folder / name, np.kron(np.concatenate(row, axis=1), np.ones((2, 2, 1))))
+
+
+def main(words):
+    """Runs the measurement."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--width", type=int, default=128)
+    parser.add_argument("--seconds", type=float, nargs="+", default=[4, 16], help="of CPU, of a picture")
+    parser.add_argument("--reference", type=float, default=60, help="of CPU, of each of the two references")
+    parser.add_argument("--only", nargs="*", choices=PEOPLE, default=list(PEOPLE))
+    arguments = parser.parse_args(words)
+    arguments.folder.mkdir(parents=True, exist_ok=True)
+    addon.register()
+    for name in arguments.only:
+        measure(name, arguments.width, arguments.seconds, arguments.reference, arguments.folder)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
+    sys.stdout.flush()
+    # Some simulations end the process in a way of their own if that is not done here.
+    os._exit(0)
