@@ -21,7 +21,7 @@ use crate::scene::optics::{Boundary, Interior, facing_normal, reflect};
 use crate::scene::passage::{Looks, clear, passage};
 use crate::scene::{Light, Material, Rays, Scene, SceneMedium};
 use crate::surface::clearance::Clearance;
-use crate::surface::encounter::Encounter;
+use crate::surface::encounter::{Encounter, Met};
 use crate::surface::{SurfaceMap, flat_within};
 use covbeam::{Knot, Medium};
 use covbeam_geometry::hit::Hit;
@@ -221,7 +221,14 @@ impl EyeTracer<'_> {
             }
             Material::Lobes(ref lobes) => {
                 let xi = [random.uniform(), random.uniform()];
-                let met = Encounter::new(scene, hit, branch.direction, &branch.interior, lobes, xi);
+                let met = Encounter::new(
+                    scene,
+                    hit,
+                    (Met::ByEyePath, branch.direction),
+                    &branch.interior,
+                    lobes,
+                    xi,
+                );
                 if scene.shows_surfaces() {
                     path.add(branch.throughput, self.seen(hit, branch, &met, random));
                 }

@@ -45,6 +45,30 @@ class Bounces(unittest.TestCase):
         self.assertGreater(found[12, 4, 4] / found[12, 4, 0], 1.8)
         self.assertGreater(found[12, 4, 1] / found[12, 4, 0], 1.2)
 
+    def test_fog_over_rough_floors_is_as_bright_as_by_cycles(self):
+        """Of plastic without a colour, and of metal: light that facets hide from each other is lost or kept as in Cycles."""
+        light = {}
+        for kind, values in (
+            ("BsdfDiffuse", {"Color": (0, 0, 0, 1)}),
+            ("BsdfPrincipled", {"Base Color": (0, 0, 0, 1), "Roughness": 0.5}),
+            ("BsdfPrincipled", {"Base Color": (0, 0, 0, 1), "Roughness": 1.0}),
+            ("BsdfAnisotropic", {"Color": (0.9, 0.7, 0.5, 1), "Roughness": 1.0}),
+        ):
+            with self.subTest(kind, **values):
+                scene = stage("SUN")
+                tree = bpy.data.materials["Grey"].node_tree
+                floor, end = tree.nodes.new(f"ShaderNode{kind}"), next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
+                for name, value in values.items():
+                    floor.inputs[name].default_value = value
+                tree.links.new(floor.outputs[0], end.inputs["Surface"])
+                cycles, error = by_cycles(scene, self.folder)
+                answer = Answer(scene, self.folder)
+                light[kind] = cycles.mean()
+                print(f"figures: over {kind} {values}: {answer.picture.mean() / cycles.mean():.3f} of Cycles' light")
+                self.assertEqual(differs(cycles, error, answer.picture, answer.error), "")
+        # What the floor sends back is seen.
+        self.assertGreater(light["BsdfAnisotropic"] / light["BsdfDiffuse"], 1.1)
+
     def test_caustics_are_there_whatever_the_limits_unless_they_are_off(self):
         """Below a ball of glass, with Cycles' default of no bounces in fog."""
         light = {}

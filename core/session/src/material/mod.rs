@@ -1,5 +1,6 @@
 //! What surfaces are made of.
 
+pub(crate) mod kept;
 pub(crate) mod microfacet;
 
 use glam::Vec3;
@@ -57,8 +58,8 @@ pub struct Lobes {
     pub index: f32,
     /// GGX's α of metal, glass and coat, 0..=1; 0: smooth.
     pub alpha: f32,
-    /// Whether light that facets hide from each other goes on all the same, as if they did not, which is about what is left of it after many of
-    /// them (Blender's *multiple scattering*); else it is lost.
+    /// Whether light that facets hide from each other goes on all the same, after many of them (Blender's *multiple scattering*): of metal and
+    /// coat in the directions of what has met one, of glass as if they hid nothing; else it is lost.
     pub multiscatter: bool,
     /// What a host is asked for at each hit.
     pub asks: Asks,

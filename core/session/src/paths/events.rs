@@ -11,7 +11,7 @@ use crate::random::PathSampler;
 use crate::scene::Material;
 use crate::scene::bounces::Bounce;
 use crate::scene::optics::{Boundary, facing_normal};
-use crate::surface::encounter::{Encounter, Lobe};
+use crate::surface::encounter::{Encounter, Lobe, Met};
 use covbeam::Medium;
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
@@ -136,7 +136,8 @@ impl Transport<'_> {
     ) -> Ways<'h> {
         let is_lit = photon.is_lit(hit.distance);
         let xi = sampler.uniform_pair();
-        let met = Encounter::new(self.scene, hit, photon.direction, &photon.interior, lobes, xi);
+        let met =
+            Encounter::new(self.scene, hit, (Met::ByLight, photon.direction), &photon.interior, lobes, xi);
         // Where it goes is guided then.
         if let Some(albedo) = met.lambert() {
             return if is_lit && photon.reception.sends(Lobe::Diffuse) {

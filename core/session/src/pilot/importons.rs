@@ -10,7 +10,7 @@ use crate::scene::geometry::divide;
 use crate::scene::media;
 use crate::scene::optics::{Boundary, Interior, facing_normal, reflect};
 use crate::scene::{Material, Rays, Scene};
-use crate::surface::encounter::{Encounter, Lobe};
+use crate::surface::encounter::{Encounter, Lobe, Met};
 use covbeam::{GridLayout, ImportanceGrid, Knot, Medium};
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
@@ -323,7 +323,14 @@ impl Walker<'_> {
     fn meet_lobes(&self, importon: &mut Importon, hit: &Hit, lobes: &Lobes, walk: &mut Walk) -> bool {
         let channel = self.channel;
         let (facet, xi) = (walk.pair(), walk.pair());
-        let met = Encounter::new(self.scene, hit, importon.direction, &importon.interior, lobes, facet);
+        let met = Encounter::new(
+            self.scene,
+            hit,
+            (Met::ByEyePath, importon.direction),
+            &importon.interior,
+            lobes,
+            facet,
+        );
         let diffuse = lobes.diffuse + lobes.translucent;
         if diffuse[channel] > 0.0 && self.scene.shows_surfaces() {
             self.see(importon, hit, diffuse, walk);

@@ -8,7 +8,7 @@ use crate::scene::geometry::MOST_BOUNDS;
 use crate::scene::media;
 use crate::scene::optics::{Boundary, Interior, facing_normal, reflect};
 use crate::scene::{Light, Material, Scene};
-use crate::surface::encounter::{Encounter, Lobe};
+use crate::surface::encounter::{Encounter, Lobe, Met};
 use crate::surface::origin::Origin;
 use covbeam::{EmissionGuide, Importance, Knot, Medium};
 use covbeam_geometry::hit::Hit;
@@ -222,7 +222,14 @@ impl<'a> Lamp<'a> {
             Material::Lobes(ref lobes) => {
                 let mut pair = || [random.uniform(), random.uniform()];
                 let (facet, xi) = (pair(), pair());
-                let met = Encounter::new(self.scene, hit, ray.direction, &ray.interior, lobes, facet);
+                let met = Encounter::new(
+                    self.scene,
+                    hit,
+                    (Met::ByLight, ray.direction),
+                    &ray.interior,
+                    lobes,
+                    facet,
+                );
                 let way = met.draw(Vec3::ONE, random.uniform(), xi);
                 let Some(way) = way.filter(|way| !way.lobe.is_diffuse()) else { return [None, None] };
                 goes_straight = way.lobe == Lobe::Transparent;

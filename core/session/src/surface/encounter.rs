@@ -13,7 +13,7 @@ use crate::scene::optics::{Interior, curvature_towards, facing_normal, reflect, 
 use covbeam::{Curvature, LightField};
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
-use lobe::{coat, metal};
+use lobe::{coat, coated, gain, metal};
 use own::OwnWays;
 use std::f32::consts::{FRAC_1_PI, FRAC_1_SQRT_2, TAU};
 
@@ -28,9 +28,17 @@ pub(crate) struct Way {
     pub(crate) interior: Interior,
 }
 
+/// What meets a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Met {
+    ByLight,
+    ByEyePath,
+}
+
 /// Light, or an eye path, that meets a surface of lobes along a direction.
 pub(crate) struct Encounter<'a> {
     lobes: &'a Lobes,
+    met: Met,
     direction: Vec3,
     /// Shading normal, turned against the direction.
     pub(crate) normal: Vec3,
@@ -52,12 +60,12 @@ pub(crate) struct Encounter<'a> {
 }
 
 impl<'a> Encounter<'a> {
-    /// - `direction`: unit, towards the surface.
+    /// - `met`: what comes along `direction`, unit, towards the surface.
     /// - `xi`: uniform, for the facet that is met.
     pub(crate) fn new(
         scene: &Scene,
         hit: &Hit,
-        direction: Vec3,
+        (met, direction): (Met, Vec3),
         interior: &Interior,
         lobes: &'a Lobes,
         xi: [f32; 2],
@@ -76,8 +84,7 @@ impl<'a> Encounter<'a> {
         let of_lobes = || {
             [
                 lobes.transparent,
-                lobes.diffuse
-                    * (Vec3::ONE - coat(lobes, direction, if lobes.multiscatter { facet } else { normal })),
+                lobes.diffuse * (Vec3::ONE - coated(lobes, direction, normal, facet)),
                 lobes.translucent,
                 metal(lobes, direction, facet),
                 coat(lobes, direction, facet),
@@ -95,6 +102,7 @@ impl<'a> Encounter<'a> {
         };
         Self {
             lobes,
+            met,
             direction,
             normal,
             geometric: against * hit.geometric_normal,
@@ -209,7 +217,7 @@ impl<'a> Encounter<'a> {
         };
         let side = if lobe.crosses() { -1.0 } else { 1.0 };
         let is_facet = !(lobe == Lobe::Transparent || lobe.is_diffuse());
-        let seen = if is_facet { self.seen(side * direction.dot(self.normal)) } else { 1.0 };
+        let seen = if is_facet { self.seen(lobe, side * direction.dot(self.normal)) } else { Vec3::ONE };
         // What a shading normal sends to the wrong side of the true surface is mirrored back.
         let is_wrong = side * direction.dot(self.geometric) < 0.0;
         let direction = if is_wrong { reflect(direction, self.geometric) } else { direction };
@@ -218,16 +226,29 @@ impl<'a> Encounter<'a> {
             lobe if lobe.crosses() => through,
             _ => here,
         };
-        (seen > 0.0).then(|| Way { lobe, direction, factor: factor * (seen / probability), interior })
+        (seen != Vec3::ZERO).then(|| Way { lobe, direction, factor: factor * seen / probability, interior })
     }
 
-    /// Share of the facet's light that no other facet is in the way of, by the cosine at which it leaves.
-    fn seen(&self, cosine: f32) -> f32 {
-        if !self.is_rough() || self.lobes.multiscatter {
-            return 1.0;
+    /// Share of the facet's light that no other facet is in the way of, by the cosine at which it leaves, with what goes on by way of others.
+    fn seen(&self, lobe: Lobe, cosine: f32) -> Vec3 {
+        if !self.is_rough() || self.lobes.multiscatter && lobe.is_glass() {
+            return Vec3::ONE;
         }
         let cos_in = (-self.direction.dot(self.normal)).clamp(1e-6, 1.0);
-        if cosine > 0.0 { microfacet::seen_too(cos_in, cosine.min(1.0), self.lobes.alpha) } else { 0.0 }
+        if cosine <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let cosine = cosine.min(1.0);
+        microfacet::seen_too(cos_in, cosine, self.lobes.alpha) * self.gain(lobe, cosine)
+    }
+
+    /// What leaves a lobe in all over what has met a single facet, by the cosine at which it leaves.
+    fn gain(&self, lobe: Lobe, cosine: f32) -> Vec3 {
+        let seen_at = match self.met {
+            Met::ByLight => cosine,
+            Met::ByEyePath => -self.direction.dot(self.normal),
+        };
+        if self.lobes.multiscatter { gain(self.lobes, lobe, seen_at) } else { Vec3::ONE }
     }
 
     /// The scattering function \[1/sr\] of diffuse lobes and of what rough ones reflect, from the direction to another one or back: of
@@ -253,19 +274,24 @@ impl<'a> Encounter<'a> {
             return Vec3::ZERO;
         }
         let seen = |cos_out: f32| microfacet::seen_by_both(cos_in.min(1.0), cos_out.min(1.0), lobes.alpha);
-        let of_facets = |out: Vec3, seen: f32| {
+        let of_facets = |out: Vec3, seen: f32, reflected: &dyn Fn(Vec3) -> Vec3| {
             let facet = (out - self.direction).try_normalize();
             let Some(facet) = facet.filter(|facet| facet.dot(self.normal) > 0.0) else { return Vec3::ZERO };
-            let glass = lobes.glass_reflection * refract(self.direction, facet, self.eta).0;
-            let reflected = metal(lobes, self.direction, facet) + coat(lobes, self.direction, facet) + glass;
             let density = microfacet::density(facet.dot(self.normal).min(1.0), lobes.alpha);
-            reflected * (density * seen / (4.0 * cos_in * cos_out))
+            reflected(facet) * (density * seen / (4.0 * cos_in * cos_out))
         };
-        if !lobes.multiscatter {
-            return of_facets(out, seen(cos_out));
+        let [of_metal, of_coat] = [Lobe::Metal, Lobe::Coat].map(|lobe| self.gain(lobe, cos_out));
+        let opaque = |facet| {
+            of_metal * metal(lobes, self.direction, facet) + of_coat * coat(lobes, self.direction, facet)
+        };
+        let glass = |facet| lobes.glass_reflection * refract(self.direction, facet, self.eta).0;
+        if !lobes.multiscatter || lobes.glass_reflection == Vec3::ZERO {
+            return of_facets(out, seen(cos_out), &|facet| opaque(facet) + glass(facet));
         }
-        // And of the facets that send light to the wrong side, where it is mirrored back.
-        of_facets(out, seen(1.0)) + of_facets(reflect(out, self.geometric), seen(1.0))
+        // And of glass those facets that send light to the wrong side, where it is mirrored back.
+        of_facets(out, seen(cos_out), &opaque)
+            + of_facets(out, seen(1.0), &glass)
+            + of_facets(reflect(out, self.geometric), seen(1.0), &glass)
     }
 
     /// Whether a way is that of a mirror, or of clear glass, or nearly.

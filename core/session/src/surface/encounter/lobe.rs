@@ -1,6 +1,6 @@
 //! Lobes of a surface: which there are, how directions behave in each, and the share of light that each takes.
 
-use crate::material::Lobes;
+use crate::material::{Lobes, kept};
 use crate::scene::bounces::Bounce;
 use crate::scene::optics::refract;
 use crate::scene::visibility::Rays;
@@ -66,6 +66,12 @@ impl Lobe {
         matches!(self, Self::Diffuse | Self::Translucent)
     }
 
+    /// Whether it is of glass.
+    #[inline]
+    pub(super) fn is_glass(self) -> bool {
+        matches!(self, Self::GlassReflection | Self::GlassTransmission)
+    }
+
     /// Whether it sends light through the surface.
     #[inline]
     pub(crate) fn crosses(self) -> bool {
@@ -85,4 +91,22 @@ pub(super) fn metal(lobes: &Lobes, direction: Vec3, facet: Vec3) -> Vec3 {
 #[inline]
 pub(super) fn coat(lobes: &Lobes, direction: Vec3, facet: Vec3) -> Vec3 {
     lobes.coat * refract(direction, facet, 1.0 / lobes.index).0
+}
+
+/// What leaves the rough facets of metal or of a coat in all over what has met a single one, by the cosine at which the camera looks.
+pub(super) fn gain(lobes: &Lobes, lobe: Lobe, cosine: f32) -> Vec3 {
+    let reflectance = match lobe {
+        Lobe::Metal => kept::mean_metal(lobes.metal, lobes.edge),
+        _ => lobes.coat * kept::mean_dielectric(lobes.index),
+    };
+    kept::gain(cosine, lobes.alpha, reflectance)
+}
+
+/// What a coat takes from the diffuse part below it: all that leaves the coat.
+pub(super) fn coated(lobes: &Lobes, direction: Vec3, normal: Vec3, facet: Vec3) -> Vec3 {
+    if !(lobes.multiscatter && lobes.is_rough()) {
+        return coat(lobes, direction, normal);
+    }
+    let cosine = (-direction.dot(normal)).clamp(0.0, 1.0);
+    coat(lobes, direction, facet) * (kept::albedo(cosine, lobes.alpha) * gain(lobes, Lobe::Coat, cosine))
 }
