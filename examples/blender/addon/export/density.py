@@ -51,8 +51,9 @@ def bake(coefficients, low, high, finest, poll):
     *samples, emitted = coefficients(trials)
     expected = _extinction(*samples)
     for cells in _tries(size, finest, 2):
-        values, sums, glows = _at_middles(coefficients, low, size, cells, poll)
-        error = _error(_between(values.reshape(cells[::-1]), (trials - low) / size * cells - 0.5), expected)
+        corner, extent, cells = _to_faces(low, size, cells, finest)
+        values, sums, glows = _at_middles(coefficients, corner, extent, cells, poll)
+        error = _error(_between(values.reshape(cells[::-1]), (trials - corner) / extent * cells - 0.5), expected)
         if error <= _WANTED:
             break
     glow, glow_error = _glow(coefficients, low, size, finest, trials, emitted, poll) if glows else (None, 0.0)
@@ -64,7 +65,7 @@ def bake(coefficients, low, high, finest, poll):
     other = sum(np.abs(of - (expected / largest)[:, None] * part).sum() for of, part in zip(samples, parts))
     # What varies may be no more than what is sent out.
     is_even = bool((values == values[0]).all())
-    density = None if is_even else Density(low, low + size, relative.astype(np.float32).reshape(cells[::-1]))
+    density = None if is_even else Density(corner, corner + extent, relative.astype(np.float32).reshape(cells[::-1]))
     coloured = float(other) / max(3 * float(expected.sum()), 1e-30)
     return Baked(*parts, density, glow, tuple(cells.tolist()), error, glow_error, coloured)
 
@@ -75,15 +76,24 @@ def _glow(coefficients, low, size, finest, trials, expected, poll):
     # voxels have those of the cells among them. Later ones see the cells alone, and mix what they make of them.
     of_cells = np.prod(finest) > 1 and bpy.app.version >= (5, 0)
     for cells in _tries(size, finest, 3)[: 1 if of_cells else None]:
-        parts = [coefficients(places)[2].astype(np.float32) for places in _middles(low, size, cells, poll)]
+        corner, extent, cells = _to_faces(low, size, cells, finest)
+        parts = [coefficients(places)[2].astype(np.float32) for places in _middles(corner, extent, cells, poll)]
         values = np.concatenate(parts).reshape(*cells[::-1], 3)
         if (values == values[0, 0, 0]).all():
             values = values[:1, :1, :1]
-        at = (trials - low) / size * values.shape[2::-1] - 0.5
+        at = (trials - corner) / extent * values.shape[2::-1] - 0.5
         error = 0.0 if of_cells else _error(_between(values, at), expected)
         if error <= _WANTED:
             break
-    return Glow(low, low + size, values), error
+    return Glow(corner, corner + extent, values), error
+
+
+def _to_faces(low, size, cells, finest):
+    """Corner, size and numbers of voxels whose outer middles lie on the box's faces: beyond them values are held, and fog that thins with height
+    would be thinner at its foot. An object's own voxels stay."""
+    if np.prod(finest) != 1:
+        return low, size, cells
+    return low - 0.5 * size / cells, size + size / cells, cells + 1
 
 
 def _error(found, expected):
