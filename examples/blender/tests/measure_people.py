@@ -30,13 +30,11 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-import exr
 import fog_light
-import harness
 from covbeam import session
 from covbeam.session import Layer, Method
 from measure_glass_ball import show
-from measure_tutorials import with_beams, with_cycles
+from measure_tutorials import rendered_plainly, with_beams, with_cycles
 from people import PEOPLE, make
 
 import addon
@@ -82,15 +80,7 @@ def _denoised(scene, seconds, seed):
     for guide in ("Albedo", "Normal"):
         tree.links.new(layers.outputs[f"Denoising {guide}"], denoise.inputs[guide])
     tree.links.new(denoise.outputs["Image"], output.inputs[0])
-    scene.cycles.seed, scene.cycles.time_limit, scene.cycles.samples = seed, seconds, 1 << 20
-    softened = scene.cycles.use_denoising, scene.cycles.use_adaptive_sampling, scene.cycles.sample_clamp_indirect
-    scene.cycles.use_denoising, scene.cycles.use_adaptive_sampling, scene.cycles.sample_clamp_indirect = False, False, 0
-    harness.write_exr(scene.render.image_settings, layers=False)
-    with tempfile.TemporaryDirectory() as folder:
-        scene.render.filepath = str(Path(folder) / "picture.exr")
-        bpy.ops.render.render(write_still=True)
-        channels = exr.read(Path(scene.render.filepath))
-    scene.cycles.use_denoising, scene.cycles.use_adaptive_sampling, scene.cycles.sample_clamp_indirect = softened
+    channels, _ = rendered_plainly(scene, seconds, seed, False)
     scene.compositing_node_group = kept
     return np.stack([channels[c] for c in "RGB"], axis=-1).astype(np.float64)
 

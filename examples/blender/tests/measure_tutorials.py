@@ -83,15 +83,20 @@ def _rendered(scene, seconds, seed, layers):
         return exr.read(Path(scene.render.filepath)), spent
 
 
-def with_cycles(scene, seconds, seed, plain=False):
-    """Cycles' picture and its passes of volumes; plain: not denoised, without clamping and adaptive sampling."""
+def rendered_plainly(scene, seconds, seed, layers):
+    """The same, not denoised, without clamping and adaptive sampling."""
     kept = {name: getattr(scene.cycles, name) for name in _SOFTENED}
-    if plain:
-        for name in kept:
-            setattr(scene.cycles, name, 0)
-    channels, spent = _rendered(scene, seconds, seed, True)
+    for name in kept:
+        setattr(scene.cycles, name, 0)
+    found = _rendered(scene, seconds, seed, layers)
     for name, value in kept.items():
         setattr(scene.cycles, name, value)
+    return found
+
+
+def with_cycles(scene, seconds, seed, plain=False):
+    """Cycles' picture and its passes of volumes; plain: not denoised, without clamping and adaptive sampling."""
+    channels, spent = (rendered_plainly if plain else _rendered)(scene, seconds, seed, True)
     # By their names before Blender 5.0 and since. The compositor's picture has a layer "Composite", as soon as there are nodes.
     fog = _colours(channels, ".VolumeDir", ".VolumeInd", ".Volume Direct", ".Volume Indirect")
     return Rendered(fog, _colours(channels, f"{scene.view_layers[0].name}.Combined"), *spent)

@@ -14,8 +14,9 @@ use covbeam::{Column, EyeRay, Knot, Medium};
 use glam::Vec3;
 use places::{Angles, Places, Seen};
 
-/// Places on a piece of an eye path, for each lamp, in a pass; fewer by the root of what a shadow ray costs more among voxels. With 8 a rose window has twice the error at equal time, and smooth light twice
-/// the noise of straight light after 20 seconds; 32 cost as much as they are worth.
+/// Places on a piece of an eye path, for each lamp, in a pass; fewer by the root of what a shadow ray costs more among voxels. With 8 a rose
+/// window has twice the error at equal time, and smooth light twice the noise of straight light after 20 seconds; 32 cost as much as they are
+/// worth.
 const PLACES: f32 = 16.0;
 
 /// The same behind the first surface, where the noise is that of the paths: with 16 a figurine in fog has the same error and a tenth more
