@@ -25,14 +25,13 @@ def _settings(scene):
     scene.render.use_multiview = scene.cycles.use_fast_gi = True
     scene.cycles.sample_clamp_direct, scene.cycles.sample_clamp_indirect = 1.0, 0.5
     scene.cycles.transparent_max_bounces = 0
-    none = ["Transparent Max Bounces 0"] if bpy.app.version < (5, 0) else []
     layer = bpy.context.view_layer
     layer.use_solid = layer.use_volumes = False
     camera = scene.camera.data
     camera.dof.use_dof = True
     camera.clip_end, camera.clip_start = 15.0, 0.1
     return (
-        _all("Scene", "stereoscopy", "Fast GI Approximation", "Clamp Direct", "Clamp Indirect", *none)
+        _all("Scene", "stereoscopy", "Fast GI Approximation", "Clamp Direct", "Clamp Indirect", "Transparent Max Bounces")
         | _all('View layer "ViewLayer"', "Surfaces", "Volumes")
         | _all('Camera "Camera"', "objects beyond Clip End", "Clip End, which ends the fog")
     )

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Settings of the scene, the view layer and the camera that the host does not honour: all reported."""
 
-import bpy
 import numpy as np
 
 from ..host.scene import LightKind
+
+#: Transparent Max Bounces of Blender's factory settings.
+_USUAL_TRANSPARENT = 8
 
 #: Kinds of lamps whose light thins out.
 _THINNING = {LightKind.POINT, LightKind.SPOT, LightKind.AREA, LightKind.MESH}
@@ -29,8 +31,9 @@ def note_settings(depsgraph, camera_object, report):
         # What is brighter than all that a picture shows is taken for noise.
         if 0 < scene.cycles.sample_clamp_indirect < 1:
             report.add(source, "Clamp Indirect below 1", "nothing is clamped", in_fog=True)
-        if bpy.app.version < (5, 0) and scene.cycles.transparent_max_bounces == 0:
-            report.add(source, "Transparent Max Bounces 0, with which Cycles sees no fog in meshes", "it is seen", in_fog=True)
+        # Faces of fog count too before Blender 5.0.
+        if scene.cycles.transparent_max_bounces < _USUAL_TRANSPARENT:
+            report.add(source, "Transparent Max Bounces below 8", "light passes through as much as there is", in_fog=True)
     source = f'View layer "{layer.name}"'
     for name, what in (("use_solid", "Surfaces"), ("use_volumes", "Volumes")):
         if not getattr(layer, name):
