@@ -236,5 +236,7 @@ pub const SMOOTH: f32 = 1e-3;
 /// From this α on a surface is no mirror and no clear glass: it spreads light over some 5°, and path tracers find its light.
 pub(crate) const SHARP: f32 = 0.04;
 
-/// Rougher surfaces than this one's α spread light over 20° and more, and make no caustics.
-pub(crate) const FOCUSING: f32 = 0.25;
+/// Rougher surfaces than this one's α spread light over 10° and more, make no caustics, and their light is as smooth as what is scattered.
+/// With spectra and eye rays of its own fog around a rough reflector (α = .2) has 3.5 times the variance at equal time, and fog among leaves
+/// (α = .25) 1.6 times.
+pub(crate) const FOCUSING: f32 = 0.12;
