@@ -80,3 +80,22 @@ impl Split {
         Kind::ALL.into_iter().rev().find(of_layer).unwrap_or(Kind::Scattered)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::made::{Made, camera, point, sphere};
+    use crate::scene::{Lobes, Material};
+
+    /// Artists' materials have a roughness of .5 unless somebody changes it: such a scene pays for no layer of its own.
+    #[test]
+    fn what_rough_surfaces_reflect_is_scattered() {
+        let split = |roughness: f32| {
+            let lobes = Lobes { coat: Vec3::ONE, index: 1.5, alpha: roughness * roughness, ..Lobes::NONE };
+            let made = Made::new(camera([0.0, 0.0, -3.0], [0.0; 3], 40.0, [8, 8])).fog(0.1, 0.0).in_fog();
+            let made = made.object(sphere([0.0; 3], 0.5), Material::Lobes(lobes));
+            Split::of_each_kind(&made.light(point([0.0, 2.0, 0.0], 1.0)).scene())
+        };
+        assert_eq!([0.0, 0.3, 0.5].map(split), [Split::EACH, Split::EACH, Split::STRAIGHT_APART]);
+    }
+}

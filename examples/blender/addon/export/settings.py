@@ -5,9 +5,6 @@ import numpy as np
 
 from ..host.scene import LightKind
 
-#: Transparent Max Bounces of Blender's factory settings.
-_USUAL_TRANSPARENT = 8
-
 #: Kinds of lamps whose light thins out.
 _THINNING = {LightKind.POINT, LightKind.SPOT, LightKind.AREA, LightKind.MESH}
 
@@ -31,8 +28,8 @@ def note_settings(depsgraph, camera_object, report):
         # What is brighter than all that a picture shows is taken for noise.
         if 0 < scene.cycles.sample_clamp_indirect < 1:
             report.add(source, "Clamp Indirect below 1", "nothing is clamped", in_fog=True)
-        # Faces of fog count too before Blender 5.0.
-        if scene.cycles.transparent_max_bounces < _USUAL_TRANSPARENT:
+        # Blender's default. Before 5.0 faces of fog count too.
+        if scene.cycles.transparent_max_bounces < 8:
             report.add(source, "Transparent Max Bounces below 8", "light passes through as much as there is", in_fog=True)
     source = f'View layer "{layer.name}"'
     for name, what in (("use_solid", "Surfaces"), ("use_volumes", "Volumes")):
