@@ -1360,7 +1360,7 @@ typedef struct covbeam_session_settings {
      */
     uint32_t seed;
     /**
-     * Light paths a pass, up to 2^28; 0: as many as the scene asks for.
+     * Light paths a pass, up to 2^28; 0: as many as the scene asks for. Guided ones that leave few beams are up to 8 times as many.
      */
     uint32_t photons;
     /**

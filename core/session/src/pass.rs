@@ -67,6 +67,8 @@ pub struct Renderer<'a> {
     radii: Option<Radii>,
     grids: Grids,
     energy: Energy,
+    /// Light paths a pass: those that the settings ask for, or more of guided ones that leave few beams.
+    paths: u32,
     /// Some: kinds of light are told apart, in these layers.
     split: Option<Split>,
     /// What the branches of guided paths are decided by.
@@ -134,6 +136,7 @@ impl<'a> Renderer<'a> {
             radii: (rule != RadiusRule::Bias).then(|| Radii::new(rule, scene.grid)),
             grids: Grids::new(NO_GRID, Split::TOGETHER),
             energy: Energy::default(),
+            paths: settings.photons,
             split: settings.layers.split(scene),
             spread: None,
             pilot: 0.0,
@@ -154,7 +157,7 @@ impl<'a> Renderer<'a> {
             made.spread =
                 *spread.get_or_insert_with(|| Spread::of(&made.tracer, made.tracer.fogs(), cancelled));
             match made.spread {
-                Some(_) => made.decide_branches(),
+                Some(_) => made.decide_paths(),
                 None => made.tracer.guide_no_more(),
             }
         }
@@ -166,9 +169,12 @@ impl<'a> Renderer<'a> {
         Grids::new(layout, self.split.unwrap_or(Split::TOGETHER))
     }
 
-    fn decide_branches(&mut self) {
+    /// How many light paths a pass has, and how many branches they have.
+    fn decide_paths(&mut self) {
+        self.paths = self.settings.photons;
         if let Some(spread) = &self.spread {
-            let share = spread.share_of_branches(self.settings.photons, &self.scene.camera);
+            self.paths = spread.paths(self.settings.photons);
+            let share = spread.share_of_branches(self.paths, &self.scene.camera);
             self.tracer.scale_branches(share);
         }
     }
@@ -178,7 +184,7 @@ impl<'a> Renderer<'a> {
         self.settings.photons = photons;
         self.grids.clear();
         self.energy = Energy::default();
-        self.decide_branches();
+        self.decide_paths();
     }
 
     /// Goes on from the light fields of another renderer, which has none then: one of the same scene at another instant, with the same grid. In
@@ -214,7 +220,7 @@ impl<'a> Renderer<'a> {
         }
     }
 
-    /// How many of a pass' paths carry a light field.
+    /// How many of a pass' paths carry a light field: a share of those asked for.
     fn field_photons(&self) -> u32 {
         let photons = self.settings.photons;
         ((photons as f32 * self.scene.settings.light_field_share).round() as u32).clamp(1, photons)
@@ -240,13 +246,7 @@ impl<'a> Renderer<'a> {
                     if cancelled() {
                         return None;
                     }
-                    self.tracer.trace(
-                        sequence,
-                        first.wrapping_add(i),
-                        self.settings.photons,
-                        record,
-                        &mut out,
-                    );
+                    self.tracer.trace(sequence, first.wrapping_add(i), self.paths, record, &mut out);
                 }
                 Some((out, start.elapsed().as_secs_f64()))
             })
@@ -319,7 +319,7 @@ impl<'a> Renderer<'a> {
         }
         while beams.passes() + 1 < index {
             let (earlier, fields) = (beams.passes() + 1, self.field_photons());
-            let sequences = [(PLAIN_SEQUENCE, self.settings.photons - fields), (FIELD_SEQUENCE, fields)];
+            let sequences = [(PLAIN_SEQUENCE, self.paths - fields), (FIELD_SEQUENCE, fields)];
             let mut record = PhotonRecord::default();
             for (sequence, count) in sequences {
                 record.append(self.trace(sequence, earlier, count, Record::Beams, cancelled)?.0);

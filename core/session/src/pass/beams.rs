@@ -58,7 +58,7 @@ impl Renderer<'_> {
         let kernel = numbers.schedule.kernel(index, None);
         let start = Instant::now();
         let plans = match has_spectra {
-            true => self.plans(index, kernel.error, self.settings.photons, cancelled)?,
+            true => self.plans(index, kernel.error, self.paths, cancelled)?,
             false => Vec::new(),
         };
         times.plan = start.elapsed().as_secs_f64() + std::mem::take(&mut self.pilot);
@@ -105,7 +105,7 @@ impl Renderer<'_> {
         let (fields, seconds) = self.trace(FIELD_SEQUENCE, index, field_photons, field_record, cancelled)?;
         times.light_fields = fields.field_time.as_secs_f64();
         times.trace = seconds - times.light_fields;
-        let plain_photons = self.settings.photons - field_photons;
+        let plain_photons = self.paths - field_photons;
         let (record, seconds) = self.trace(PLAIN_SEQUENCE, index, plain_photons, Record::Beams, cancelled)?;
         times.trace += seconds;
         Some((record, fields))

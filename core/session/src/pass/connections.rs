@@ -18,7 +18,7 @@ impl Renderer<'_> {
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Option<(PassImage, PassTimes)> {
         let (record, mut seconds) =
-            self.trace(CONNECTION_SEQUENCE, index, self.settings.photons, Record::Connections, cancelled)?;
+            self.trace(CONNECTION_SEQUENCE, index, self.paths, Record::Connections, cancelled)?;
         self.energy = record.energy;
         let (width, height) = (self.scene.camera.width, self.scene.camera.height);
         let mut radiance = vec![Vec3::ZERO; (width * height) as usize];

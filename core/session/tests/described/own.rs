@@ -102,7 +102,7 @@ impl Answers for Nothing {}
 const BOUND: MaterialFields = MaterialFields { transparent: [1.0; 3], ..BLACK };
 
 /// Passes of a scene.
-const PASSES: u32 = 8;
+const PASSES: u32 = 10;
 
 /// Of each quarter of the picture: mean over the passes, and its variance. Their light paths are independent of each other.
 pub(crate) fn quarters(scene: &Arc<Scene>) -> [[f64; 2]; 4] {

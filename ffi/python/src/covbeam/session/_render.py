@@ -93,7 +93,7 @@ class Session(Object):
     - instants: more Scenes, the same one at other instants while a shutter is open, so that there are n of them, a power of two. Passes 2 i - 1
       and 2 i are of one instant, the next two of another far from it; 2 n passes have each of them twice. What moves is blurred.
     - method: a Method; seed: the same picture for the same seed.
-    - photons: light paths a pass, up to 2^28; 0: as many as the scene asks for.
+    - photons: light paths a pass, up to 2^28; 0: as many as the scene asks for. Guided ones that leave few beams are up to 8 times as many.
     - grid: voxels along the longest side of the grid that keeps how fine the light is, up to 256; 0: the scene's own.
     - radius: of the beams' kernels in the first pass [m]; 0: the scene's own.
     - quality: relative bias that kernels and filters of the first pass may cause, 1e-6 to 1; it falls with the passes.
