@@ -9,7 +9,7 @@ pub use lens::Lens;
 pub use projection::Projection;
 
 use covbeam::PixelStep;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use projection::View;
 
 /// A camera, and the part of its picture that is rendered.
@@ -160,16 +160,37 @@ impl Camera {
         if !self.is_pinhole() {
             return None;
         }
+        let [x, y] = self.seen_at(point)?;
+        let [across, down] = self.steps();
+        let offset = point - self.position;
+        let cosine = offset.dot(self.forward) / offset.length();
+        Some((x, y, 1.0 / (across * down * cosine * cosine * cosine)))
+    }
+
+    /// The picture point, which may lie beside the picture, where a world point is seen through the middle of the lens, in perspective; None: it is
+    /// behind the camera.
+    fn seen_at(&self, point: Vec3) -> Option<[f32; 2]> {
         let offset = point - self.position;
         let depth = offset.dot(self.forward);
-        if depth <= 0.0 {
+        let place = [offset.dot(self.right), offset.dot(self.up)];
+        (depth > 0.0).then(|| self.frame.point(self.size(), place, depth))
+    }
+
+    /// Corners of a box in the picture [pixels], which may lie beside it; None: some of it is behind the camera, or the camera does not see in
+    /// perspective.
+    pub(crate) fn footprint(&self, min: DVec3, max: DVec3) -> Option<[[f32; 2]; 2]> {
+        if self.projection != Projection::Perspective || self.is_own {
             return None;
         }
-        let [across, down] = self.steps();
-        let place = [offset.dot(self.right), offset.dot(self.up)];
-        let [x, y] = self.frame.point(self.size(), place, depth);
-        let cosine = depth / offset.length();
-        Some((x, y, 1.0 / (across * down * cosine * cosine * cosine)))
+        let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
+        for corner in 0..8 {
+            let side = |axis: usize| if corner >> axis & 1 == 0 { min[axis] } else { max[axis] };
+            let corner = self.seen_at(DVec3::new(side(0), side(1), side(2)).as_vec3())?;
+            for (axis, at) in corner.into_iter().enumerate() {
+                (low[axis], high[axis]) = (low[axis].min(at), high[axis].max(at));
+            }
+        }
+        Some([low, high])
     }
 
     fn view(&self) -> View {

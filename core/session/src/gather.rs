@@ -13,6 +13,7 @@ use crate::eye::straight::Straight;
 use crate::film::samples::{PassImage, Room, Seen, SparseSample};
 use crate::gather::faint::{Runs, is_faint};
 use crate::kind::{Kind, MOST_LAYERS};
+use crate::lamps::beside::BesideLamps;
 use crate::plan::Plan;
 use crate::random::{Random, spread};
 use crate::scene::Scene;
@@ -69,6 +70,8 @@ pub(crate) struct View<'a> {
     pub(crate) plans: Vec<Plan>,
     /// Where straight light is not left to beams; it is of the first layer.
     pub(crate) straight: Option<Straight<'a>>,
+    /// Pixels that are worth more eye rays for it.
+    pub(crate) beside: &'a BesideLamps,
     /// Whether more is wanted than what the fog before the first surface scatters.
     pub(crate) wants_rest: bool,
     /// What layer σ tells of where kernels look nothing up: the mean along the eye ray; None: it is 0 there.
@@ -181,6 +184,10 @@ impl View<'_> {
                     wanted.surfaces && self.tracer.beyond && surfaces.has_lamp_border(x, y);
                 if wanted.is_blurred || self.straight.is_some() && surfaces.has_edge(x, y) {
                     wanted.looks = LOOKS;
+                }
+                let beside = self.straight.as_ref().and_then(|_| self.beside.looks([x, y]));
+                if let Some(looks) = beside.filter(|_| !wanted.is_blurred) {
+                    wanted.looks = looks.max(wanted.looks);
                 }
             }
             for (wanted, plan) in wanted.fog.iter_mut().zip(&self.plans) {

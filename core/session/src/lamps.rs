@@ -1,6 +1,7 @@
 //! Lamps drawn by place: a tree over all lamps of a scene, which a few uniform numbers descend together to those that matter to a ray or to a
 //! place on a surface.
 
+pub(crate) mod beside;
 mod four;
 pub(crate) mod near;
 mod node;

@@ -17,6 +17,7 @@ use crate::eye::shown::SmallLamps;
 use crate::eye::starts::EyeStarts;
 use crate::film::samples::PassImage;
 use crate::kind::Split;
+use crate::lamps::beside::BesideLamps;
 use crate::paths::{Energy, PhotonRecord, PhotonTracer, Record};
 use crate::pilot::defaults::NO_GRID;
 use crate::pilot::{self, Spread};
@@ -61,6 +62,7 @@ pub struct Renderer<'a> {
     tracer: PhotonTracer<'a>,
     starts: EyeStarts<'a>,
     small: SmallLamps,
+    beside: BesideLamps,
     /// What is first behind each pixel; None: no eye rays are planned.
     surfaces: Option<Arc<FirstSurfaces>>,
     /// None: [`RadiusRule::Bias`].
@@ -132,6 +134,7 @@ impl<'a> Renderer<'a> {
             tracer,
             starts: EyeStarts::new(scene),
             small: SmallLamps::new(scene),
+            beside: BesideLamps::new(scene),
             surfaces,
             radii: (rule != RadiusRule::Bias).then(|| Radii::new(rule, scene.grid)),
             grids: Grids::new(NO_GRID, Split::TOGETHER),

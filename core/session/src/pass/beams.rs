@@ -83,6 +83,7 @@ impl Renderer<'_> {
             pass: index,
             plans,
             straight: self.settings.shadow_rays.then(|| self.straight(index)),
+            beside: &self.beside,
             wants_rest: self.wants_rest(),
             spectra: (has_spectra && self.settings.first_apart).then(|| self.grids.look_up(0)),
         };

@@ -7,7 +7,7 @@ use crate::eye::shown::Sighting;
 use crate::eye::starts::{EyeStart, EyeStarts};
 use crate::scene::{Light, Scene};
 use covbeam::Medium;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 /// Largest area of a small lamp [pixels]: what fills more covers the middle of a pixel, so that passes know where to look for it.
 const MOST_AREA: f32 = 2.0;
@@ -47,7 +47,7 @@ impl SmallLamps {
 
     fn add(&mut self, scene: &Scene, lamp: u32) {
         let (camera, light) = (&scene.camera, &scene.lights[lamp as usize]);
-        let Some([low, high]) = light.extent().and_then(|(min, max)| footprint(scene, min, max)) else {
+        let Some([low, high]) = light.extent().and_then(|(min, max)| scene.camera.footprint(min, max)) else {
             return;
         };
         if high[0] - low[0] > MOST_ACROSS || high[1] - low[1] > MOST_ACROSS {
@@ -143,17 +143,4 @@ fn seen(light: &Light, scene: &Scene, xi: [f32; 2]) -> Option<(Vec3, Vec3, [f32;
     }
     let (x, y, importance) = scene.camera.project(from)?;
     Some((flux_density * importance, from, [x, y]))
-}
-
-/// Corners of a box in the picture [pixels], which may lie beside it; None: some of it is behind the camera.
-fn footprint(scene: &Scene, min: DVec3, max: DVec3) -> Option<[[f32; 2]; 2]> {
-    let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
-    for corner in 0..8 {
-        let side = |axis: usize| if corner >> axis & 1 == 0 { min[axis] } else { max[axis] };
-        let (x, y, _) = scene.camera.image(DVec3::new(side(0), side(1), side(2)).as_vec3())?;
-        for (axis, at) in [x, y].into_iter().enumerate() {
-            (low[axis], high[axis]) = (low[axis].min(at), high[axis].max(at));
-        }
-    }
-    Some([low, high])
 }
