@@ -101,7 +101,7 @@ impl Spread {
 
     /// Light paths a pass where `photons` are asked for: as many, or up to [`MOST_PATHS`] times as many where they leave few beams.
     pub(crate) fn paths(&self, photons: u32) -> u32 {
-        let times = (BEAMS / self.beams).min(MOST_PATHS).max(1.0);
+        let times = (BEAMS / self.beams).clamp(1.0, MOST_PATHS);
         (f64::from(photons) * f64::from(times)).round() as u32
     }
 
