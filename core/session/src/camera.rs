@@ -149,22 +149,15 @@ impl Camera {
     /// The picture point of a world point, with its importance: the solid angle of the pixel there is
     /// `1 / importance` sr. None outside the picture or behind the camera, and for cameras that are no pinhole ([`Camera::is_pinhole`]).
     pub fn project(&self, point: Vec3) -> Option<(f32, f32, f32)> {
-        let inside = |&(x, y, _): &(f32, f32, f32)| {
-            x >= 0.0 && y >= 0.0 && x < self.width as f32 && y < self.height as f32
-        };
-        self.image(point).filter(inside)
-    }
-
-    /// The same of what may lie beside the picture.
-    pub(crate) fn image(&self, point: Vec3) -> Option<(f32, f32, f32)> {
         if !self.is_pinhole() {
             return None;
         }
         let [x, y] = self.seen_at(point)?;
+        let is_inside = x >= 0.0 && y >= 0.0 && x < self.width as f32 && y < self.height as f32;
         let [across, down] = self.steps();
         let offset = point - self.position;
         let cosine = offset.dot(self.forward) / offset.length();
-        Some((x, y, 1.0 / (across * down * cosine * cosine * cosine)))
+        is_inside.then(|| (x, y, 1.0 / (across * down * cosine * cosine * cosine)))
     }
 
     /// The picture point, which may lie beside the picture, where a world point is seen through the middle of the lens, in perspective; None: it is
@@ -191,6 +184,16 @@ impl Camera {
             }
         }
         Some([low, high])
+    }
+
+    /// Numbers, row by row, of the pixels that a part of the picture plane lies in which is larger by a margin all around [pixels].
+    pub(crate) fn pixels_within(&self, [low, high]: [[f32; 2]; 2], margin: f32) -> impl Iterator<Item = u32> {
+        let ends = |axis: usize, end: u32| {
+            let last = (high[axis] + margin).min(end as f32 - 1.0);
+            (low[axis] - margin).max(0.0) as u32..(last + 1.0).max(0.0) as u32
+        };
+        let (width, columns) = (self.width, ends(0, self.width));
+        ends(1, self.height).flat_map(move |y| columns.clone().map(move |x| y * width + x))
     }
 
     fn view(&self) -> View {

@@ -29,16 +29,9 @@ pub(crate) struct BesideLamps {
 impl BesideLamps {
     pub(crate) fn new(scene: &Scene) -> Self {
         let (width, height) = (scene.camera.width, scene.camera.height);
-        let mut pixels: Vec<u32> = Vec::new();
-        for [low, high] in scene.lights.iter().filter_map(|light| footprint(scene, light)) {
-            let ends = |axis: usize, end: u32| {
-                let within = |place: f32| place.clamp(0.0, end as f32) as u32;
-                within((low[axis] - REACH).floor())..within((high[axis] + REACH).ceil())
-            };
-            for y in ends(1, height) {
-                pixels.extend(ends(0, width).map(|x| y * width + x));
-            }
-        }
+        let footprints = scene.lights.iter().filter_map(|light| footprint(scene, light));
+        let mut pixels: Vec<u32> =
+            footprints.flat_map(|corners| scene.camera.pixels_within(corners, REACH)).collect();
         pixels.sort_unstable();
         pixels.dedup();
         let most = MOST * width as usize * height as usize / pixels.len().max(1);

@@ -47,7 +47,7 @@ impl SmallLamps {
 
     fn add(&mut self, scene: &Scene, lamp: u32) {
         let (camera, light) = (&scene.camera, &scene.lights[lamp as usize]);
-        let Some([low, high]) = light.extent().and_then(|(min, max)| scene.camera.footprint(min, max)) else {
+        let Some([low, high]) = light.extent().and_then(|(min, max)| camera.footprint(min, max)) else {
             return;
         };
         if high[0] - low[0] > MOST_ACROSS || high[1] - low[1] > MOST_ACROSS {
@@ -59,13 +59,7 @@ impl SmallLamps {
         if !(pixels > 0.0 && pixels < MOST_AREA) {
             return;
         }
-        let ends = |axis: usize, end: u32| {
-            let last = (high[axis] + MARGIN).min(end as f32 - 1.0);
-            (low[axis] - MARGIN).max(0.0) as u32..(last + 1.0).max(0.0) as u32
-        };
-        for y in ends(1, camera.height) {
-            self.places.extend(ends(0, camera.width).map(|x| (y * camera.width + x, lamp)));
-        }
+        self.places.extend(camera.pixels_within([low, high], MARGIN).map(|pixel| (pixel, lamp)));
         self.lamps.push(lamp);
     }
 
