@@ -75,11 +75,14 @@ mod tests {
 
     #[test]
     fn pixels_two_around_a_small_lamp_are_beside_it() {
-        // A pixel is 1/32 m wide there: the lamp lies across a sixth of the pixels around the middle.
-        let beside = beside(&[([0.0, 0.0, 1.0], 0.002)]);
-        for y in 0..64 {
+        // In a picture 64 wide and 48 high, whose 2 m up and down 1 m away are its height, a metre has 24 pixels. Looking along z with y up,
+        // x points to the left: the lamp is at pixel (32 - 12, 24 - 6), and lies across a tenth of the pixels around.
+        let lamp = Light::Sphere { center: Vec3::new(0.5, 0.25, 1.0), radius: 0.002, radiance: Vec3::ONE };
+        let camera = camera([0.0; 3], [0.0, 0.0, 1.0], 90.0, [64, 48]);
+        let beside = BesideLamps::new(&Made::new(camera).light(lamp).scene());
+        for y in 0..48 {
             for x in 0..64 {
-                let is_near = (29..35).contains(&x) && (29..35).contains(&y);
+                let is_near = (17..23).contains(&x) && (15..21).contains(&y);
                 assert_eq!(beside.looks([x, y]), is_near.then_some(LOOKS), "{x} {y}");
             }
         }
