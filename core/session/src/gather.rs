@@ -10,6 +10,7 @@ use crate::eye::segment::EyeSegment;
 use crate::eye::shown::Pixels;
 use crate::eye::starts::EyeStart;
 use crate::eye::straight::Straight;
+use crate::eye::straight::looks::StraightLooks;
 use crate::film::samples::{PassImage, Room, Seen, SparseSample};
 use crate::gather::faint::{Runs, is_faint};
 use crate::kind::{Kind, MOST_LAYERS};
@@ -72,6 +73,8 @@ pub(crate) struct View<'a> {
     pub(crate) straight: Option<Straight<'a>>,
     /// Pixels that are worth more eye rays for it.
     pub(crate) beside: &'a BesideLamps,
+    /// Looks for it that pixels are worth, as tried; None: not known.
+    pub(crate) looks: Option<&'a StraightLooks>,
     /// Whether more is wanted than what the fog before the first surface scatters.
     pub(crate) wants_rest: bool,
     /// What layer σ tells of where kernels look nothing up: the mean along the eye ray; None: it is 0 there.
@@ -188,6 +191,9 @@ impl View<'_> {
                 let beside = self.straight.as_ref().and_then(|_| self.beside.looks([x, y]));
                 if let Some(looks) = beside.filter(|_| !wanted.is_blurred) {
                     wanted.looks = looks.max(wanted.looks);
+                }
+                if let Some(looks) = self.looks.filter(|_| !wanted.is_blurred) {
+                    wanted.looks = looks.at(x, y).max(wanted.looks);
                 }
             }
             for (wanted, plan) in wanted.fog.iter_mut().zip(&self.plans) {

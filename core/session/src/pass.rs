@@ -13,8 +13,10 @@ pub use fields::latest_field_pass;
 pub use instants::Instants;
 pub use times::PassTimes;
 
+use crate::eye::EyeTracer;
 use crate::eye::shown::SmallLamps;
 use crate::eye::starts::EyeStarts;
+use crate::eye::straight::looks::StraightLooks;
 use crate::film::samples::PassImage;
 use crate::kind::Split;
 use crate::lamps::beside::BesideLamps;
@@ -26,6 +28,7 @@ use crate::plan::radius::{BeamVoxels, Radii, RadiusRule};
 use crate::plan::{FirstSurfaces, Plan};
 use crate::scene::Scene;
 use crate::settings::{Gather, Settings};
+use crate::surface::SurfaceMap;
 use covbeam::{FluenceCell, GridError};
 use fields::next_field_pass;
 use rayon::prelude::*;
@@ -63,6 +66,8 @@ pub struct Renderer<'a> {
     starts: EyeStarts<'a>,
     small: SmallLamps,
     beside: BesideLamps,
+    /// None: pixels are not tried.
+    looks: Option<StraightLooks>,
     /// What is first behind each pixel; None: no eye rays are planned.
     surfaces: Option<Arc<FirstSurfaces>>,
     /// None: [`RadiusRule::Bias`].
@@ -109,6 +114,12 @@ impl<'a> Renderer<'a> {
                 first.pilot = start.elapsed().as_secs_f64();
             }
         }
+        let count = instants.len();
+        for made in instants.iter_mut().filter(|made| made.settings.shadow_rays && made.surfaces.is_some()) {
+            let start = Instant::now();
+            made.looks = Some(made.straight_looks(count, cancelled)?);
+            made.pilot += start.elapsed().as_secs_f64();
+        }
         if cancelled() {
             return None;
         }
@@ -135,6 +146,7 @@ impl<'a> Renderer<'a> {
             starts: EyeStarts::new(scene),
             small: SmallLamps::new(scene),
             beside: BesideLamps::new(scene),
+            looks: None,
             surfaces,
             radii: (rule != RadiusRule::Bias).then(|| Radii::new(rule, scene.grid)),
             grids: Grids::new(NO_GRID, Split::TOGETHER),
@@ -145,6 +157,25 @@ impl<'a> Renderer<'a> {
             pilot: 0.0,
             is_everywhere: false,
         }
+    }
+
+    /// How many looks for straight light each pixel is worth, at one of so many instants.
+    fn straight_looks(
+        &self,
+        instants: usize,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Option<StraightLooks> {
+        let tracer = EyeTracer {
+            scene: self.scene,
+            fogs: self.tracer.fogs(),
+            starts: self.starts,
+            lamps: self.tracer.lamps(),
+            surfaces: &SurfaceMap::empty(),
+            beyond: false,
+            shown: None,
+            is_apart: false,
+        };
+        StraightLooks::new(&self.straight(1), &tracer, instants, cancelled)
     }
 
     /// Learns where light paths are needed at all instants.

@@ -1,6 +1,7 @@
 //! Light that comes straight from the lamps and is scattered once on its way to the camera: shadow rays, from places along
 //! the eye rays.
 
+pub(crate) mod looks;
 mod places;
 
 use crate::eye::segment::EyeSegment;
@@ -75,6 +76,7 @@ fn cost_of_ray(scene: &Scene, segment: &EyeSegment) -> f32 {
 }
 
 /// The straight light of a pass.
+#[derive(Clone, Copy)]
 pub(crate) struct Straight<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) fogs: &'a [Medium<'a>],
@@ -127,21 +129,20 @@ impl Straight<'_> {
         let places = (places_on(self.scene, segment) / (density * looks as f32).sqrt())
             .round()
             .clamp(1.0, MOST_PLACES) as u32;
-        let fraction = look as f32 / looks as f32;
         let mut random = Random::new([self.seed, pixel, segment.signature as u32, KEY]);
         let mut sum = Vec3::ZERO;
         if self.scene.lights.len() <= LAMPS {
             for lamp in 0..self.scene.lights.len() {
-                sum += self.of_lamp(&piece, lamp, places, &self.shifts(&mut random, fraction));
+                sum += self.of_lamp(&piece, lamp, places, &self.shifts(&mut random, (look, looks)));
             }
             return sum;
         }
-        self.of_many(&piece, LAMPS as u32 * places, &mut random, fraction)
+        let shifts = self.shifts(&mut random, (look, looks));
+        self.of_many(&piece, LAMPS as u32 * places, &shifts)
     }
 
     /// Of lamps that are drawn, each with its places.
-    fn of_many(&self, piece: &Piece, draws: u32, random: &mut Random, fraction: f32) -> Vec3 {
-        let Shifts { place, point } = self.shifts(random, fraction);
+    fn of_many(&self, piece: &Piece, draws: u32, &Shifts { place, point }: &Shifts) -> Vec3 {
         let Piece { segment, fog, column, from, to, .. } = piece;
         let left = |distance: f32| fog.mean_transmittance(column.at(distance));
         let EyeRay { origin, direction, .. } = segment.ray;
@@ -156,23 +157,21 @@ impl Straight<'_> {
             let places = Places::new(&piece.seen, &angles);
             for draw in drawn.draws.clone() {
                 let (angle, stands_for) = places.at(drawn.rest(draw));
-                let (step, point) = ((angle, stands_for / drawn.expected()), spread(point, draw as usize));
+                let point = spread(point, draw as usize);
+                let step = (angle, stands_for / drawn.expected());
                 sum += self.at_angle(piece, drawn.lamp, &angles, step, point);
             }
         });
         sum
     }
 
-    /// A number of this pass of a sequence that fills [0, 1) evenly over the passes.
-    fn turn(&self, start: f32, step: f64) -> f32 {
-        ((f64::from(start) + step * f64::from(self.pass)).fract() as f32).min(1.0 - f32::EPSILON)
-    }
-
-    fn shifts(&self, random: &mut Random, fraction: f32) -> Shifts {
-        let mut turn = |step| self.turn(random.uniform(), step);
-        let place = (turn(PLACE_STEP) + fraction).fract();
-        let [a, b] = POINT_STEPS.map(turn);
-        Shifts { place, point: [a, (b + fraction).fract()] }
+    /// Those of a look of several: each is one in the sequences that fill [0, 1) evenly over looks and passes.
+    fn shifts(&self, random: &mut Random, (look, looks): (u32, u32)) -> Shifts {
+        let number = f64::from(self.pass) * f64::from(looks) + f64::from(look);
+        let mut turn = |step: f64| {
+            ((f64::from(random.uniform()) + step * number).fract() as f32).min(1.0 - f32::EPSILON)
+        };
+        Shifts { place: turn(PLACE_STEP), point: POINT_STEPS.map(turn) }
     }
 
     /// One place in each of steps that are worth as much, all shifted alike: by the angle seen from the lamp (C. Kulla and M. Fajardo 2012) and by
@@ -283,6 +282,36 @@ mod tests {
         made.scene()
     }
 
+    #[test]
+    fn looks_and_passes_fill_places_and_points_of_a_lamp_evenly() {
+        let scene = scene();
+        let (fogs, lamps) = (media::all(&scene), LampTree::new(&scene));
+        for (passes, looks) in [(1, 64), (64, 1), (8, 32)] {
+            let count = passes * looks;
+            let shifts: Vec<[f32; 3]> = (1..=passes)
+                .flat_map(|pass| {
+                    let straight =
+                        Straight { scene: &scene, fogs: &fogs, lamps: &lamps, seed: 1, pass, near: None };
+                    (0..looks).map(move |look| {
+                        let Shifts { place, point } =
+                            straight.shifts(&mut Random::new([5, 0, 0, KEY]), (look, looks));
+                        [place, point[0], point[1]]
+                    })
+                })
+                .collect();
+            for (a, b) in [(0, 1), (0, 2), (1, 2)] {
+                // Squares of a grid: with numbers that know nothing of each other one in 50 has none, with two alike nearly all.
+                let mut counts = [0; 16];
+                for shift in &shifts {
+                    counts[4 * (4.0 * shift[a]) as usize + (4.0 * shift[b]) as usize] += 1;
+                }
+                let expected = count / 16;
+                let even = counts.iter().all(|met| *met >= expected / 2 && *met <= 2 * expected);
+                assert!(even, "{passes} passes of {looks}, {a} and {b}: {counts:?}");
+            }
+        }
+    }
+
     fn mean_and_error(values: &[f64]) -> [f64; 2] {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
@@ -325,7 +354,7 @@ mod tests {
                 .map(|pass| {
                     let of = |lamp: usize| {
                         let straight = straight(pass);
-                        let shifts = straight.shifts(&mut Random::new([9, pass, lamp as u32, pixel]), 0.0);
+                        let shifts = straight.shifts(&mut Random::new([9, pass, lamp as u32, pixel]), (0, 1));
                         f64::from(straight.of_lamp(&piece, lamp, 16, &shifts).x)
                     };
                     (0..40).map(of).sum()

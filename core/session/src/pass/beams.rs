@@ -89,6 +89,7 @@ impl Renderer<'_> {
             plans,
             straight: self.settings.shadow_rays.then(|| self.straight(index)),
             beside: &self.beside,
+            looks: self.looks.as_ref(),
             wants_rest: self.wants_rest(),
             spectra: (has_spectra && self.settings.first_apart).then(|| self.grids.look_up(0)),
         };
@@ -118,7 +119,7 @@ impl Renderer<'_> {
     }
 
     /// Shadow rays of a pass.
-    fn straight(&self, index: u32) -> Straight<'_> {
+    pub(super) fn straight(&self, index: u32) -> Straight<'_> {
         Straight {
             scene: self.scene,
             fogs: self.tracer.fogs(),
