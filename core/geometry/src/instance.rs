@@ -3,7 +3,6 @@
 use crate::MAX_COORDINATE;
 use crate::hit::Hit;
 use crate::triangles::{TriangleHit, Triangles, area_vector, shade};
-use crate::wide::Wide;
 use covbeam::Curvature;
 use glam::{DMat3, DMat4, DVec3, Vec3};
 
@@ -99,7 +98,7 @@ impl Instance {
     /// Nearest hit with world distance in (0, max_distance); `direction` is unit. The distance returned is the world's.
     pub(crate) fn intersect(
         &self,
-        triangles: &Triangles<Wide>,
+        triangles: &Triangles,
         origin: DVec3,
         direction: DVec3,
         max_distance: f64,
@@ -116,7 +115,7 @@ impl Instance {
     /// Whether anything is hit with world distance in (0, max_distance); `direction` is unit.
     pub(crate) fn occluded(
         &self,
-        triangles: &Triangles<Wide>,
+        triangles: &Triangles,
         origin: DVec3,
         direction: DVec3,
         max_distance: f64,
@@ -127,7 +126,7 @@ impl Instance {
     /// Whether `test` says so of any hit with world distance in (0, max_distance); `direction` is unit. It gets the world's distances.
     pub(crate) fn any(
         &self,
-        triangles: &Triangles<Wide>,
+        triangles: &Triangles,
         origin: DVec3,
         direction: DVec3,
         max_distance: f64,
@@ -143,10 +142,10 @@ impl Instance {
     }
 
     /// A hit as on a surface that is shaded flat; its `material` is 0.
-    pub(crate) fn describe_flat(&self, triangles: &Triangles<Wide>, hit: &TriangleHit) -> Hit {
+    pub(crate) fn describe_flat(&self, triangles: &Triangles, hit: &TriangleHit) -> Hit {
         let position = self.linear * triangles.position(hit) + self.translation;
         let geometric_normal =
-            (self.normals_to_world() * area_vector(*triangles.corners(hit))).normalize().as_vec3();
+            (self.normals_to_world() * area_vector(triangles.corners(hit))).normalize().as_vec3();
         // The rounding of the point to f32, and that of the mesh's own arithmetic in f32.
         let own_error = triangles.position_error() * self.stretch as f32;
         let error = f32::EPSILON * position.abs().max_element() as f32 + own_error;
@@ -168,7 +167,7 @@ impl Instance {
     }
 
     /// Everything about a hit; its `material` is 0.
-    pub(crate) fn describe(&self, triangles: &Triangles<Wide>, hit: &TriangleHit) -> Hit {
+    pub(crate) fn describe(&self, triangles: &Triangles, hit: &TriangleHit) -> Hit {
         let mut described = self.describe_flat(triangles, hit);
         let Some(normals) = triangles.normals(hit) else { return described };
         let to_world = self.normals_to_world();

@@ -8,15 +8,17 @@
 #![doc = include_str!("../README.md")]
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
+mod four;
 pub mod hit;
 pub mod instance;
 pub mod instances;
 pub mod mesh;
 pub mod model;
 pub mod obj;
+mod ray;
 pub mod shape;
 pub mod triangles;
-pub mod wide;
+mod wide;
 
 /// Largest magnitude of a coordinate in a scene, and the inverse of the smallest size of an object: squares and
 /// products of lengths stay far inside the range of f32.

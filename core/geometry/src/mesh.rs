@@ -183,7 +183,7 @@ impl Mesh {
     pub fn placed_corners(&self) -> Vec<[Vec3; 3]> {
         let frame = self.triangles.frame();
         let placed = |corner: Vec3| frame.outside(corner).as_vec3();
-        self.triangles.all_corners().iter().map(|corners| corners.map(placed)).collect()
+        self.triangles.all_corners().into_iter().map(|corners| corners.map(placed)).collect()
     }
 
     /// Lower and upper corner of the bounding box.
@@ -214,14 +214,14 @@ impl Mesh {
 
     /// Outward normal of the hit's triangle.
     pub fn geometric_normal(&self, hit: &TriangleHit) -> Vec3 {
-        area_vector(*self.triangles.corners(hit)).normalize().as_vec3()
+        area_vector(self.triangles.corners(hit)).normalize().as_vec3()
     }
 
     /// Position, normals and curvature at a hit.
     pub fn surface(&self, hit: &TriangleHit) -> MeshSurface {
         let (corners, normals) = (self.triangles.corners(hit), self.triangles.normals(hit));
         let geometric_normal = self.geometric_normal(hit);
-        let (normal, mut curvature) = shade(corners, normals, hit.weights, geometric_normal);
+        let (normal, mut curvature) = shade(&corners, normals, hit.weights, geometric_normal);
         for value in [&mut curvature.along, &mut curvature.across, &mut curvature.twist] {
             *value /= self.triangles.frame().scale() as f32;
         }

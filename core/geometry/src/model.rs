@@ -1,11 +1,10 @@
 //! Triangles in a space of their own, with their materials: what instances place in a scene.
 
 use crate::triangles::Triangles;
-use crate::wide::Wide;
 
 /// A mesh that instances place.
 pub struct Model {
-    triangles: Option<Triangles<Wide>>,
+    triangles: Option<Triangles>,
     /// One a triangle, or one for all.
     materials: Vec<u32>,
 }
@@ -13,12 +12,12 @@ pub struct Model {
 impl Model {
     /// - `triangles`: None if no triangle has an area.
     /// - `materials`: the numbers that hits bear, of each triangle in the order in which [`Triangles::new`] got them, or one for all.
-    pub fn new(triangles: Option<Triangles<Wide>>, materials: Vec<u32>) -> Self {
+    pub fn new(triangles: Option<Triangles>, materials: Vec<u32>) -> Self {
         Self { triangles, materials }
     }
 
     /// None: there is nothing to hit.
-    pub fn triangles(&self) -> Option<&Triangles<Wide>> {
+    pub fn triangles(&self) -> Option<&Triangles> {
         self.triangles.as_ref()
     }
 

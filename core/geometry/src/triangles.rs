@@ -1,16 +1,16 @@
 //! Triangles in a local frame of their own: hierarchy, ray intersection, curvature.
 
+use crate::four::{Four, LANES, Met, Shear};
+use crate::ray::Ray;
+use crate::wide::Wide;
 use covbeam::Curvature;
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
-use obvhs::bvh2::{Bvh2, leaf_collapser::collapse, reinsertion::ReinsertionOptimizer};
-use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
-use obvhs::ray::{Ray, RayHit};
 
 /// Boxes of the hierarchy grow by this much in the local frame [-1, 1]³. It covers the rounding of the box test
 /// and of the triangle test for origins up to `NEAR` away (about 2e-6), so no triangle is culled that its
 /// neighbour's edge test relies on.
-pub const PADDING: f32 = 1e-5;
+pub(crate) const PADDING: f32 = 1e-5;
 
 /// Rays that start farther than this from the local origin are first moved towards it.
 const NEAR: f64 = 4.0;
@@ -49,7 +49,7 @@ impl Frame {
 
     /// A ray in the frame, `direction` unit, and the distance outside at which it starts there. None if it ends before
     /// it comes near.
-    pub fn ray(&self, origin: DVec3, direction: DVec3, max_distance: f64) -> Option<(Ray, f64)> {
+    pub(crate) fn ray(&self, origin: DVec3, direction: DVec3, max_distance: f64) -> Option<(Ray, f64)> {
         let mut start = (origin - self.center) / self.scale;
         let mut skipped = 0.0;
         let away = start.length();
@@ -59,39 +59,21 @@ impl Frame {
             start += direction * skipped;
         }
         let (start, reach) = (start.as_vec3(), (max_distance / self.scale - skipped) as f32);
-        let ray = || Ray::new(start.into(), direction.as_vec3().into(), 0.0, reach);
+        let ray = Ray { origin: start, direction: direction.as_vec3(), end: reach };
         // Where single precision ends, a ray that has been moved towards the middle passes far from it.
-        (reach > 0.0 && start.is_finite()).then(|| (ray(), skipped * self.scale))
+        (reach > 0.0 && start.is_finite()).then_some((ray, skipped * self.scale))
     }
-}
-
-/// A hierarchy over boxes in a [`Frame`], whose elements a ray tests from near to far.
-pub trait Hierarchy {
-    /// Builds it.
-    fn over(boxes: &[Aabb]) -> Self;
-
-    /// The numbers of the boxes in the order of the leaves.
-    fn order(&self) -> &[u32];
-
-    /// Memory held \[bytes\].
-    fn memory(&self) -> usize;
-
-    /// Tests the elements in the ray's way: `test` gets the ray up to the nearest hit so far and a place in the order
-    /// of the leaves, and returns the distance of a hit, or one beyond the ray's end.
-    fn nearest(&self, ray: Ray, test: impl FnMut(&Ray, usize) -> f32);
-
-    /// Whether the ray meets any of the elements in its way: `test` says so of one.
-    fn any(&self, ray: Ray, test: impl FnMut(&Ray, usize) -> bool) -> bool;
 }
 
 /// Triangles with their hierarchy, smooth or flat.
 #[derive(Clone)]
-pub struct Triangles<H = Bvh2> {
-    hierarchy: H,
+pub struct Triangles {
     frame: Frame,
-    /// In the frame, in the order of the hierarchy's leaves.
-    corners: Vec<[Vec3; 3]>,
-    /// Unit, one a corner, same order; empty = flat shading.
+    hierarchy: Wide,
+    /// In the frame, one of the hierarchy's leaves each.
+    leaves: Vec<Four>,
+    count: usize,
+    /// Unit, one a corner, as they were given; empty = flat shading.
     normals: Vec<[Vec3; 3]>,
 }
 
@@ -100,13 +82,13 @@ pub struct Triangles<H = Bvh2> {
 pub struct TriangleHit {
     /// Along the ray, > 0.
     pub distance: f64,
-    /// In the order of the leaves.
-    triangle: u32,
+    /// Its place among those of all leaves.
+    place: u32,
     /// Barycentric weights of the three corners.
     pub weights: Vec3,
 }
 
-impl<H: Hierarchy> Triangles<H> {
+impl Triangles {
     /// Builds the hierarchy.
     ///
     /// - `corners`: in `frame`; none of the triangles without area.
@@ -116,21 +98,19 @@ impl<H: Hierarchy> Triangles<H> {
             let [a, b, c] = corners.map(Vec3A::from);
             Aabb::new(a.min(b).min(c) - PADDING, a.max(b).max(c) + PADDING)
         };
-        let hierarchy = H::over(&corners.iter().map(padded).collect::<Vec<_>>());
-        let order = hierarchy.order();
-        let in_order = |values: &[[Vec3; 3]]| order.iter().map(|&i| values[i as usize]).collect();
-        let normals = if normals.is_empty() { Vec::new() } else { in_order(normals) };
-        Self { frame, corners: in_order(corners), normals, hierarchy }
+        let (hierarchy, leaves) = Wide::over(&corners.iter().map(padded).collect::<Vec<_>>());
+        let leaves = leaves.into_iter().map(|numbers| Four::new(numbers, corners)).collect();
+        Self { frame, hierarchy, leaves, count: corners.len(), normals: normals.to_vec() }
     }
 
     /// How many.
     pub fn count(&self) -> usize {
-        self.corners.len()
+        self.count
     }
 
     /// Memory held \[bytes\].
     pub fn memory(&self) -> usize {
-        self.hierarchy.memory() + size_of_val(&self.corners[..]) + size_of_val(&self.normals[..])
+        self.hierarchy.memory() + size_of_val(&self.leaves[..]) + size_of_val(&self.normals[..])
     }
 
     /// The frame that they are in.
@@ -143,24 +123,35 @@ impl<H: Hierarchy> Triangles<H> {
         f32::EPSILON * self.frame.scale as f32
     }
 
-    /// Nearest hit with distance in (0, max_distance) along `direction` (unit). Watertight: a ray through a shared edge
-    /// or vertex hits one of the triangles that share it.
+    /// Nearest hit with distance in (0, max_distance) along `direction` (unit); of several as near, of the triangle that was given first.
+    /// Watertight: a ray through a shared edge or vertex hits one of the triangles that share it.
     pub fn intersect(&self, origin: DVec3, direction: DVec3, max_distance: f64) -> Option<TriangleHit> {
         let (ray, skipped) = self.frame.ray(origin, direction, max_distance)?;
-        let shear = Shear::new(direction.as_vec3());
-        let mut nearest = None;
-        self.hierarchy.nearest(ray, |ray, index| match shear.intersect(ray, &self.corners[index]) {
-            Some((distance, weights)) if distance < ray.tmax => {
-                nearest = Some((distance, index as u32, weights));
-                distance
+        let shear = Shear::new(&ray);
+        let mut found: Option<(f32, u32, TriangleHit)> = None;
+        self.hierarchy.nearest(&ray, |mut end, index| {
+            let leaf = &self.leaves[index];
+            let Some(met) = shear.meets(leaf, end) else { return end };
+            for (lane, distance) in met.lanes() {
+                let is_first = |known: u32| leaf.number(lane) < known;
+                if distance < end || found.is_some_and(|(_, known, _)| distance == end && is_first(known)) {
+                    end = distance;
+                    found =
+                        Some((distance, leaf.number(lane), self.hit(&met, (index, lane), distance, skipped)));
+                }
             }
-            _ => f32::INFINITY,
+            end
         });
-        nearest.map(|(distance, triangle, weights)| TriangleHit {
+        found.map(|(_, _, hit)| hit)
+    }
+
+    /// A triangle that is met: in a lane of a leaf.
+    fn hit(&self, met: &Met, (leaf, lane): (usize, usize), distance: f32, skipped: f64) -> TriangleHit {
+        TriangleHit {
             distance: f64::from(distance) * self.frame.scale + skipped,
-            triangle,
-            weights,
-        })
+            place: (LANES * leaf + lane) as u32,
+            weights: met.weights(lane),
+        }
     }
 
     /// True if anything is hit with distance in (0, max_distance).
@@ -177,88 +168,50 @@ impl<H: Hierarchy> Triangles<H> {
         mut test: impl FnMut(TriangleHit) -> bool,
     ) -> bool {
         let Some((ray, skipped)) = self.frame.ray(origin, direction, max_distance) else { return false };
-        let shear = Shear::new(direction.as_vec3());
-        self.hierarchy.any(ray, |ray, index| {
-            let hit = shear.intersect(ray, &self.corners[index]).filter(|(distance, _)| *distance < ray.tmax);
-            hit.is_some_and(|(distance, weights)| {
-                let distance = f64::from(distance) * self.frame.scale + skipped;
-                test(TriangleHit { distance, triangle: index as u32, weights })
-            })
+        let shear = Shear::new(&ray);
+        self.hierarchy.any(&ray, |index| {
+            let Some(met) = shear.meets(&self.leaves[index], ray.end) else { return false };
+            let mut before_end = met.lanes().filter(|(_, distance)| *distance < ray.end);
+            before_end.any(|(lane, distance)| test(self.hit(&met, (index, lane), distance, skipped)))
         })
+    }
+
+    fn at(&self, hit: &TriangleHit) -> (&Four, usize) {
+        (&self.leaves[hit.place as usize / LANES], hit.place as usize % LANES)
     }
 
     /// Which of the triangles given to [`Triangles::new`] was hit.
     pub fn index(&self, hit: &TriangleHit) -> usize {
-        self.hierarchy.order()[hit.triangle as usize] as usize
+        let (leaf, lane) = self.at(hit);
+        leaf.number(lane) as usize
     }
 
     /// Corners of the hit's triangle in the frame.
-    pub fn corners(&self, hit: &TriangleHit) -> &[Vec3; 3] {
-        &self.corners[hit.triangle as usize]
+    pub fn corners(&self, hit: &TriangleHit) -> [Vec3; 3] {
+        let (leaf, lane) = self.at(hit);
+        leaf.corners(lane)
     }
 
-    /// Corners of all triangles in the frame, in the order of the leaves.
-    pub fn all_corners(&self) -> &[[Vec3; 3]] {
-        &self.corners
+    /// Corners of all triangles in the frame, as they were given.
+    pub fn all_corners(&self) -> Vec<[Vec3; 3]> {
+        let mut all = vec![[Vec3::ZERO; 3]; self.count];
+        for leaf in &self.leaves {
+            for (lane, number) in leaf.numbers().enumerate() {
+                all[number as usize] = leaf.corners(lane);
+            }
+        }
+        all
     }
 
     /// Normals at the corners of the hit's triangle; None = flat shading.
     pub fn normals(&self, hit: &TriangleHit) -> Option<&[Vec3; 3]> {
-        self.normals.get(hit.triangle as usize)
+        if self.normals.is_empty() { None } else { Some(&self.normals[self.index(hit)]) }
     }
 
     /// The hit point, on the triangle.
     pub fn position(&self, hit: &TriangleHit) -> DVec3 {
-        self.frame.outside(interpolate(self.corners(hit), hit.weights))
+        self.frame.outside(interpolate(&self.corners(hit), hit.weights))
     }
-}
-
-impl Hierarchy for Bvh2 {
-    fn over(boxes: &[Aabb]) -> Self {
-        build_hierarchy(boxes)
-    }
-
-    fn order(&self) -> &[u32] {
-        &self.primitive_indices
-    }
-
-    fn memory(&self) -> usize {
-        size_of_val(&self.nodes[..]) + size_of_val(&self.primitive_indices[..])
-    }
-
-    #[inline(always)]
-    fn nearest(&self, ray: Ray, test: impl FnMut(&Ray, usize) -> f32) {
-        self.ray_traverse(ray, &mut RayHit::none(), test);
-    }
-
-    #[inline(always)]
-    fn any(&self, ray: Ray, mut test: impl FnMut(&Ray, usize) -> bool) -> bool {
-        // A distance of 0 lies before any ray's end.
-        !self.ray_traverse_miss(ray, |ray, index| if test(ray, index) { 0.0 } else { f32::INFINITY })
-    }
-}
-
-/// Builds a binary hierarchy over boxes, at 0.4 us each.
-pub fn build_hierarchy(boxes: &[Aabb]) -> Bvh2 {
-    // The steps of obvhs' `build_bvh2` with its medium preset, without the validation that it adds in debug
-    // builds.
-    let mut hierarchy = PlocBuilder::with_capacity(boxes.len()).build(
-        PlocSearchDistance::Medium,
-        boxes,
-        (0..boxes.len() as u32).collect(),
-        SortPrecision::U64,
-        3,
-    );
-    let mut optimizer = ReinsertionOptimizer::default();
-    optimizer.run(&mut hierarchy, 0.05, None);
-    collapse(&mut hierarchy, 8, 3.0);
-    optimizer.run(&mut hierarchy, 0.1, None);
-    // Only the steps above need these, and room for leaves of one triangle.
-    hierarchy.parents = Vec::new();
-    hierarchy.nodes.shrink_to_fit();
-    // The traversal stack is sized by this and drops what does not fit.
-    hierarchy.max_depth = hierarchy.max_depth.max(hierarchy.depth(0) + 1);
-    hierarchy
 }
 
 /// Twice the area along the normal; exactly zero if the corners are on a line, because f64 holds the products
@@ -313,46 +266,4 @@ fn interpolated_curvature(triangle: &[Vec3; 3], normals: &[Vec3; 3], normal: Vec
     let upper = (n2.0 * p1.0 - n1.0 * p2.0) / determinant;
     let lower = (n1.1 * p2.1 - n2.1 * p1.1) / determinant;
     Curvature { tangent, along, across, twist: 0.5 * (upper + lower) }
-}
-
-/// A ray's direction as a permutation and shear that turn it into the z axis.
-///
-/// Source: S. Woop, C. Benthin and I. Wald, *Watertight Ray/Triangle Intersection*, JCGT 2(1), 2013. Differs from
-/// it in that an edge function of zero is not decided in double precision: both neighbours are hit.
-struct Shear {
-    axes: [usize; 3],
-    shear: [f32; 2],
-    stretch: f32,
-}
-
-impl Shear {
-    fn new(direction: Vec3) -> Self {
-        let d = direction.to_array();
-        let z = (0..3).max_by(|&i, &j| d[i].abs().total_cmp(&d[j].abs())).unwrap_or(2);
-        let axes = [(z + 1) % 3, (z + 2) % 3, z];
-        Self { axes, shear: [d[axes[0]] / d[z], d[axes[1]] / d[z]], stretch: 1.0 / d[z] }
-    }
-
-    /// Distance > 0 and barycentric weights.
-    #[inline]
-    fn intersect(&self, ray: &Ray, triangle: &[Vec3; 3]) -> Option<(f32, Vec3)> {
-        let origin = Vec3::from(ray.origin);
-        let [a, b, c] = triangle.map(|corner| {
-            let p = (corner - origin).to_array();
-            let z = p[self.axes[2]];
-            [p[self.axes[0]] - self.shear[0] * z, p[self.axes[1]] - self.shear[1] * z, self.stretch * z]
-        });
-        // Exactly antisymmetric in the two corners, so neighbours agree on which side of an edge the ray is; both
-        // take a ray on the edge.
-        let u = c[0] * b[1] - c[1] * b[0];
-        let v = a[0] * c[1] - a[1] * c[0];
-        let w = b[0] * a[1] - b[1] * a[0];
-        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
-            return None;
-        }
-        let determinant = u + v + w;
-        let distance = (u * a[2] + v * b[2] + w * c[2]) / determinant;
-        // Also refuses NaN, where the triangle is seen exactly edge-on.
-        (distance > 0.0).then(|| (distance, Vec3::new(u, v, w) / determinant))
-    }
 }

@@ -1,11 +1,11 @@
-//! A hierarchy of eight boxes a node, for rays that have nothing in common: the eight are tested side by side, and a
-//! ray waits for memory a third as often as in a binary one.
+//! A hierarchy of eight boxes a node, which are tested side by side, over leaves of up to four elements.
 
-use crate::triangles::{Hierarchy, build_hierarchy};
+use crate::four::{LANES, VACANT};
+use crate::ray::Ray;
 use glam::Vec4;
 use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
-use obvhs::ray::Ray;
+use obvhs::bvh2::{Bvh2, leaf_collapser::collapse, reinsertion::ReinsertionOptimizer};
+use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use smallvec::SmallVec;
 
 /// Boxes of a node.
@@ -14,36 +14,85 @@ const WIDTH: usize = 8;
 /// Eight numbers.
 type Eight = [Vec4; 2];
 
+/// The bit of a leaf in the number of a box's content.
+const LEAF: u32 = 1 << 31;
+
 /// Boxes side by side, and what is in them.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 struct Node {
     /// Lower x, y, z, upper x, y, z. An empty box is the wrong way round: nothing hits it.
     planes: [Eight; 6],
-    /// The number of a node, or of the first element of a leaf.
-    first: [u32; WIDTH],
-    /// Elements of a leaf; 0 for a node.
-    count: [u8; WIDTH],
+    /// The number of a node, or of a leaf with [`LEAF`].
+    contents: [u32; WIDTH],
 }
 
 /// The hierarchy.
-#[derive(Default)]
-pub struct Wide {
+#[derive(Clone, Default)]
+pub(crate) struct Wide {
     nodes: Vec<Node>,
-    order: Vec<u32>,
 }
 
 /// A box that a ray meets.
 #[derive(Clone, Copy)]
 struct Met {
-    first: u32,
-    count: u32,
+    content: u32,
     distance: f32,
 }
 
+/// A ray as boxes are tested against it.
+struct Slabs {
+    origin: [Vec4; 3],
+    inverse: [Vec4; 3],
+    /// Which plane of each axis the ray meets first, and last.
+    near: [usize; 3],
+    far: [usize; 3],
+}
+
+impl Slabs {
+    fn new(ray: &Ray) -> Self {
+        let inverse = ray.inverse();
+        let near = [0, 1, 2].map(|axis| if inverse[axis] < 0.0 { axis + 3 } else { axis });
+        Self {
+            origin: ray.origin.to_array().map(Vec4::splat),
+            inverse: inverse.to_array().map(Vec4::splat),
+            near,
+            far: near.map(|plane| (plane + 3) % 6),
+        }
+    }
+
+    /// Where the ray meets the boxes, and a bit for each that it meets at a distance in [0, `end`].
+    #[inline(always)]
+    fn meets(&self, node: &Node, end: f32) -> ([f32; WIDTH], u32) {
+        let ([ox, oy, oz], [ix, iy, iz]) = (self.origin, self.inverse);
+        let mut distances = [0.0; WIDTH];
+        let mut lanes = 0;
+        for half in 0..2 {
+            let [nx, ny, nz] = self.near.map(|plane| node.planes[plane][half]);
+            let [fx, fy, fz] = self.far.map(|plane| node.planes[plane][half]);
+            let enter = ((nx - ox) * ix).max((ny - oy) * iy).max(((nz - oz) * iz).max(Vec4::ZERO));
+            let leave = ((fx - ox) * ix).min((fy - oy) * iy).min(((fz - oz) * iz).min(Vec4::splat(end)));
+            distances[4 * half..][..4].copy_from_slice(&enter.to_array());
+            lanes |= enter.cmple(leave).bitmask() << (4 * half);
+        }
+        (distances, lanes)
+    }
+}
+
 impl Wide {
+    /// Over boxes; returns the numbers of those in each leaf, and [`VACANT`] behind them.
+    pub(crate) fn over(boxes: &[Aabb]) -> (Self, Vec<[u32; LANES]>) {
+        let (mut wide, mut leaves) = (Self::default(), Vec::new());
+        if !boxes.is_empty() {
+            wide.add(&binary(boxes), 0, &mut leaves);
+        }
+        wide.nodes.shrink_to_fit();
+        leaves.shrink_to_fit();
+        (wide, leaves)
+    }
+
     /// Adds the node that stands for one of the binary tree; returns its number.
-    fn add(&mut self, tree: &Bvh2, root: usize) -> u32 {
+    fn add(&mut self, tree: &Bvh2, root: usize, leaves: &mut Vec<[u32; LANES]>) -> u32 {
         let mut children: SmallVec<[usize; WIDTH]> = SmallVec::from_slice(&[root]);
         while children.len() < WIDTH {
             let area = |child: &usize| tree.nodes[*child].aabb().half_area();
@@ -58,7 +107,7 @@ impl Wide {
         }
         let (lower, upper) = ([Vec4::INFINITY; 2], [Vec4::NEG_INFINITY; 2]);
         let planes = [lower, lower, lower, upper, upper, upper];
-        let mut node = Node { planes, first: [0; WIDTH], count: [0; WIDTH] };
+        let mut node = Node { planes, contents: [0; WIDTH] };
         let number = self.nodes.len();
         self.nodes.push(node);
         for (i, &child) in children.iter().enumerate() {
@@ -67,92 +116,101 @@ impl Wide {
                 node.planes[axis][i / 4][i % 4] = of.aabb().min[axis];
                 node.planes[axis + 3][i / 4][i % 4] = of.aabb().max[axis];
             }
-            (node.first[i], node.count[i]) = match of.is_leaf() {
-                // `build_hierarchy` makes leaves of at most eight.
-                true => (of.first_index, of.prim_count as u8),
-                false => (self.add(tree, child), 0),
+            node.contents[i] = if of.is_leaf() {
+                let elements = &tree.primitive_indices[of.first_index as usize..][..of.prim_count as usize];
+                let mut leaf = [VACANT; LANES];
+                leaf[..elements.len()].copy_from_slice(elements);
+                leaves.push(leaf);
+                LEAF | (leaves.len() - 1) as u32
+            } else {
+                self.add(tree, child, leaves)
             };
         }
         self.nodes[number] = node;
         number as u32
     }
-}
 
-impl Hierarchy for Wide {
-    fn over(boxes: &[Aabb]) -> Self {
-        if boxes.is_empty() {
-            return Self::default();
-        }
-        let mut tree = build_hierarchy(boxes);
-        let mut wide = Self { nodes: Vec::new(), order: std::mem::take(&mut tree.primitive_indices) };
-        wide.add(&tree, 0);
-        wide.nodes.shrink_to_fit();
-        wide
+    /// Memory held \[bytes\].
+    pub(crate) fn memory(&self) -> usize {
+        size_of_val(&self.nodes[..])
     }
 
-    fn order(&self) -> &[u32] {
-        &self.order
-    }
-
-    fn memory(&self) -> usize {
-        size_of_val(&self.nodes[..]) + size_of_val(&self.order[..])
-    }
-
-    fn any(&self, ray: Ray, mut test: impl FnMut(&Ray, usize) -> bool) -> bool {
-        let mut is_met = false;
-        self.nearest(ray, |ray, index| {
-            is_met = is_met || test(ray, index);
-            // Nothing is nearer than that.
-            if is_met { 0.0 } else { f32::INFINITY }
-        });
-        is_met
-    }
-
+    /// Tests the leaves in the ray's way, the nearest of a node's boxes first: `test` gets where the ray ends so far and the number of a leaf,
+    /// and returns where it ends then. What is as far away as its end is tested too.
     #[inline(always)]
-    fn nearest(&self, mut ray: Ray, mut test: impl FnMut(&Ray, usize) -> f32) {
-        let [ox, oy, oz] = ray.origin.to_array().map(Vec4::splat);
-        let [ix, iy, iz] = ray.inv_direction.to_array().map(Vec4::splat);
-        // Which plane of each axis the ray meets first.
-        let near = [0, 1, 2].map(|axis| if ray.inv_direction[axis] < 0.0 { axis + 3 } else { axis });
-        let far = near.map(|plane| (plane + 3) % 6);
+    pub(crate) fn nearest(&self, ray: &Ray, mut test: impl FnMut(f32, usize) -> f32) {
+        let slabs = Slabs::new(ray);
+        let mut end = ray.end;
         // Those still to be visited, the nearest of a node's last. Seven stay at a level: enough for 500,000 triangles.
         let mut stack: SmallVec<[Met; 96]> = SmallVec::new();
-        let mut number = 0;
-        while let Some(node) = self.nodes.get(number as usize) {
-            let base = stack.len();
-            for half in 0..2 {
-                let [nx, ny, nz] = near.map(|plane| node.planes[plane][half]);
-                let [fx, fy, fz] = far.map(|plane| node.planes[plane][half]);
-                let enter = ((nx - ox) * ix).max((ny - oy) * iy).max(((nz - oz) * iz).max(Vec4::ZERO));
-                let leave =
-                    ((fx - ox) * ix).min((fy - oy) * iy).min(((fz - oz) * iz).min(Vec4::splat(ray.tmax)));
-                let distances = enter.to_array();
-                let mut met = enter.cmple(leave).bitmask();
-                while met != 0 {
-                    let lane = met.trailing_zeros() as usize;
-                    met &= met - 1;
-                    let distance = distances[lane];
-                    let (first, count) = (node.first[4 * half + lane], node.count[4 * half + lane].into());
+        let mut content = 0;
+        loop {
+            if content & LEAF != 0 {
+                end = test(end, (content & !LEAF) as usize);
+            } else if let Some(node) = self.nodes.get(content as usize) {
+                let base = stack.len();
+                let (distances, mut lanes) = slabs.meets(node, end);
+                while lanes != 0 {
+                    let lane = lanes.trailing_zeros() as usize;
+                    lanes &= lanes - 1;
+                    let met = Met { content: node.contents[lane], distance: distances[lane] };
                     let mut place = stack.len();
-                    stack.push(Met { first, count, distance });
-                    while place > base && stack[place - 1].distance < distance {
+                    stack.push(met);
+                    while place > base && stack[place - 1].distance < met.distance {
                         stack.swap(place - 1, place);
                         place -= 1;
                     }
                 }
             }
-            number = loop {
-                let Some(Met { first, count, distance }) = stack.pop() else { return };
-                if distance >= ray.tmax {
-                    continue;
-                }
-                if count == 0 {
-                    break first;
-                }
-                for index in first..first + count {
-                    ray.tmax = ray.tmax.min(test(&ray, index as usize));
+            content = loop {
+                match stack.pop() {
+                    Some(met) if met.distance <= end => break met.content,
+                    Some(_) => {}
+                    None => return,
                 }
             };
         }
     }
+
+    /// Whether `test` says so of the number of any leaf in the ray's way, in no order.
+    #[inline(always)]
+    pub(crate) fn any(&self, ray: &Ray, mut test: impl FnMut(usize) -> bool) -> bool {
+        let slabs = Slabs::new(ray);
+        let mut stack: SmallVec<[u32; 96]> = SmallVec::new();
+        let mut number = 0;
+        while let Some(node) = self.nodes.get(number as usize) {
+            let (_, mut lanes) = slabs.meets(node, ray.end);
+            while lanes != 0 {
+                let content = node.contents[lanes.trailing_zeros() as usize];
+                lanes &= lanes - 1;
+                if content & LEAF == 0 {
+                    stack.push(content);
+                } else if test((content & !LEAF) as usize) {
+                    return true;
+                }
+            }
+            let Some(next) = stack.pop() else { return false };
+            number = next;
+        }
+        false
+    }
 }
+
+/// Builds a binary hierarchy over boxes, at 0.4 us each.
+fn binary(boxes: &[Aabb]) -> Bvh2 {
+    // The steps of obvhs' `build_bvh2` with its medium preset, without the validation that it adds in debug
+    // builds.
+    let mut hierarchy = PlocBuilder::with_capacity(boxes.len()).build(
+        PlocSearchDistance::Medium,
+        boxes,
+        (0..boxes.len() as u32).collect(),
+        SortPrecision::U64,
+        3,
+    );
+    let mut optimizer = ReinsertionOptimizer::default();
+    optimizer.run(&mut hierarchy, 0.05, None);
+    collapse(&mut hierarchy, LANES as u32, COST);
+    optimizer.run(&mut hierarchy, 0.1, None);
+    hierarchy
+}
+const COST: f32 = 3.0;
