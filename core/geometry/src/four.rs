@@ -30,13 +30,10 @@ pub(crate) struct Met {
 impl Four {
     /// - `numbers`: of the triangles in `corners`; [`VACANT`] behind the last.
     pub(crate) fn new(numbers: [u32; LANES], corners: &[[Vec3; 3]]) -> Self {
-        let mut four = Self { corners: [[Vec4::NAN; 3]; 3], numbers };
-        for (lane, &number) in numbers.iter().enumerate().filter(|(_, number)| **number != VACANT) {
-            for (packed, corner) in four.corners.iter_mut().zip(corners[number as usize]) {
-                (0..3).for_each(|axis| packed[axis][lane] = corner[axis]);
-            }
-        }
-        four
+        let triangles = numbers.map(|number| corners.get(number as usize).copied().unwrap_or([Vec3::NAN; 3]));
+        let side_by_side =
+            |corner: usize, axis: usize| Vec4::from_array(triangles.map(|triangle| triangle[corner][axis]));
+        Self { corners: [0, 1, 2].map(|corner| [0, 1, 2].map(|axis| side_by_side(corner, axis))), numbers }
     }
 
     /// The number of one.

@@ -1,6 +1,5 @@
 //! Instances under a hierarchy of their own, and what a ray hits of them.
 
-use crate::four::{LANES, VACANT};
 use crate::hit::Hit;
 use crate::instance::Instance;
 use crate::model::Model;
@@ -13,11 +12,9 @@ use smallvec::SmallVec;
 /// Models placed by transforms.
 pub struct Instances {
     models: Vec<Model>,
-    /// Those with triangles.
+    /// Those with triangles, in the order of the hierarchy's leaves: one each.
     instances: Vec<Instance>,
     hierarchy: Wide,
-    /// Numbers of instances in each of the hierarchy's leaves.
-    leaves: Vec<[u32; LANES]>,
     /// None without instances.
     frame: Option<Frame>,
     bounds: (Vec3, Vec3),
@@ -26,7 +23,7 @@ pub struct Instances {
 /// Where a ray meets an instance.
 #[derive(Clone, Copy, Debug)]
 pub struct InstanceHit {
-    /// Among those with triangles.
+    /// In the order of the leaves.
     instance: u32,
     triangle: TriangleHit,
 }
@@ -61,8 +58,7 @@ impl Instances {
         let bounds = (min.as_vec3(), max.as_vec3());
         if instances.is_empty() {
             let bounds = (Vec3::ZERO, Vec3::ZERO);
-            let (hierarchy, leaves) = Wide::over(&[]);
-            return Self { models, instances, hierarchy, leaves, frame: None, bounds };
+            return Self { models, instances, hierarchy: Wide::default(), frame: None, bounds };
         }
         let frame = Frame::around(min, max);
         let padded = |instance: &Instance| {
@@ -70,7 +66,8 @@ impl Instances {
             Aabb::new(min - PADDING, max + PADDING)
         };
         let (hierarchy, leaves) = Wide::over(&instances.iter().map(padded).collect::<Vec<_>>());
-        Self { models, instances, hierarchy, leaves, frame: Some(frame), bounds }
+        let in_order = leaves.iter().map(|&[number]| instances[number as usize].clone()).collect();
+        Self { models, instances: in_order, hierarchy, frame: Some(frame), bounds }
     }
 
     /// Triangles of all models, each counted once however many instances it has.
@@ -88,7 +85,6 @@ impl Instances {
         self.models.iter().map(Model::memory).sum::<usize>()
             + size_of_val(&self.instances[..])
             + self.hierarchy.memory()
-            + size_of_val(&self.leaves[..])
     }
 
     /// The largest numbers of objects and materials that hits may bear; None: there is nothing to hit.
@@ -105,12 +101,6 @@ impl Instances {
         self.bounds
     }
 
-    /// The instances of a leaf, with their numbers.
-    fn of_leaf(&self, leaf: usize) -> impl Iterator<Item = (u32, &Instance)> {
-        let numbers = self.leaves[leaf].into_iter().filter(|&number| number != VACANT);
-        numbers.map(|number| (number, &self.instances[number as usize]))
-    }
-
     fn triangles(&self, instance: &Instance) -> &Triangles {
         self.models[instance.model].triangles().expect("instances without triangles are left out")
     }
@@ -121,16 +111,16 @@ impl Instances {
         let frame = self.frame.as_ref()?;
         let (ray, skipped) = frame.ray(origin, direction, nearest)?;
         let mut found = None;
-        self.hierarchy.nearest(&ray, |mut end, leaf| {
-            for (number, instance) in self.of_leaf(leaf) {
-                let met = instance.intersect(self.triangles(instance), origin, direction, nearest);
-                if let Some(triangle) = met.filter(|triangle| triangle.distance < nearest) {
+        self.hierarchy.nearest(&ray, |end, index| {
+            let instance = &self.instances[index];
+            match instance.intersect(self.triangles(instance), origin, direction, nearest) {
+                Some(triangle) if triangle.distance < nearest => {
                     nearest = triangle.distance;
-                    found = Some(InstanceHit { instance: number, triangle });
-                    end = end.min(((nearest - skipped) / frame.scale()) as f32);
+                    found = Some(InstanceHit { instance: index as u32, triangle });
+                    end.min(((nearest - skipped) / frame.scale()) as f32)
                 }
+                _ => end,
             }
-            end
         });
         found
     }
@@ -139,10 +129,9 @@ impl Instances {
     pub fn occluded(&self, origin: DVec3, direction: DVec3, max_distance: f64) -> bool {
         let Some(frame) = &self.frame else { return false };
         let Some((ray, _)) = frame.ray(origin, direction, max_distance) else { return false };
-        self.hierarchy.any(&ray, |leaf| {
-            self.of_leaf(leaf).any(|(_, instance)| {
-                instance.occluded(self.triangles(instance), origin, direction, max_distance)
-            })
+        self.hierarchy.any(&ray, |index| {
+            let instance = &self.instances[index];
+            instance.occluded(self.triangles(instance), origin, direction, max_distance)
         })
     }
 
@@ -158,18 +147,15 @@ impl Instances {
         let mut found = SmallVec::new();
         let Some(frame) = &self.frame else { return Some(found) };
         let Some((ray, _)) = frame.ray(origin, direction, max_distance) else { return Some(found) };
-        let mut ends_at = |number: u32, instance: &Instance, triangle: TriangleHit| {
-            let hit = InstanceHit { instance: number, triangle };
-            let is_end = ends(self.material(&hit), instance.object);
-            if !is_end {
-                found.push(hit);
-            }
-            is_end
-        };
-        let is_ended = self.hierarchy.any(&ray, |leaf| {
-            self.of_leaf(leaf).any(|(number, instance)| {
-                let triangles = self.triangles(instance);
-                instance.any(triangles, origin, direction, max_distance, |hit| ends_at(number, instance, hit))
+        let is_ended = self.hierarchy.any(&ray, |index| {
+            let instance = &self.instances[index];
+            instance.any(self.triangles(instance), origin, direction, max_distance, |triangle| {
+                let hit = InstanceHit { instance: index as u32, triangle };
+                let is_end = ends(self.material(&hit), instance.object);
+                if !is_end {
+                    found.push(hit);
+                }
+                is_end
             })
         });
         found.sort_by(|a, b| a.distance().total_cmp(&b.distance()));

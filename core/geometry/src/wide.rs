@@ -1,6 +1,6 @@
 //! A hierarchy of eight boxes a node, which are tested side by side, over leaves of up to four elements.
 
-use crate::four::{LANES, VACANT};
+use crate::four::VACANT;
 use crate::ray::Ray;
 use glam::Vec4;
 use obvhs::aabb::Aabb;
@@ -31,13 +31,6 @@ struct Node {
 #[derive(Clone, Default)]
 pub(crate) struct Wide {
     nodes: Vec<Node>,
-}
-
-/// A box that a ray meets.
-#[derive(Clone, Copy)]
-struct Met {
-    content: u32,
-    distance: f32,
 }
 
 /// A ray as boxes are tested against it.
@@ -80,11 +73,11 @@ impl Slabs {
 }
 
 impl Wide {
-    /// Over boxes; returns the numbers of those in each leaf, and [`VACANT`] behind them.
-    pub(crate) fn over(boxes: &[Aabb]) -> (Self, Vec<[u32; LANES]>) {
+    /// Over boxes, up to N a leaf; returns the numbers of those in each leaf, and [`VACANT`] behind them.
+    pub(crate) fn over<const N: usize>(boxes: &[Aabb]) -> (Self, Vec<[u32; N]>) {
         let (mut wide, mut leaves) = (Self::default(), Vec::new());
         if !boxes.is_empty() {
-            wide.add(&binary(boxes), 0, &mut leaves);
+            wide.add(&binary(boxes, N as u32), 0, &mut leaves);
         }
         wide.nodes.shrink_to_fit();
         leaves.shrink_to_fit();
@@ -92,7 +85,7 @@ impl Wide {
     }
 
     /// Adds the node that stands for one of the binary tree; returns its number.
-    fn add(&mut self, tree: &Bvh2, root: usize, leaves: &mut Vec<[u32; LANES]>) -> u32 {
+    fn add<const N: usize>(&mut self, tree: &Bvh2, root: usize, leaves: &mut Vec<[u32; N]>) -> u32 {
         let mut children: SmallVec<[usize; WIDTH]> = SmallVec::from_slice(&[root]);
         while children.len() < WIDTH {
             let area = |child: &usize| tree.nodes[*child].aabb().half_area();
@@ -118,7 +111,7 @@ impl Wide {
             }
             node.contents[i] = if of.is_leaf() {
                 let elements = &tree.primitive_indices[of.first_index as usize..][..of.prim_count as usize];
-                let mut leaf = [VACANT; LANES];
+                let mut leaf = [VACANT; N];
                 leaf[..elements.len()].copy_from_slice(elements);
                 leaves.push(leaf);
                 LEAF | (leaves.len() - 1) as u32
@@ -141,30 +134,37 @@ impl Wide {
     pub(crate) fn nearest(&self, ray: &Ray, mut test: impl FnMut(f32, usize) -> f32) {
         let slabs = Slabs::new(ray);
         let mut end = ray.end;
-        // Those still to be visited, the nearest of a node's last. Seven stay at a level: enough for 500,000 triangles.
-        let mut stack: SmallVec<[Met; 96]> = SmallVec::new();
+        // Boxes still to be visited, the nearest of a node's last. Seven stay at a level: enough for 500,000 triangles.
+        let mut stack: SmallVec<[u64; 96]> = SmallVec::new();
         let mut content = 0;
         loop {
             if content & LEAF != 0 {
                 end = test(end, (content & !LEAF) as usize);
             } else if let Some(node) = self.nodes.get(content as usize) {
-                let base = stack.len();
                 let (distances, mut lanes) = slabs.meets(node, end);
+                let (mut met, mut count) = ([0; WIDTH], 0);
                 while lanes != 0 {
                     let lane = lanes.trailing_zeros() as usize;
                     lanes &= lanes - 1;
-                    let met = Met { content: node.contents[lane], distance: distances[lane] };
-                    let mut place = stack.len();
-                    stack.push(met);
-                    while place > base && stack[place - 1].distance < met.distance {
-                        stack.swap(place - 1, place);
+                    // The order of numbers >= 0 is that of their bits.
+                    let key = u64::from(distances[lane].to_bits()) << 32 | u64::from(node.contents[lane]);
+                    let mut place = count;
+                    while place > 0 && met[place - 1] < key {
+                        met[place] = met[place - 1];
                         place -= 1;
                     }
+                    met[place] = key;
+                    count += 1;
+                }
+                if let [others @ .., nearest] = &met[..count] {
+                    others.iter().for_each(|&key| stack.push(key));
+                    content = *nearest as u32;
+                    continue;
                 }
             }
             content = loop {
                 match stack.pop() {
-                    Some(met) if met.distance <= end => break met.content,
+                    Some(key) if f32::from_bits((key >> 32) as u32) <= end => break key as u32,
                     Some(_) => {}
                     None => return,
                 }
@@ -197,7 +197,7 @@ impl Wide {
 }
 
 /// Builds a binary hierarchy over boxes, at 0.4 us each.
-fn binary(boxes: &[Aabb]) -> Bvh2 {
+fn binary(boxes: &[Aabb], most: u32) -> Bvh2 {
     // The steps of obvhs' `build_bvh2` with its medium preset, without the validation that it adds in debug
     // builds.
     let mut hierarchy = PlocBuilder::with_capacity(boxes.len()).build(
@@ -209,7 +209,7 @@ fn binary(boxes: &[Aabb]) -> Bvh2 {
     );
     let mut optimizer = ReinsertionOptimizer::default();
     optimizer.run(&mut hierarchy, 0.05, None);
-    collapse(&mut hierarchy, LANES as u32, COST);
+    collapse(&mut hierarchy, most, COST);
     optimizer.run(&mut hierarchy, 0.1, None);
     hierarchy
 }
