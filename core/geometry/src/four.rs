@@ -83,15 +83,21 @@ pub(crate) struct Shear {
 }
 
 impl Shear {
+    #[inline(always)]
     pub(crate) fn new(ray: &Ray) -> Self {
-        let d = ray.direction.to_array();
-        let z = (0..3).max_by(|&i, &j| d[i].abs().total_cmp(&d[j].abs())).unwrap_or(2);
-        let axes = [(z + 1) % 3, (z + 2) % 3, z];
+        let size = ray.direction.abs();
+        // The last of the largest.
+        let axes = match () {
+            () if size.z >= size.x && size.z >= size.y => [0, 1, 2],
+            () if size.y >= size.x => [2, 0, 1],
+            () => [1, 2, 0],
+        };
+        let [x, y, z] = axes.map(|axis| ray.direction[axis]);
         Self {
             axes,
             origin: axes.map(|axis| Vec4::splat(ray.origin[axis])),
-            shear: [Vec4::splat(d[axes[0]] / d[z]), Vec4::splat(d[axes[1]] / d[z])],
-            stretch: Vec4::splat(1.0 / d[z]),
+            shear: [Vec4::splat(x / z), Vec4::splat(y / z)],
+            stretch: Vec4::splat(1.0 / z),
         }
     }
 

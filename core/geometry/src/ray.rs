@@ -15,6 +15,7 @@ pub(crate) struct Ray {
 impl Ray {
     /// One by each coordinate of the direction, of one that is too small as if it were 2^-23: never infinite.
     pub(crate) fn inverse(&self) -> Vec3 {
-        Vec3::from_array(self.direction.to_array().map(|d| 1.0 / d.abs().max(f32::EPSILON).copysign(d)))
+        let of = |d: f32| 1.0 / d.abs().max(f32::EPSILON).copysign(d);
+        Vec3::new(of(self.direction.x), of(self.direction.y), of(self.direction.z))
     }
 }

@@ -21,15 +21,16 @@ const NEAR: f64 = 4.0;
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
     center: DVec3,
-    /// Length of one local unit.
+    /// Length of one local unit: a power of two, so that what is multiplied by it or its inverse is not rounded.
     scale: f64,
+    inverse_scale: f64,
 }
 
 impl Frame {
     /// Around a box that is not a point.
     pub fn around(min: DVec3, max: DVec3) -> Self {
         let scale = libm::exp2(libm::log2(0.5 * (max - min).max_element()).ceil());
-        Self { center: (0.5 * (min + max)).as_vec3().as_dvec3(), scale }
+        Self { center: (0.5 * (min + max)).as_vec3().as_dvec3(), scale, inverse_scale: 1.0 / scale }
     }
 
     /// Length of one local unit.
@@ -50,15 +51,14 @@ impl Frame {
     /// A ray in the frame, `direction` unit, and the distance outside at which it starts there. None if it ends before
     /// it comes near.
     pub(crate) fn ray(&self, origin: DVec3, direction: DVec3, max_distance: f64) -> Option<(Ray, f64)> {
-        let mut start = (origin - self.center) / self.scale;
+        let mut start = (origin - self.center) * self.inverse_scale;
         let mut skipped = 0.0;
-        let away = start.length();
-        if away > NEAR {
+        if start.length_squared() > NEAR * NEAR {
             // All lies within sqrt(3) of the local origin.
-            skipped = away - 2.0;
+            skipped = start.length() - 2.0;
             start += direction * skipped;
         }
-        let (start, reach) = (start.as_vec3(), (max_distance / self.scale - skipped) as f32);
+        let (start, reach) = (start.as_vec3(), (max_distance * self.inverse_scale - skipped) as f32);
         let ray = Ray { origin: start, direction: direction.as_vec3(), end: reach };
         // Where single precision ends, a ray that has been moved towards the middle passes far from it.
         (reach > 0.0 && start.is_finite()).then_some((ray, skipped * self.scale))

@@ -2,7 +2,7 @@
 
 use crate::four::VACANT;
 use crate::ray::Ray;
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, leaf_collapser::collapse, reinsertion::ReinsertionOptimizer};
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
@@ -43,14 +43,16 @@ struct Slabs {
 }
 
 impl Slabs {
+    #[inline(always)]
     fn new(ray: &Ray) -> Self {
         let inverse = ray.inverse();
-        let near = [0, 1, 2].map(|axis| if inverse[axis] < 0.0 { axis + 3 } else { axis });
+        let planes = |axis: usize| if inverse[axis] < 0.0 { (axis + 3, axis) } else { (axis, axis + 3) };
+        let [x, y, z] = [planes(0), planes(1), planes(2)];
         Self {
-            origin: ray.origin.to_array().map(Vec4::splat),
-            inverse: inverse.to_array().map(Vec4::splat),
-            near,
-            far: near.map(|plane| (plane + 3) % 6),
+            origin: splat(ray.origin),
+            inverse: splat(inverse),
+            near: [x.0, y.0, z.0],
+            far: [x.1, y.1, z.1],
         }
     }
 
@@ -70,6 +72,10 @@ impl Slabs {
         }
         (distances, lanes)
     }
+}
+
+fn splat(v: Vec3) -> [Vec4; 3] {
+    [Vec4::splat(v.x), Vec4::splat(v.y), Vec4::splat(v.z)]
 }
 
 impl Wide {
