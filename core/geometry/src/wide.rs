@@ -104,6 +104,8 @@ impl Wide {
             let first = tree.nodes[opened].first_index as usize;
             children.extend([first, first + 1]);
         }
+        // The leaves of a node lie beside each other in memory.
+        children.sort_by_key(|&child| !tree.nodes[child].is_leaf());
         let (lower, upper) = ([Vec4::INFINITY; 2], [Vec4::NEG_INFINITY; 2]);
         let planes = [lower, lower, lower, upper, upper, upper];
         let mut node = Node { planes, contents: [0; WIDTH] };
