@@ -1,20 +1,18 @@
 //! Four triangles side by side, and the test of a ray against them.
 
 use crate::ray::Ray;
+use crate::wide::VACANT;
 use glam::{BVec4A, Vec3, Vec4};
 
-/// Triangles of a pack.
+/// Triangles side by side.
 pub(crate) const LANES: usize = 4;
-
-/// The number of a triangle that is not there: its corners are NaN, and nothing meets it.
-pub(crate) const VACANT: u32 = u32::MAX;
 
 /// Up to four triangles.
 #[derive(Clone, Copy)]
 pub(crate) struct Four {
     /// Corners a, b and c, of each the coordinates x, y and z.
     corners: [[Vec4; 3]; 3],
-    /// Of the triangles, as they were given; then [`VACANT`].
+    /// Of the triangles; then [`VACANT`], of one whose corners are NaN: nothing meets it.
     numbers: [u32; LANES],
 }
 
@@ -28,7 +26,7 @@ pub(crate) struct Met {
 }
 
 impl Four {
-    /// - `numbers`: of the triangles in `corners`; [`VACANT`] behind the last.
+    /// - `numbers`: of triangles in `corners`; [`VACANT`] behind the last.
     pub(crate) fn new(numbers: [u32; LANES], corners: &[[Vec3; 3]]) -> Self {
         let triangles = numbers.map(|number| corners.get(number as usize).copied().unwrap_or([Vec3::NAN; 3]));
         let side_by_side =
@@ -36,24 +34,24 @@ impl Four {
         Self { corners: [0, 1, 2].map(|corner| [0, 1, 2].map(|axis| side_by_side(corner, axis))), numbers }
     }
 
-    /// The number of one.
+    /// The number of the triangle in a lane.
     pub(crate) fn number(&self, lane: usize) -> u32 {
         self.numbers[lane]
     }
 
-    /// The numbers of all.
+    /// The numbers of all, by lane.
     pub(crate) fn numbers(&self) -> impl Iterator<Item = u32> {
         self.numbers.into_iter().filter(|&number| number != VACANT)
     }
 
-    /// The corners of one.
+    /// The corners of the triangle in a lane.
     pub(crate) fn corners(&self, lane: usize) -> [Vec3; 3] {
         self.corners.map(|[x, y, z]| Vec3::new(x[lane], y[lane], z[lane]))
     }
 }
 
 impl Met {
-    /// The nearest that is met, and its distance, if that is less than `end`; or as much, and `is_before` says so of its lane.
+    /// The lanes of those that are met, and their distances.
     #[inline]
     pub(crate) fn lanes(&self) -> impl Iterator<Item = (usize, f32)> {
         let mut lanes = self.lanes;
@@ -64,7 +62,7 @@ impl Met {
         })
     }
 
-    /// The barycentric weights of the corners of one that is met.
+    /// The barycentric weights of the corners of the triangle in a lane that is met.
     pub(crate) fn weights(&self, lane: usize) -> Vec3 {
         let [u, v, w, sum] = self.edges.map(|edge| edge[lane]);
         Vec3::new(u, v, w) / sum

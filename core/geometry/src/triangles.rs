@@ -128,21 +128,21 @@ impl Triangles {
     pub fn intersect(&self, origin: DVec3, direction: DVec3, max_distance: f64) -> Option<TriangleHit> {
         let (ray, skipped) = self.frame.ray(origin, direction, max_distance)?;
         let shear = Shear::new(&ray);
-        let mut found: Option<(f32, u32, TriangleHit)> = None;
+        let mut found: Option<(u32, TriangleHit)> = None;
         self.hierarchy.nearest(&ray, |mut end, index| {
             let leaf = &self.leaves[index];
             let Some(met) = shear.meets(leaf, end) else { return end };
             for (lane, distance) in met.lanes() {
-                let is_first = |known: u32| leaf.number(lane) < known;
-                if distance < end || found.is_some_and(|(_, known, _)| distance == end && is_first(known)) {
+                let number = leaf.number(lane);
+                let is_before = |found: (u32, TriangleHit)| distance == end && number < found.0;
+                if distance < end || found.is_some_and(is_before) {
                     end = distance;
-                    found =
-                        Some((distance, leaf.number(lane), self.hit(&met, (index, lane), distance, skipped)));
+                    found = Some((number, self.hit(&met, (index, lane), distance, skipped)));
                 }
             }
             end
         });
-        found.map(|(_, _, hit)| hit)
+        found.map(|(_, hit)| hit)
     }
 
     /// A triangle that is met: in a lane of a leaf.

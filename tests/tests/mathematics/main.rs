@@ -15,4 +15,5 @@ mod march;
 mod medium;
 mod operators;
 mod radius_rules;
+mod triangles;
 mod vectors;
