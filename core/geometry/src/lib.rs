@@ -1,10 +1,10 @@
 //! Triangle meshes, instances and exact shapes, met by rays.
 //!
 //! - [`hit`]: where a ray meets a surface.
-//! - [`triangles`]: triangles in a local frame, with their hierarchy.
+//! - [`triangles`]: triangles in a local frame, four side by side, under a hierarchy of eight boxes a node.
 //! - [`shape`]: spheres, rectangles, boxes and meshes, met by lines in double precision.
 //! - [`mesh`]: a mesh placed in a scene, from the triangles of an [`obj`] file.
-//! - [`instances`]: many [`model`]s, each placed by any number of [`instance`]s, under one hierarchy of [`wide`] nodes.
+//! - [`instances`]: many [`model`]s, each placed by any number of [`instance`]s, under one such hierarchy.
 #![doc = include_str!("../README.md")]
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
