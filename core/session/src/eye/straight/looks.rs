@@ -66,8 +66,8 @@ impl StraightLooks {
         let tried = tried?;
         let mean = tried.iter().map(|[mean, _]| mean).sum::<f32>() / tried.len() as f32;
         let variances: Vec<f32> = tried.iter().map(|[_, variance]| *variance).collect();
-        let smooth = (SMOOTH * mean).powi(2);
-        Some(Self { side, across, looks: shared_out(&around(&variances, across as usize), smooth) })
+        let looks = shared_out(&around(&variances, across as usize), SMOOTH * mean);
+        Some(Self { side, across, looks })
     }
 
     /// Those of pixel (x, y).
@@ -113,12 +113,12 @@ fn around(values: &[f32], across: usize) -> Vec<f32> {
     (0..values.len()).map(mean).collect()
 }
 
-/// Looks in proportion to the root of a variance, one where it is `smooth`; no more than [`BEYOND`] in all.
+/// Looks in proportion to the root of a variance, one where that is `smooth`; no more than [`BEYOND`] in all.
 fn shared_out(variances: &[f32], smooth: f32) -> Vec<u32> {
     let looks = |variance: f32, scale: f32| (variance.sqrt() * scale).clamp(1.0, MOST);
     let beyond = |scale: f32| variances.iter().map(|variance| looks(*variance, scale) - 1.0).sum::<f32>();
     let most = BEYOND * variances.len() as f32;
-    let (mut low, mut high) = (0.0, smooth.sqrt().recip());
+    let (mut low, mut high) = (0.0, smooth.recip());
     if !high.is_finite() {
         return vec![1; variances.len()];
     }
@@ -207,12 +207,12 @@ mod tests {
     fn looks_go_with_the_root_of_the_variance_and_have_a_bound() {
         let mut variances = vec![0.0; 96];
         variances.extend([1.0, 4.0, 16.0, 1e6]);
-        let looks = shared_out(&variances, 0.25);
+        let looks = shared_out(&variances, 0.5);
         assert_eq!(looks[..96], [1; 96]);
         assert_eq!(looks[96..], [2, 4, 8, 64]);
         // Where all are as noisy each has as many as the bound leaves, whatever the noise.
         for variance in [1e-30, 1.0, 1e30] {
-            assert_eq!(shared_out(&[variance; 100], 1e-6 * variance), [2; 100], "{variance}");
+            assert_eq!(shared_out(&[variance; 100], 1e-3 * f32::sqrt(variance)), [2; 100], "{variance}");
         }
         // What is looked at without any light has no noise to compare with.
         assert_eq!(shared_out(&[0.0; 4], 0.0), [1; 4]);
