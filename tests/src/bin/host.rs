@@ -38,6 +38,9 @@ struct Grey {
     radiance: Vec<f64>,
 }
 
+/// So many pictures or fewer do not tell how often a pixel is far too bright.
+const FEW: usize = 5;
+
 /// A name, and which points (x, y) of a picture 256 wide belong to it; from the middle, y downwards.
 type Region = (&'static str, fn(f32, f32) -> bool);
 
@@ -230,9 +233,9 @@ fn region_mean(pictures: &[Grey], pixels: &[usize]) -> Sample {
     Sample::of(&pictures.iter().map(mean).collect::<Vec<_>>())
 }
 
-/// Relative squared error of a picture of the host and of one of the renderer, means over some pixels and medians over pictures: in five
-/// pictures one pixel that is ten times too bright would be a fifth of the error. Both from the mean of the renderer's: fog that is blurred as in
-/// no picture of that is an error, too.
+/// Relative squared error of a picture of the host and of one of the renderer, means over some pixels. Both from the mean of the renderer's: fog
+/// that is blurred as in no picture of that is an error, too. Means over pictures; of [`FEW`] medians, where one pixel that is ten times too bright
+/// would be a fifth of the mean.
 fn errors(host: &[Grey], rust: &[Grey], pixels: &[usize]) -> [f64; 2] {
     let count = rust.len() as f64;
     let mean = |&i: &usize| rust.iter().map(|picture| picture.radiance[i]).sum::<f64>() / count;
@@ -241,13 +244,16 @@ fn errors(host: &[Grey], rust: &[Grey], pixels: &[usize]) -> [f64; 2] {
         let square = |(&i, mean): (&usize, &f64)| (picture.radiance[i] / mean - 1.0).powi(2);
         pixels.iter().zip(&means).map(square).sum::<f64>() / pixels.len() as f64
     };
-    let median = |pictures: &[Grey]| {
+    let middle = |pictures: &[Grey]| {
         let mut errors: Vec<f64> = pictures.iter().map(error).collect();
+        if errors.len() > FEW {
+            return errors.iter().sum::<f64>() / errors.len() as f64;
+        }
         errors.sort_by(f64::total_cmp);
         0.5 * (errors[(errors.len() - 1) / 2] + errors[errors.len() / 2])
     };
     // A picture is nearer to a mean that it has a part in.
-    [median(host), median(rust) * (count + 1.0) / (count - 1.0)]
+    [middle(host), middle(rust) * (count + 1.0) / (count - 1.0)]
 }
 
 fn picture(scene: &Scene, passes: u32, settings: Settings) -> Result<Grey, Box<dyn Error>> {
