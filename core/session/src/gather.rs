@@ -14,7 +14,6 @@ use crate::eye::straight::looks::StraightLooks;
 use crate::film::samples::{PassImage, Room, Seen, SparseSample};
 use crate::gather::faint::{Runs, is_faint};
 use crate::kind::{Kind, MOST_LAYERS};
-use crate::lamps::beside::BesideLamps;
 use crate::plan::Plan;
 use crate::random::{Random, spread};
 use crate::scene::Scene;
@@ -71,9 +70,7 @@ pub(crate) struct View<'a> {
     pub(crate) plans: Vec<Plan>,
     /// Where straight light is not left to beams; it is of the first layer.
     pub(crate) straight: Option<Straight<'a>>,
-    /// Pixels that are worth more eye rays for it.
-    pub(crate) beside: &'a BesideLamps,
-    /// Looks for it that pixels are worth, as tried; None: not known.
+    /// Looks for it that pixels are worth; None: not known.
     pub(crate) looks: Option<&'a StraightLooks>,
     /// Whether more is wanted than what the fog before the first surface scatters.
     pub(crate) wants_rest: bool,
@@ -187,10 +184,6 @@ impl View<'_> {
                     wanted.surfaces && self.tracer.beyond && surfaces.has_lamp_border(x, y);
                 if wanted.is_blurred || self.straight.is_some() && surfaces.has_edge(x, y) {
                     wanted.looks = LOOKS;
-                }
-                let beside = self.straight.as_ref().and_then(|_| self.beside.looks([x, y]));
-                if let Some(looks) = beside.filter(|_| !wanted.is_blurred) {
-                    wanted.looks = looks.max(wanted.looks);
                 }
                 if let Some(looks) = self.looks.filter(|_| !wanted.is_blurred) {
                     wanted.looks = looks.at(x, y).max(wanted.looks);

@@ -13,13 +13,11 @@ pub use fields::latest_field_pass;
 pub use instants::Instants;
 pub use times::PassTimes;
 
-use crate::eye::EyeTracer;
 use crate::eye::shown::SmallLamps;
 use crate::eye::starts::EyeStarts;
 use crate::eye::straight::looks::StraightLooks;
 use crate::film::samples::PassImage;
 use crate::kind::Split;
-use crate::lamps::beside::BesideLamps;
 use crate::paths::{Energy, PhotonRecord, PhotonTracer, Record};
 use crate::pilot::defaults::NO_GRID;
 use crate::pilot::{self, Spread};
@@ -65,8 +63,7 @@ pub struct Renderer<'a> {
     tracer: PhotonTracer<'a>,
     starts: EyeStarts<'a>,
     small: SmallLamps,
-    beside: BesideLamps,
-    /// None: pixels are not tried.
+    /// For straight light; None: it has no shadow rays, or no eye rays are planned.
     looks: Option<StraightLooks>,
     /// What is first behind each pixel; None: no eye rays are planned.
     surfaces: Option<Arc<FirstSurfaces>>,
@@ -114,10 +111,11 @@ impl<'a> Renderer<'a> {
                 first.pilot = start.elapsed().as_secs_f64();
             }
         }
-        let count = instants.len();
+        let (count, no_photons) = (instants.len(), SurfaceMap::empty());
         for made in instants.iter_mut().filter(|made| made.settings.shadow_rays && made.surfaces.is_some()) {
             let start = Instant::now();
-            made.looks = Some(made.straight_looks(count, cancelled)?);
+            let eye = made.eye(&no_photons);
+            made.looks = Some(StraightLooks::new(&made.straight(1), &eye, count, cancelled)?);
             made.pilot += start.elapsed().as_secs_f64();
         }
         if cancelled() {
@@ -145,7 +143,6 @@ impl<'a> Renderer<'a> {
             tracer,
             starts: EyeStarts::new(scene),
             small: SmallLamps::new(scene),
-            beside: BesideLamps::new(scene),
             looks: None,
             surfaces,
             radii: (rule != RadiusRule::Bias).then(|| Radii::new(rule, scene.grid)),
@@ -157,25 +154,6 @@ impl<'a> Renderer<'a> {
             pilot: 0.0,
             is_everywhere: false,
         }
-    }
-
-    /// How many looks for straight light each pixel is worth, at one of so many instants.
-    fn straight_looks(
-        &self,
-        instants: usize,
-        cancelled: &(dyn Fn() -> bool + Sync),
-    ) -> Option<StraightLooks> {
-        let tracer = EyeTracer {
-            scene: self.scene,
-            fogs: self.tracer.fogs(),
-            starts: self.starts,
-            lamps: self.tracer.lamps(),
-            surfaces: &SurfaceMap::empty(),
-            beyond: false,
-            shown: None,
-            is_apart: false,
-        };
-        StraightLooks::new(&self.straight(1), &tracer, instants, cancelled)
     }
 
     /// Learns where light paths are needed at all instants.

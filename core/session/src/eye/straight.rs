@@ -130,15 +130,12 @@ impl Straight<'_> {
             .round()
             .clamp(1.0, MOST_PLACES) as u32;
         let mut random = Random::new([self.seed, pixel, segment.signature as u32, KEY]);
-        let mut sum = Vec3::ZERO;
-        if self.scene.lights.len() <= LAMPS {
-            for lamp in 0..self.scene.lights.len() {
-                sum += self.of_lamp(&piece, lamp, places, &self.shifts(&mut random, (look, looks)));
-            }
-            return sum;
+        let mut shifts = || self.shifts(&mut random, (look, looks));
+        if self.scene.lights.len() > LAMPS {
+            return self.of_many(&piece, LAMPS as u32 * places, &shifts());
         }
-        let shifts = self.shifts(&mut random, (look, looks));
-        self.of_many(&piece, LAMPS as u32 * places, &shifts)
+        let lamps = 0..self.scene.lights.len();
+        lamps.map(|lamp| self.of_lamp(&piece, lamp, places, &shifts())).sum()
     }
 
     /// Of lamps that are drawn, each with its places.

@@ -69,26 +69,15 @@ impl Renderer<'_> {
         times.plan = start.elapsed().as_secs_f64() + std::mem::take(&mut self.pilot);
 
         let (beams, surfaces) = self.built(index, kernel, record, !plans.is_empty(), &mut times);
-        let tracer = EyeTracer {
-            scene: self.scene,
-            fogs: self.tracer.fogs(),
-            starts: self.starts,
-            lamps: self.tracer.lamps(),
-            surfaces: &surfaces,
-            beyond: self.settings.beyond,
-            shown: Some(&self.small),
-            is_apart: false,
-        };
         let view = View {
             scene: self.scene,
             fogs: self.tracer.fogs(),
-            tracer,
+            tracer: self.eye(&surfaces),
             beams: &beams,
             seed: self.settings.seed,
             pass: index,
             plans,
             straight: self.settings.shadow_rays.then(|| self.straight(index)),
-            beside: &self.beside,
             looks: self.looks.as_ref(),
             wants_rest: self.wants_rest(),
             spectra: (has_spectra && self.settings.first_apart).then(|| self.grids.look_up(0)),
@@ -116,6 +105,22 @@ impl Renderer<'_> {
         let (record, seconds) = self.trace(PLAIN_SEQUENCE, index, plain_photons, Record::Beams, cancelled)?;
         times.trace += seconds;
         Some((record, fields))
+    }
+
+    /// Eye paths.
+    ///
+    /// - `surfaces`: light that they see there.
+    pub(super) fn eye<'s>(&'s self, surfaces: &'s SurfaceMap) -> EyeTracer<'s> {
+        EyeTracer {
+            scene: self.scene,
+            fogs: self.tracer.fogs(),
+            starts: self.starts,
+            lamps: self.tracer.lamps(),
+            surfaces,
+            beyond: self.settings.beyond,
+            shown: Some(&self.small),
+            is_apart: false,
+        }
     }
 
     /// Shadow rays of a pass.
@@ -146,19 +151,18 @@ impl Renderer<'_> {
         let split = self.split.unwrap_or(Split::TOGETHER);
         let by_kind = adaptive && self.split.is_some();
         let share = if by_kind && is_planned { FOCUSED_SHARE } else { 1.0 };
-        let is_apart = by_kind || self.settings.shadow_rays;
-        // In each layer: all other light, and focused light.
+        let wider = if self.settings.shadow_rays { SCATTERED_SHARE } else { 1.0 };
+        // In each layer: all other light, and focused light where its kernel is another.
         let mut beams = vec![[(); 2].map(|()| vec![Vec::new(); self.scene.region_count()]); split.count()];
         let mut next_to_lamps = vec![Vec::new(); self.scene.region_count()];
         for PathBeam { medium, kind, near, beam } in record.beams.drain(..) {
             if self.settings.shadow_rays && kind == Kind::Straight {
                 next_to_lamps[medium as usize].extend(first_part(beam, near));
             } else {
-                let is_focused = is_apart && kind == Kind::Focused;
+                let is_focused = share != wider && kind == Kind::Focused;
                 beams[split.of(kind)][usize::from(is_focused)][medium as usize].push(beam);
             }
         }
-        let wider = if self.settings.shadow_rays { SCATTERED_SHARE } else { 1.0 };
         let build = |(layer, [others, focused]): (usize, [Vec<Vec<Beam>>; 2])| {
             let plain = kernel(layer);
             [(others, scaled(plain, wider)), (focused, scaled(plain, share))].map(|(beams, kernel)| {

@@ -2,11 +2,12 @@
 //!
 //! Straight light is smooth nearly everywhere, and has its noise in few pixels: beside lamps, where it goes as one over the distance, and where the
 //! borders of beams and shadows pass through a pixel. With variance v a look, n looks leave v/n: of as many looks in all, the sum is least for n in
-//! proportion to the root of v.
+//! proportion to the root of v. Where a lamp is so small that four looks may miss it, pixels beside it have a number of their own.
 
 use super::Straight;
 use crate::color::luminance;
 use crate::eye::EyeTracer;
+use crate::lamps::beside::BesideLamps;
 use crate::random::Random;
 use rayon::prelude::*;
 
@@ -37,6 +38,7 @@ pub(crate) struct StraightLooks {
     across: u32,
     /// Of the pixels of each block, row by row.
     looks: Vec<u32>,
+    beside: BesideLamps,
 }
 
 impl StraightLooks {
@@ -60,24 +62,25 @@ impl StraightLooks {
                 (from + ((to - from) as f32 * random.uniform()) as u32).min(to - 1)
             };
             let pixel = [place(block % across, width), place(block / across, height)];
-            (!cancelled()).then(|| tried(straight, tracer, pixel))
+            (!cancelled()).then(|| mean_and_variance(straight, tracer, pixel))
         };
         let tried: Option<Vec<[f32; 2]>> = (0..across * down).into_par_iter().map(tried).collect();
         let tried = tried?;
         let mean = tried.iter().map(|[mean, _]| mean).sum::<f32>() / tried.len() as f32;
         let variances: Vec<f32> = tried.iter().map(|[_, variance]| *variance).collect();
         let looks = shared_out(&around(&variances, across as usize), SMOOTH * mean);
-        Some(Self { side, across, looks })
+        Some(Self { side, across, looks, beside: BesideLamps::new(straight.scene) })
     }
 
     /// Those of pixel (x, y).
     pub(crate) fn at(&self, x: u32, y: u32) -> u32 {
-        self.looks[(y / self.side * self.across + x / self.side) as usize]
+        let tried = self.looks[(y / self.side * self.across + x / self.side) as usize];
+        self.beside.looks([x, y]).map_or(tried, |beside| beside.max(tried))
     }
 }
 
 /// Mean and variance of the looks through a pixel, each at places of its own.
-fn tried(straight: &Straight, tracer: &EyeTracer, [x, y]: [u32; 2]) -> [f32; 2] {
+fn mean_and_variance(straight: &Straight, tracer: &EyeTracer, [x, y]: [u32; 2]) -> [f32; 2] {
     let pixel = y * straight.scene.camera.width + x;
     let (mut pieces, mut knots) = (Vec::new(), Vec::new());
     let (mut sum, mut squares) = (0.0, 0.0);
