@@ -10,7 +10,7 @@ use crate::lamps::{Drawn, LampTree, MOST_ASKED, Stretch};
 use crate::random::{Random, spread};
 use crate::scene::media;
 use crate::scene::passage::{Looks, passage};
-use crate::scene::{MediumDensity, Scene};
+use crate::scene::{MediumDensity, Scene, SceneMedium};
 use covbeam::{Column, EyeRay, Knot, Medium};
 use glam::Vec3;
 use places::{Angles, Places, Seen};
@@ -49,7 +49,7 @@ const KEY: u32 = 0x57a1;
 /// Shadow rays of a piece of an eye path, alone in its pixel, or what costs as much.
 pub(crate) fn rays_of_piece(scene: &Scene, segment: &EyeSegment) -> u32 {
     let all = scene.lights.iter().filter(|light| light.is_straight()).take(LAMPS + 1).count();
-    let places = (cost_of_ray(scene, segment) * places_on(scene, segment)) as u32;
+    let places = (cost_in(scene.medium_of(segment.medium)) * places_on(scene, segment)) as u32;
     if all > LAMPS { DRAWN * places * LAMPS as u32 } else { places * all as u32 }
 }
 
@@ -61,12 +61,12 @@ pub(crate) fn rays_of_surface(lamps: &LampTree) -> u32 {
 }
 
 fn places_on(scene: &Scene, segment: &EyeSegment) -> f32 {
-    if segment.is_first() { PLACES / cost_of_ray(scene, segment).sqrt() } else { PLACES_BEHIND }
+    if segment.is_first() { PLACES / cost_in(scene.medium_of(segment.medium)).sqrt() } else { PLACES_BEHIND }
 }
 
 /// What a shadow ray costs over one in even fog: in voxels it walks through half of the box, about.
-fn cost_of_ray(scene: &Scene, segment: &EyeSegment) -> f32 {
-    match &scene.medium_of(segment.medium).density {
+fn cost_in(medium: &SceneMedium) -> f32 {
+    match &medium.density {
         MediumDensity::Grid(volume) => {
             let across = volume.layout.cells.iter().sum::<u32>() as f32 / 3.0;
             1.0 + VOXEL * 0.5 * across

@@ -9,6 +9,16 @@ import numpy as np
 #: What makes 3D noise fill -1 to 1.
 _SCALE = 0.982
 
+#: The directions of its gradients, by their number: of x, y and z.
+_GRADIENTS = np.array(
+    [
+        [1, -1, 1, -1, 1, -1, 1, -1, 0, 0, 0, 0, 1, 0, -1, 0],
+        [1, 1, -1, -1, 0, 0, 0, 0, 1, -1, 1, -1, 1, -1, 1, -1],
+        [0, 0, 0, 0, 1, 1, -1, -1, 1, 1, -1, -1, 0, 1, 0, -1],
+    ],
+    np.float32,
+)
+
 #: After so many cells noise begins anew.
 _PERIOD = 1e5
 
@@ -43,27 +53,44 @@ def hashed(x, y):
 
 def perlin(places):
     """Noise between -1 and 1 at places (n, 3): (n,). It repeats, as Blender's does; 0 where there is no number."""
-    far = 0.5 * (np.abs(places) >= 10 * _PERIOD)
-    places = np.nan_to_num(np.fmod(np.where(np.isfinite(places), places, np.nan), _PERIOD) + far)
-    return np.concatenate([_perlin(places[i : i + _SLICE]) for i in range(0, len(places), _SLICE)])
+    if not np.abs(places).max(initial=0.0) < _PERIOD:
+        far = 0.5 * (np.abs(places) >= 10 * _PERIOD)
+        places = np.nan_to_num(np.fmod(np.where(np.isfinite(places), places, np.nan), _PERIOD) + far)
+    return np.concatenate([_perlin(places[i : i + _SLICE].T) for i in range(0, len(places), _SLICE)])
 
 
 def _perlin(places):
-    low = np.floor(places)
-    rest = places - low
-    x, y, z = rest.T
-    smooth = (rest**3 * (rest * (6 * rest - 15) + 10)).T
-    shares = [(1 - of, of) for of in smooth]
-    cell = low.astype(np.int64).astype(np.uint32).T
+    low = np.floor(places, order="C")
+    rest = np.subtract(places, low, order="C").astype(np.float32)
+    shares = [(1 - of, of) for of in rest * rest * rest * (rest * (6 * rest - 15) + 10)]
+    steps = [(of, of - 1) for of in rest]
+    at, (x, y, z) = _gradients(low.astype(np.int64))
     total = 0
-    for corner in np.ndindex(2, 2, 2):
-        weight = shares[0][corner[0]] * shares[1][corner[1]] * shares[2][corner[2]]
-        h = hash_words([cell[k] + np.uint32(corner[k]) for k in range(3)]) & np.uint32(15)
-        dx, dy, dz = x - corner[0], y - corner[1], z - corner[2]
-        u = np.where(h < 8, dx, dy)
-        v = np.where(h < 4, dy, np.where((h == 12) | (h == 14), dx, dz))
-        total = total + weight * (np.where(h & 1, -u, u) + np.where(h & 2, -v, v))
+    for i, j, k in np.ndindex(2, 2, 2):
+        corner = at(i, j, k)
+        along = x[corner] * steps[0][i] + y[corner] * steps[1][j] + z[corner] * steps[2][k]
+        total = total + shares[0][i] * shares[1][j] * shares[2][k] * along
     return _SCALE * total
+
+
+def _gradients(cells):
+    """Where those of the corners i, j, k (0 or 1 each) of cells (3, n) are in a table, and its columns of x, y and z."""
+    first = cells.min(axis=1, keepdims=True)
+    inside = cells - first
+    size = inside.max(axis=1) + 2
+    if size.prod() <= inside.shape[1]:
+        # Many places in few cells: each point of the lattice once.
+        index = np.ravel_multi_index(inside, size)
+        table = _hash(*np.ix_(*(np.arange(of, of + count) for of, count in zip(first[:, 0], size)))).ravel()
+        return lambda i, j, k: index + ((i * size[1] + j) * size[2] + k), _GRADIENTS[:, table]
+    count = inside.shape[1]
+    table = np.concatenate([_hash(*(of + up for of, up in zip(cells, corner))) for corner in np.ndindex(2, 2, 2)])
+    return lambda i, j, k: slice((4 * i + 2 * j + k) * count, (4 * i + 2 * j + k + 1) * count), _GRADIENTS[:, table]
+
+
+def _hash(x, y, z):
+    """A number from 0 to 15 at points of the lattice."""
+    return hash_words([of.astype(np.uint32) for of in (x, y, z)]) & np.uint32(15)
 
 
 def fractal(places, detail, roughness, lacunarity, normalize):

@@ -4,14 +4,15 @@
 //! borders of beams and shadows pass through a pixel. With variance v a look, n looks leave v/n: of as many looks in all, the sum is least for n in
 //! proportion to the root of v. Where a lamp is so small that four looks may miss it, pixels beside it have a number of their own.
 
-use super::Straight;
+use super::{Straight, cost_in};
 use crate::color::luminance;
 use crate::eye::EyeTracer;
 use crate::lamps::beside::BesideLamps;
 use crate::random::Random;
 use rayon::prelude::*;
 
-/// Pixels that are tried, at most, of all instants: of larger pictures one in each block of pixels.
+/// Pixels that are tried, at most, of all instants: of larger pictures one in each block of pixels. Fewer by what a shadow ray costs more among
+/// voxels.
 const TRIED: usize = 10_000;
 
 /// Looks through each of them.
@@ -51,9 +52,10 @@ impl StraightLooks {
     ) -> Option<Self> {
         let camera = &straight.scene.camera;
         let (width, height) = (camera.width, camera.height);
-        let side = (1..).find(|side| {
-            (width.div_ceil(*side) * height.div_ceil(*side)) as usize <= (TRIED / instants).max(1)
-        })?;
+        let dearest = straight.scene.media.iter().map(cost_in).fold(1.0, f32::max);
+        let most = ((TRIED as f32 / dearest) as usize / instants).max(1);
+        let side = (1..)
+            .find(|side| (width.div_ceil(*side) * height.div_ceil(*side)) as usize <= most)?;
         let (across, down) = (width.div_ceil(side), height.div_ceil(side));
         let tried = |block: u32| {
             let mut random = Random::new([straight.seed, block, 0, BLOCK_KEY]);
