@@ -15,8 +15,9 @@ DISPLAY_SHARE = 0.1
 #: Seconds between texts in the status bar while a pass runs.
 STATUS_INTERVAL = 0.25
 
-#: With a time limit, the first pass has this share of the light paths: it tells how many of them a pass has time for.
-TRIAL = 1 / 16
+#: With a time limit, the first pass has this share of the light paths, and no fewer than TRIAL_PATHS, which take no longer than the eye rays of a
+#: pass: it tells how many of them a pass has time for.
+TRIAL, TRIAL_PATHS = 1 / 16, 5000
 
 #: Share of the time that one pass takes at most, with a time limit; but light paths may take as long as all else in a pass does: where that takes
 #: longer, fewer paths would save next to nothing.
@@ -65,8 +66,9 @@ class Passes:
     def _try_out(self):
         """Finds out what a pass and a picture cost, and gives passes as many light paths as there is time for."""
         most = self.session.photons
-        trial = max(int(TRIAL * most), 1)
-        self.session.restart(trial)
+        trial = max(int(TRIAL * most), min(TRIAL_PATHS, most))
+        if trial < most:
+            self.session.restart(trial)
         before, pairs = self.session.times, self.session.pairs
         self._render_pass()
         spent = {name: seconds - before[name] for name, seconds in self.session.times.items()}

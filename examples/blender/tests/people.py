@@ -257,7 +257,8 @@ def figurine(scene):
     mesh("cube", (0, 0, 1.5), (3, 2, 1.5), haze(0.1))
     glass = material("BsdfGlass", Roughness=0.0, IOR=1.5)
     monkey = mesh("monkey", (0, 0, 1), material=glass, size=1.5)
-    monkey.modifiers.new("Subdivision", "SUBSURF").render_levels = 2
+    finer = monkey.modifiers.new("Subdivision", "SUBSURF")
+    finer.levels = finer.render_levels = 2
     monkey.data.shade_smooth()
     for x, y in ((-1.5, -0.5), (1.5, -0.5), (-1.5, 1), (1.5, 1)):
         mesh("cylinder", (x, y, 1), material=principled(0.3, 0.3, 0.35), radius=0.1, depth=2)

@@ -12,8 +12,8 @@ use crate::random::Random;
 use rayon::prelude::*;
 
 /// Pixels that are tried, at most, of all instants: of larger pictures one in each block of pixels. Fewer by what a shadow ray costs more among
-/// voxels.
-const TRIED: usize = 10_000;
+/// voxels. With 10,000 leaves, slats and sixty spots have the same error after as many passes, half a second later.
+const TRIED: usize = 2_500;
 
 /// Looks through each of them.
 const TRIALS: u32 = 4;
@@ -204,7 +204,7 @@ mod tests {
         let dark = looks(&lit(vec![spot([0.0, 1.0, -20.0], [0.0, 1.0, -40.0], 50.0, [4.0, 5.0])], [48, 32]));
         assert!(dark.looks.iter().all(|looks| *looks == 1));
         let large = looks(&lit(vec![spot([0.0, 4.0, 0.0], [0.0, 0.0, 0.0], 50.0, [20.0, 40.0])], [403, 201]));
-        assert!(large.looks.len() <= TRIED && large.side == 3);
+        assert!(large.looks.len() <= TRIED && large.side == 6);
         assert!((0..201).all(|y| (0..403).all(|x| large.at(x, y) >= 1)));
     }
 
