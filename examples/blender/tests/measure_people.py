@@ -14,8 +14,9 @@ The error of a picture is the mean of (picture - a)(picture - b) over that of th
 are two long renders by others with seeds of their own, which share no noise with it: what they have between them falls out. Where Cycles finds
 next to none of the light they are plain beams, else Cycles'. Also that of the worst of 4 x 4 blocks.
 
-Prints a line a scene and time: the errors, and covbeam's over the least of the others. Writes NAME.png: covbeam, Cycles, OIDN, plain at the last of the
-times, and the reference. Seconds are of CPU, of all threads; reading the scene is in them. For Blender 5.0 and newer.
+Prints a line a scene and time: the errors, in brackets those of the worst block and the seconds of CPU, of all threads, reading the scene in them; and
+covbeam's over the least of the others. Writes them to people.md, and NAME.png: covbeam, Cycles, OIDN, plain at the last of the times, and the reference.
+For Blender 5.0 and newer.
 """
 
 import argparse
@@ -119,6 +120,19 @@ def errors(picture, references):
     return product.mean() / weight.mean(), (cut[0] / cut[1]).max()
 
 
+def row(name, cpu, found):
+    """A line of the table: of a scene, seconds of CPU and, by method, errors of the whole and of the worst block, and seconds spent."""
+    least = min(found[method][0] for method in METHODS[1:])
+    cells = [f"{found[method][0]:.1e} ({found[method][1]:.0e}; {found[method][2]:.1f} s)" for method in METHODS]
+    return f"| {name} | {cpu:g} | {' | '.join(cells)} | {found['covbeam'][0] / max(least, 1e-12):.2f} |"
+
+
+def table(rows):
+    """The page's table."""
+    head = f"| scene | CPU-s | {' | '.join(METHODS)} | covbeam over the least of the others |"
+    return "\n".join([head, "|---" * (3 + len(METHODS)) + "|", *rows, ""])
+
+
 def measure(name, width, times, reference, folder):
     """Renders a scene and prints what there is to say."""
     scene = make(name, width)
@@ -126,7 +140,7 @@ def measure(name, width, times, reference, folder):
     passes.use_pass_volume_direct = passes.use_pass_volume_indirect = True
     by = "plain" if PEOPLE[name].focuses else "Cycles"
     references = np.array([timed(by, scene, reference, seed)[0] for seed in (101, 102)])
-    shown = []
+    shown, rows = [], []
     for cpu in times:
         found = {}
         for method in METHODS:
@@ -134,13 +148,13 @@ def measure(name, width, times, reference, folder):
             each = np.array([errors(picture, references) for picture, _ in pictures])
             found[method] = *each.mean(axis=0), np.mean([spent for _, spent in pictures])
             shown.append(pictures[0][0])
-        least = min(found[method][0] for method in METHODS[1:])
-        line = ", ".join(f"{method} {whole:.2e} (worst {worst:.1e}; {spent:.1f} s)" for method, (whole, worst, spent) in found.items())
-        print(f"{name:10} {cpu:3g} s: {line}: {found['covbeam'][0] / max(least, 1e-12):.3f} of the best other", flush=True)
+        rows.append(row(name, cpu, found))
+        print(rows[-1], flush=True)
     mean = references.mean(axis=0)
     top = np.percentile(mean, 99)
-    row = [np.clip(each / max(top, 1e-12), 0, 1) for each in [*shown[-len(METHODS) :], mean]]
-    show(folder / name, np.kron(np.concatenate(row, axis=1), np.ones((2, 2, 1))))
+    side_by_side = [np.clip(each / max(top, 1e-12), 0, 1) for each in [*shown[-len(METHODS) :], mean]]
+    show(folder / name, np.kron(np.concatenate(side_by_side, axis=1), np.ones((2, 2, 1))))
+    return rows
 
 
 def main(words):
@@ -154,8 +168,10 @@ def main(words):
     arguments = parser.parse_args(words)
     arguments.folder.mkdir(parents=True, exist_ok=True)
     addon.register()
+    rows = []
     for name in arguments.only:
-        measure(name, arguments.width, arguments.seconds, arguments.reference, arguments.folder)
+        rows += measure(name, arguments.width, arguments.seconds, arguments.reference, arguments.folder)
+        (arguments.folder / "people.md").write_text(table(rows))
 
 
 if __name__ == "__main__":
