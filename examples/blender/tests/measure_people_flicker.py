@@ -3,8 +3,8 @@
 
     python measure_people_flicker.py [--only slats leaves] [--frames 24] [--width 128] [--seconds 4]
 
-Scenes of people.py whose lights swing around the middle of the scene, half a degree a frame. Each frame is rendered with two seeds of its own. What the
-changes from frame to frame of the two have in common is the light's; half of the mean square of their difference, over the mean squared brightness, is
+Scenes of people.py whose lights swing around the middle of the scene, half a degree a frame. Each frame is rendered with two seeds of its own. What the changes
+from frame to frame of the two have in common is the light's; half of the mean square of their difference, over the mean squared brightness, is
 the flicker. Also that of the picture's fourth by fourth parts, averaged before: flicker of large areas is seen best.
 
 Seconds are of CPU, of all threads, a frame; reading the scene is in them. For Blender 5.0 and newer.
@@ -59,6 +59,11 @@ def flicker(first, second):
     return 0.5 * (change**2).mean() / (first * second).mean()
 
 
+def _grey(method, name, arguments, frame, seed):
+    """The mean of a frame's channels."""
+    return timed(method, _frame(name, arguments.width, frame), arguments.seconds, 2 * frame + seed)[0].mean(axis=-1)
+
+
 def main(words):
     """Runs the measurement."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -71,12 +76,7 @@ def main(words):
     for name in arguments.only:
         found = {}
         for method in METHODS:
-            renders = np.array(
-                [
-                    [timed(method, _frame(name, arguments.width, frame), arguments.seconds, 2 * frame + seed)[0].mean(axis=-1) for frame in range(arguments.frames)]
-                    for seed in (1, 2)
-                ]
-            )
+            renders = np.array([[_grey(method, name, arguments, frame, seed) for frame in range(arguments.frames)] for seed in (1, 2)])
             found[method] = flicker(*renders), flicker(*map(_parts, renders))
         told = ", ".join(f"{method} {pixels:.2e} (parts {parts:.1e})" for method, (pixels, parts) in found.items())
         ratios = np.divide(found["covbeam"], found["OIDN"])
