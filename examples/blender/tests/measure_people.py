@@ -109,15 +109,20 @@ def timed(method, scene, cpu, seed):
     return _RENDER[method](scene, seconds, seed), fog_light.cpu_seconds() - before
 
 
+def parts(pictures):
+    """Means of BLOCKS x BLOCKS parts of pictures (..., h, w); what is left at the borders is left out."""
+    height, width = (size // BLOCKS for size in pictures.shape[-2:])
+    cut = pictures[..., : height * BLOCKS, : width * BLOCKS]
+    return cut.reshape(*cut.shape[:-2], BLOCKS, height, BLOCKS, width).mean(axis=(-3, -1))
+
+
 def errors(picture, references):
     """Relative squared errors of a picture: of all of it, and of the worst block."""
     a, b = references
     mean = 0.5 * (a + b)
     product = ((picture - a) * (picture - b)).mean(axis=-1)
     weight = (a * b).mean(axis=-1) + (0.1 * mean.mean()) ** 2
-    height, width = (size // BLOCKS for size in product.shape)
-    cut = [each[: height * BLOCKS, : width * BLOCKS].reshape(BLOCKS, height, BLOCKS, width).mean(axis=(1, 3)) for each in (product, weight)]
-    return product.mean() / weight.mean(), (cut[0] / cut[1]).max()
+    return product.mean() / weight.mean(), (parts(product) / parts(weight)).max()
 
 
 def row(name, cpu, found):
@@ -136,8 +141,6 @@ def table(rows):
 def measure(name, width, times, reference, folder):
     """Renders a scene and prints what there is to say."""
     scene = make(name, width)
-    passes = scene.view_layers[0].cycles
-    passes.use_pass_volume_direct = passes.use_pass_volume_indirect = True
     by = "plain" if PEOPLE[name].focuses else "Cycles"
     references = np.array([timed(by, scene, reference, seed)[0] for seed in (101, 102)])
     shown, rows = [], []

@@ -3,9 +3,9 @@
 
     python measure_people_flicker.py [--only slats leaves] [--frames 24] [--width 128] [--seconds 4]
 
-Scenes of people.py whose lights swing around the middle of the scene, half a degree a frame. Each frame is rendered with two seeds of its own. What the changes
-from frame to frame of the two have in common is the light's; half of the mean square of their difference, over the mean squared brightness, is
-the flicker. Also that of the picture's fourth by fourth parts, averaged before: flicker of large areas is seen best.
+Scenes of people.py whose lights swing around the middle of the scene, half a degree a frame. Each frame is rendered with two seeds of its own. What the
+changes from frame to frame of the two have in common is the light's; half of the mean square of their difference, over the mean squared brightness, is the
+flicker. Also that of the picture's fourth by fourth parts, averaged before: flicker of large areas is seen best.
 
 Seconds are of CPU, of all threads, a frame; reading the scene is in them. For Blender 5.0 and newer.
 """
@@ -22,7 +22,7 @@ from mathutils import Matrix
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from measure_people import BLOCKS, timed
+from measure_people import parts, timed
 from people import PEOPLE, make
 
 import addon
@@ -37,20 +37,11 @@ STEP = radians(0.5)
 def _frame(name, width, frame):
     """The scene of a frame."""
     scene = make(name, width)
-    passes = scene.view_layers[0].cycles
-    passes.use_pass_volume_direct = passes.use_pass_volume_indirect = True
     turned = Matrix.Rotation(frame * STEP, 4, "Z")
     for thing in scene.objects:
         if thing.type == "LIGHT":
             thing.matrix_world = turned @ thing.matrix_world
     return scene
-
-
-def _parts(pictures):
-    """Means of BLOCKS x BLOCKS parts of pictures (n, h, w)."""
-    height, width = (size // BLOCKS for size in pictures.shape[1:])
-    cut = pictures[:, : height * BLOCKS, : width * BLOCKS]
-    return cut.reshape(-1, BLOCKS, height, BLOCKS, width).mean(axis=(2, 4))
 
 
 def flicker(first, second):
@@ -77,8 +68,8 @@ def main(words):
         found = {}
         for method in METHODS:
             renders = np.array([[_grey(method, name, arguments, frame, seed) for frame in range(arguments.frames)] for seed in (1, 2)])
-            found[method] = flicker(*renders), flicker(*map(_parts, renders))
-        told = ", ".join(f"{method} {pixels:.2e} (parts {parts:.1e})" for method, (pixels, parts) in found.items())
+            found[method] = flicker(*renders), flicker(*parts(renders))
+        told = ", ".join(f"{method} {pixels:.2e} (parts {large:.1e})" for method, (pixels, large) in found.items())
         ratios = np.divide(found["covbeam"], found["OIDN"])
         print(f"{name:10} {arguments.frames} frames of {arguments.seconds:g} s: {told}: {ratios[0]:.2f} ({ratios[1]:.2f})", flush=True)
 

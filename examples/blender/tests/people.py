@@ -22,8 +22,10 @@ class Person:
 
 
 def make(name, width):
-    """The Blender scene of a name, `width` x 9/16 of it pixels, all orders of scattering in its fog."""
+    """The Blender scene of a name, `width` x 9/16 of it pixels, all orders of scattering in its fog; Cycles keeps its fog's light in passes."""
     scene = factory(width)
+    passes = scene.view_layers[0].cycles
+    passes.use_pass_volume_direct = passes.use_pass_volume_indirect = True
     scene.cycles.volume_bounces = scene.cycles.max_bounces = 12
     # Filter Glossy takes a hundredth of the light that fog gets from glossy floors.
     scene.cycles.blur_glossy = 0
