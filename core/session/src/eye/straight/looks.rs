@@ -54,8 +54,7 @@ impl StraightLooks {
         let (width, height) = (camera.width, camera.height);
         let dearest = straight.scene.media.iter().map(cost_in).fold(1.0, f32::max);
         let most = ((TRIED as f32 / dearest) as usize / instants).max(1);
-        let side = (1..)
-            .find(|side| (width.div_ceil(*side) * height.div_ceil(*side)) as usize <= most)?;
+        let side = (1..).find(|side| (width.div_ceil(*side) * height.div_ceil(*side)) as usize <= most)?;
         let (across, down) = (width.div_ceil(side), height.div_ceil(side));
         let tried = |block: u32| {
             let mut random = Random::new([straight.seed, block, 0, BLOCK_KEY]);
