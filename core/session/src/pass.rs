@@ -185,7 +185,7 @@ impl<'a> Renderer<'a> {
     fn decide_paths(&mut self) {
         self.paths = self.settings.photons;
         if let Some(spread) = &self.spread {
-            self.paths = spread.paths(self.settings.photons);
+            self.paths = spread.paths(self.settings.photons, &self.scene.camera);
             let share = spread.share_of_branches(self.paths, &self.scene.camera);
             self.tracer.scale_branches(share);
         }

@@ -59,41 +59,38 @@ impl Guidance {
     pub(crate) fn importance(&self) -> Importance<'_> {
         Importance::new(self.layout, &self.cells).expect(FITS)
     }
+}
 
-    /// What a watt is worth that starts along a ray, having bounced so often.
-    pub(crate) fn of_ray(
-        &self,
-        scene: &Scene,
-        fogs: &[Medium],
-        origin: Vec3,
-        direction: Vec3,
-        interior: &Interior,
-        bounces: u32,
-    ) -> f32 {
-        let importance = self.importance();
-        let (mut origin, mut interior) = (origin, *interior);
-        let [mut worth, mut left] = [0.0, 1.0];
-        let may_bounce = scene.allows(bounces + 1);
-        for segment in 1..=MOST_BOUNDS {
-            let hit = scene.intersect_flat(origin, direction, f32::INFINITY);
-            let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
-            if let Some(id) = interior.medium(scene) {
-                let found = importance.of_segment(&fogs[id as usize], origin, direction, reach);
-                worth += left * (found.beam + if may_bounce { found.scattered } else { 0.0 });
-                left *= found.transmittance;
-            }
-            let Some(hit) = hit else { break };
-            let most = if scene.material(&hit).is_clear() { MOST_BOUNDS } else { MOST_SEGMENTS };
-            let beyond =
-                (segment < most).then(|| clear(scene, &hit, direction, &interior, Rays::NONE)).flatten();
-            let Some(beyond) = beyond else {
-                worth += left * of_arrival(scene, &importance, &hit, may_bounce);
-                break;
-            };
-            (origin, interior) = (hit.leave(direction), beyond);
+/// What a watt is worth that starts along a ray, having bounced so often.
+pub(crate) fn of_ray(
+    scene: &Scene,
+    fogs: &[Medium],
+    importance: &Importance,
+    (origin, direction): (Vec3, Vec3),
+    interior: &Interior,
+    bounces: u32,
+) -> f32 {
+    let (mut origin, mut interior) = (origin, *interior);
+    let [mut worth, mut left] = [0.0, 1.0];
+    let may_bounce = scene.allows(bounces + 1);
+    for segment in 1..=MOST_BOUNDS {
+        let hit = scene.intersect_flat(origin, direction, f32::INFINITY);
+        let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
+        if let Some(id) = interior.medium(scene) {
+            let found = importance.of_segment(&fogs[id as usize], origin, direction, reach);
+            worth += left * (found.beam + if may_bounce { found.scattered } else { 0.0 });
+            left *= found.transmittance;
         }
-        worth
+        let Some(hit) = hit else { break };
+        let most = if scene.material(&hit).is_clear() { MOST_BOUNDS } else { MOST_SEGMENTS };
+        let beyond = (segment < most).then(|| clear(scene, &hit, direction, &interior, Rays::NONE)).flatten();
+        let Some(beyond) = beyond else {
+            worth += left * of_arrival(scene, importance, &hit, may_bounce);
+            break;
+        };
+        (origin, interior) = (hit.leave(direction), beyond);
     }
+    worth
 }
 
 /// How each lamp emits.

@@ -12,7 +12,7 @@ mod glass;
 use crate::color::mean;
 use crate::paths::emission::{Lights, choose_light};
 use crate::paths::events::Ways;
-use crate::paths::guidance::Guidance;
+use crate::paths::guidance::{Guidance, of_ray};
 use crate::paths::photon::Photon;
 use crate::paths::record::{PhotonRecord, Record, add};
 use crate::paths::transport::Transport;
@@ -175,7 +175,8 @@ impl Tree<'_, '_> {
         if chance < 1.0 {
             let Photon { origin, direction, ref interior, bounces, .. } = *photon;
             let Transport { scene, ref fogs, .. } = *self.transport;
-            let worth = self.guidance.of_ray(scene, fogs, origin, direction, interior, bounces);
+            let worth =
+                of_ray(scene, fogs, &self.guidance.importance(), (origin, direction), interior, bounces);
             chance = chance.max(power * worth / self.unit(depth));
         }
         if chance >= 1.0 || photon.survive(chance, sampler.uniform(), out).is_some() {

@@ -2,8 +2,9 @@
 
 use super::instant::Poll;
 use crate::color::mean;
-use crate::paths::guidance::{LampEmission, of_diffuse};
-use crate::random::{Emission, PathSampler, Random};
+use crate::light::cosine_direction;
+use crate::paths::guidance::{LampEmission, of_diffuse, of_ray};
+use crate::random::{Emission, PathSampler, Random, spread};
 use crate::scene::geometry::MOST_BOUNDS;
 use crate::scene::media;
 use crate::scene::optics::{Boundary, Interior, facing_normal, reflect};
@@ -22,6 +23,11 @@ const MOST_ACROSS: f32 = 24.0;
 
 /// Rays through each cell across and down.
 const RAYS_ACROSS: u32 = 2;
+
+/// Directions that a ray's light is looked at in where a surface scatters it. Light on the outside of a wall shares the voxels of what is lit
+/// within. Error after 8 passes by voxels alone, by rays alone and by the mean of both: in a hall 1, .55 and .67; under leaves 1, 2.9 and 1.0; of
+/// cards 1, 2.5 and .96; among posts 1, 1.04 and .90.
+const BOUNCES: usize = 4;
 
 /// Mirrors and glass in a row that a ray follows.
 const LONGEST: u32 = 16;
@@ -137,7 +143,7 @@ impl<'a> Lamp<'a> {
             }
             let Some(hit) = hit.filter(|hit| hit.distance < ray.until) else { continue };
             if hit.distance >= ray.dark {
-                worth += self.of_surface(&ray, &hit);
+                worth += self.of_surface(&ray, &hit, random);
             }
             waiting.extend(self.ways(ray, &hit, all, random).into_iter().flatten());
         }
@@ -180,15 +186,34 @@ impl<'a> Lamp<'a> {
     }
 
     /// Of a ray's light that arrives on a surface, what is worth anything where it is scattered diffusely.
-    fn of_surface(&self, ray: &Ray, hit: &Hit) -> f32 {
-        let albedo = match *self.scene.material_at(hit) {
-            Material::Lambert { albedo } => albedo,
-            Material::Lobes(ref lobes) => lobes.diffuse + lobes.translucent,
+    fn of_surface(&self, ray: &Ray, hit: &Hit, random: &mut Random) -> f32 {
+        let [diffuse, translucent] = match *self.scene.material_at(hit) {
+            Material::Lambert { albedo } => [albedo, Vec3::ZERO],
+            Material::Lobes(ref lobes) => [lobes.diffuse, lobes.translucent],
             _ => return 0.0,
         };
-        let may_bounce = self.scene.allows(ray.bounces + 1);
         let here = self.importance.at(hit.position);
-        ray.power * of_diffuse(albedo, &here, ray.is_straight, may_bounce)
+        let seen = of_diffuse(diffuse + translucent, &here, ray.is_straight, false);
+        let normal = facing_normal(hit, ray.direction);
+        let ways = [(normal, diffuse), (-normal, translucent)];
+        let bounced = ways.map(|(side, albedo)| mean(albedo) * self.of_bounce(ray, hit, side, random));
+        ray.power * (seen + bounced.iter().sum::<f32>())
+    }
+
+    /// What a watt is worth that a surface scatters to one side: the mean of what its voxel says, which knows no sides of a wall, and of what a
+    /// few rays say, which may miss what matters.
+    fn of_bounce(&self, ray: &Ray, hit: &Hit, side: Vec3, random: &mut Random) -> f32 {
+        let (bounces, here) = (ray.bounces + 1, self.importance.at(hit.position).scattered);
+        if !self.scene.allows(bounces) || here == 0.0 {
+            return 0.0;
+        }
+        let shift = [random.uniform(), random.uniform()];
+        let of = |index| {
+            let direction = cosine_direction(side, spread(shift, index));
+            let start = (hit.leave(direction), direction);
+            of_ray(self.scene, self.fogs, self.importance, start, &ray.interior, bounces)
+        };
+        0.5 * (here + (0..BOUNCES).map(of).sum::<f32>() / BOUNCES as f32)
     }
 
     /// Straight light that goes on past a surface which casts no shadow of it, or another one than it looks like; None: it does what light does.

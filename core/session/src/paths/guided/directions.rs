@@ -2,6 +2,7 @@
 
 use super::{Branch, LEAST, MOST, Tree};
 use crate::color::mean;
+use crate::paths::guidance::of_ray;
 use crate::paths::photon::Photon;
 use crate::paths::record::{PhotonRecord, Record, add};
 use crate::paths::scattering::Scattering;
@@ -43,9 +44,10 @@ impl Tree<'_, '_> {
         let candidates: SmallVec<[Vec3; 8]> =
             (0..count).map(|index| by.direction(spread(shift, index))).collect();
         let bounces = photon.bounces + 1;
+        let importance = self.guidance.importance();
         let worth = |&direction: &Vec3| {
             let Transport { scene, ref fogs, .. } = *self.transport;
-            self.guidance.of_ray(scene, fogs, by.start(direction), direction, &photon.interior, bounces)
+            of_ray(scene, fogs, &importance, (by.start(direction), direction), &photon.interior, bounces)
         };
         let mut factors: SmallVec<[f32; 8]> = candidates.iter().map(worth).collect();
         let granted = FOR_GRANTED * factors.iter().sum::<f32>() / count as f32;

@@ -2,6 +2,7 @@
 
 use super::{Branch, Tree};
 use crate::color::mean;
+use crate::paths::guidance::of_ray;
 use crate::paths::record::{PhotonRecord, add};
 use crate::paths::transport::Transport;
 use crate::scene::optics::Boundary;
@@ -21,10 +22,11 @@ impl Tree<'_, '_> {
             (1.0 - boundary.reflectance, Some(refracted), refracted, boundary.beyond),
         ];
         let (unit, most) = (self.unit(depth), self.most(hit.position, depth));
+        let importance = self.guidance.importance();
         let mut factors = ways.map(|(share, _, direction, interior)| {
             let Transport { scene, ref fogs, .. } = *self.transport;
             let (origin, bounces) = (hit.leave(direction), photon.bounces + 1);
-            let worth = self.guidance.of_ray(scene, fogs, origin, direction, &interior, bounces);
+            let worth = of_ray(scene, fogs, &importance, (origin, direction), &interior, bounces);
             let power = share * mean(photon.power);
             let excess = (share * photon.power * most).max_element();
             (power * worth / unit).max(excess).clamp(share, 1.0)
