@@ -194,24 +194,26 @@ impl<'a> Lamp<'a> {
         };
         let here = self.importance.at(hit.position);
         let seen = of_diffuse(diffuse + translucent, &here, ray.is_straight, false);
+        if !self.scene.allows(ray.bounces + 1) || here.scattered == 0.0 {
+            return ray.power * seen;
+        }
         let normal = facing_normal(hit, ray.direction);
-        let ways = [(normal, diffuse), (-normal, translucent)];
-        let bounced = ways.map(|(side, albedo)| mean(albedo) * self.of_bounce(ray, hit, side, random));
+        let bounced = [(normal, diffuse), (-normal, translucent)].map(|(side, albedo)| {
+            let shift = [random.uniform(), random.uniform()];
+            // Most surfaces send nothing to one side: no rays are asked there.
+            let is_any = albedo != Vec3::ZERO;
+            if is_any { mean(albedo) * self.of_bounce(ray, hit, side, shift, here.scattered) } else { 0.0 }
+        });
         ray.power * (seen + bounced.iter().sum::<f32>())
     }
 
     /// What a watt is worth that a surface scatters to one side: the mean of what its voxel says, which knows no sides of a wall, and of what a
     /// few rays say, which may miss what matters.
-    fn of_bounce(&self, ray: &Ray, hit: &Hit, side: Vec3, random: &mut Random) -> f32 {
-        let (bounces, here) = (ray.bounces + 1, self.importance.at(hit.position).scattered);
-        if !self.scene.allows(bounces) || here == 0.0 {
-            return 0.0;
-        }
-        let shift = [random.uniform(), random.uniform()];
+    fn of_bounce(&self, ray: &Ray, hit: &Hit, side: Vec3, shift: [f32; 2], here: f32) -> f32 {
         let of = |index| {
             let direction = cosine_direction(side, spread(shift, index));
             let start = (hit.leave(direction), direction);
-            of_ray(self.scene, self.fogs, self.importance, start, &ray.interior, bounces)
+            of_ray(self.scene, self.fogs, self.importance, start, &ray.interior, ray.bounces + 1)
         };
         0.5 * (here + (0..BOUNCES).map(of).sum::<f32>() / BOUNCES as f32)
     }
