@@ -11,7 +11,7 @@ use crate::random::PathSampler;
 use crate::scene::Material;
 use crate::scene::bounces::Bounce;
 use crate::scene::optics::{Boundary, facing_normal};
-use crate::surface::encounter::{Encounter, Lobe, Met};
+use crate::surface::encounter::{Encounter, Lobe, Met, Way};
 use covbeam::Medium;
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
@@ -102,7 +102,7 @@ impl Transport<'_> {
         if record == Record::Connections {
             self.connect_diffuse(photon, hit, normal, out);
         }
-        Ways::Scattered(Scattering::Surface { hit, normal })
+        Ways::Scattered(Scattering::Surface { hit, normal, geometric: normal, lobe: Lobe::Diffuse })
     }
 
     #[inline]
@@ -152,19 +152,27 @@ impl Transport<'_> {
         if is_lit && record == Record::Connections {
             self.connect_lobes(photon, hit, &met, out);
         }
-        let weights = photon.weights() / self.limits.at(hit.position, photon.events);
-        // What is below the limit is no reason to lose light here: what is lost here is what the surface
-        // takes.
-        let weights = weights / weights.max_element().clamp(f32::MIN_POSITIVE, 1.0);
-        let way = met.draw(weights, sampler.uniform(), sampler.uniform_pair());
+        let way = met.draw(self.lobe_weights(photon, hit), sampler.uniform(), sampler.uniform_pair());
         let way = way.filter(|way| is_lit || way.lobe == Lobe::Transparent);
         let Some(way) = way.filter(|way| photon.reception.sends(way.lobe)) else { return lose(photon, out) };
         photon.power = scaled(photon.power, way.factor, &mut out.energy.surfaces);
+        self.take(photon, &way, hit, &met);
+        Ways::One
+    }
+
+    /// Weights by which one way of several is drawn.
+    pub(super) fn lobe_weights(&self, photon: &Photon, hit: &Hit) -> Vec3 {
+        let weights = photon.weights() / self.limits.at(hit.position, photon.events);
+        // What is below the limit is no reason to lose light here: what is lost here is what the surface takes.
+        weights / weights.max_element().clamp(f32::MIN_POSITIVE, 1.0)
+    }
+
+    /// Sends a photon one way on from a surface of lobes.
+    pub(super) fn take(&self, photon: &mut Photon, way: &Way, hit: &Hit, met: &Encounter) {
         if let Some(bounce) = way.lobe.bounce() {
             photon.count(self.scene, bounce, met.is_sharp(way.lobe));
         }
-        photon.take(&way, hit, &met, self.acts(Operator::Curvature));
-        Ways::One
+        photon.take(way, hit, met, self.acts(Operator::Curvature));
     }
 }
 

@@ -8,6 +8,7 @@
 mod collisions;
 mod directions;
 mod glass;
+mod lobes;
 
 use crate::color::mean;
 use crate::paths::emission::{Lights, choose_light};
@@ -150,17 +151,14 @@ impl Tree<'_, '_> {
         let Branch { ref mut photon, ref mut sampler, depth: _ } = branch;
         // Its weight now is what it is to weigh: what it is worth then decides whether it goes on.
         photon.unit = inverse(photon.power);
+        if let Some(lobes) = self.diffuse_lobes(photon, hit) {
+            return self.divide(branch, hit, &lobes, out);
+        }
         match transport.meet(photon, hit, sampler, self.record, out) {
             Ways::Nowhere => {}
             Ways::Straight => self.wait(branch, out),
             Ways::One => self.follow_if_worth_it(branch, out),
-            Ways::Scattered(by) => {
-                if self.is_scattered(photon, by.bounce(), photon.power, out)
-                    && self.keeps_field(photon, sampler)
-                {
-                    self.scatter(&mut branch, &by, out);
-                }
-            }
+            Ways::Scattered(by) => self.scatter_at(&mut branch, &by, out),
             Ways::Glass(boundary) => self.cross(branch, hit, &boundary, out),
         }
     }

@@ -2,6 +2,8 @@
 
 use crate::light::cosine_direction;
 use crate::scene::bounces::Bounce;
+use crate::scene::optics::reflect;
+use crate::surface::encounter::Lobe;
 use covbeam::{LightField, Medium};
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
@@ -21,8 +23,11 @@ pub(super) enum Scattering<'h> {
     /// A diffuse surface.
     Surface {
         hit: &'h Hit,
-        /// Towards the side that the light comes from.
+        /// Towards the side that the light goes on to.
         normal: Vec3,
+        /// The triangle's, to that side: what `normal` sends behind it is mirrored back.
+        geometric: Vec3,
+        lobe: Lobe,
     },
 }
 
@@ -41,7 +46,7 @@ impl Scattering<'_> {
     pub(super) fn bounce(&self) -> Bounce {
         match self {
             Self::Medium { .. } => Bounce::Volume,
-            Self::Surface { .. } => Bounce::Diffuse,
+            Self::Surface { lobe, .. } => lobe.bounce().unwrap_or(Bounce::Diffuse),
         }
     }
 
@@ -61,7 +66,10 @@ impl Scattering<'_> {
     pub(super) fn direction(&self, xi: [f32; 2]) -> Vec3 {
         match *self {
             Self::Medium { fog, along, .. } => fog.sample_direction(along, xi),
-            Self::Surface { normal, .. } => cosine_direction(normal, xi),
+            Self::Surface { normal, geometric, .. } => {
+                let direction = cosine_direction(normal, xi);
+                if direction.dot(geometric) < 0.0 { reflect(direction, geometric) } else { direction }
+            }
         }
     }
 

@@ -43,7 +43,7 @@ pub(crate) struct Encounter<'a> {
     /// Shading normal, turned against the direction.
     pub(crate) normal: Vec3,
     /// The triangle's.
-    geometric: Vec3,
+    pub(crate) geometric: Vec3,
     /// Of the facet that is met; on a smooth surface the shading normal.
     facet: Vec3,
     /// Index on this side over that on the other.
@@ -175,6 +175,11 @@ impl<'a> Encounter<'a> {
     /// - `choice`, `xi`: uniform.
     pub(crate) fn draw(&self, weights: Vec3, choice: f32, xi: [f32; 2]) -> Option<Way> {
         self.draw_of(&Lobe::ALL, weights, choice, xi)
+    }
+
+    /// Like [`Encounter::draw`], of what does not leave diffusely.
+    pub(crate) fn draw_undiffused(&self, weights: Vec3, choice: f32) -> Option<Way> {
+        self.draw_of(&Lobe::SHARP, weights, choice, [0.5; 2])
     }
 
     /// Draws one of the [`Encounter::sharp_ways`] for light that is to be as bright then in its largest channel.
