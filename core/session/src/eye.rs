@@ -20,7 +20,7 @@ use crate::scene::media;
 use crate::scene::optics::{Boundary, Interior, facing_normal, reflect};
 use crate::scene::passage::{Looks, clear, passage};
 use crate::scene::{Light, Material, Rays, Scene, SceneMedium};
-use crate::surface::clearance::Clearance;
+use crate::surface::clearance::{Clearance, Ground};
 use crate::surface::encounter::{Encounter, Met};
 use crate::surface::{SurfaceMap, flat_within};
 use covbeam::{Knot, Medium};
@@ -320,13 +320,15 @@ impl EyeTracer<'_> {
         random: &mut Random,
     ) -> ByKind {
         let start = hit.leave(normal);
+        let ground = Ground { scene: self.scene, start, normal };
+        let holds = |way| ground.holds(way);
         let reach = self.surfaces.reach();
         let unbounded = Clearance::of(f32::INFINITY);
         let clear = reach.map_or(unbounded, |[least, most]| {
             let reach = [least, most.min(flat_within(&hit.curvature))];
-            Clearance::new(self.scene, start, normal, reach, random)
+            Clearance::new(&ground, reach, random, || self.surfaces.enough(hit.position, normal, holds))
         });
-        let mut irradiance = self.surfaces.irradiance(hit.position, normal, &hit.curvature, clear);
+        let mut irradiance = self.surfaces.irradiance(hit.position, normal, &hit.curvature, clear, holds);
         let mut asked = self.lamps.on_surface(hit.position, normal, self.shift(random));
         asked.retain(|(lamp, _)| self.scene.falls_on(*lamp, hit, ray));
         irradiance[Kind::Straight as usize] =

@@ -18,6 +18,13 @@ use obvhs::bvh2::Bvh2;
 use photon::hierarchy;
 use std::f32::consts::PI;
 
+/// Photons of light that arrives diffusely that a disk holds near other surfaces, in those of a caustic's disk. Of 0, 1 and 2 the error along a
+/// shed's edges after 8 passes is 1, .64 and .46, that of boxes, stairs and a ball on a floor 1, .71 and .70; with 0 single pixels stand out.
+const ENOUGH: usize = 2;
+
+/// Photons of a disk whose ways are looked at, at most: of more, some stand for those beside them.
+const MOST_LOOKS: usize = 64;
+
 /// How wide the kernels of a pass' surface photons are \[m\].
 #[derive(Clone, Copy, Debug)]
 pub struct Disks {
@@ -70,40 +77,82 @@ impl SurfaceMap {
         (within && !self.photons.is_empty()).then_some([least, diffuse])
     }
 
+    /// Radius of the disk that ends at enough photons of light that arrives diffusely: that many but the last, evenly strewn, say without bias
+    /// how dense they are, wherever that one is. Infinite: there are fewer.
+    ///
+    /// - `holds`: whether the surface does, by the way to the photon.
+    pub(crate) fn enough(&self, point: Vec3, normal: Vec3, holds: impl Fn(Vec3) -> bool) -> f32 {
+        let Some(crowd) = self.disks.crowd else { return 0.0 };
+        let mut ways = Vec::new();
+        self.around(point, normal, |photon, radius| {
+            let way = photon.position - point;
+            if !photon.caustic && way.length_squared() < radius * radius {
+                ways.push(way);
+            }
+        });
+        ways.sort_unstable_by(|one, other| one.length_squared().total_cmp(&other.length_squared()));
+        let last = ways.iter().take(MOST_LOOKS).filter(|way| holds(**way)).nth(ENOUGH * crowd - 1);
+        last.or(ways.get(MOST_LOOKS)).map_or(f32::INFINITY, |way| way.length())
+    }
+
     /// Irradiance \[W/m²\] at a point of a surface with this normal: 2D Epanechnikov kernel over distances, no wider than the surface is
     /// [`FLAT`]. On a sphere that is as even as on a plane: the part of it within a distance d of a point has the area πd².
     ///
-    /// - `clear`: of diffuse light there.
+    /// - `clear`: of diffuse light there; `holds`: whether the surface holds a photon, by the way to it.
     pub(crate) fn irradiance(
         &self,
         point: Vec3,
         normal: Vec3,
         curvature: &Curvature,
         clear: Clearance,
+        holds: impl Fn(Vec3) -> bool,
     ) -> ByKind {
         let mut sum = ByKind::default();
         let widest = flat_within(curvature);
         let diffuse = widest.min(clear.radius);
+        let mut beside = Vec::new();
+        self.around(point, normal, |photon, radius| {
+            let (kind, widest) =
+                if photon.caustic { (Kind::Focused, widest) } else { (Kind::Scattered, diffuse) };
+            let radius = radius.min(widest);
+            let way = photon.position - point;
+            let q2 = way.length_squared() / (radius * radius);
+            if q2 < 1.0 {
+                let arriving = photon.power * (2.0 * (1.0 - q2) / (PI * radius * radius));
+                if photon.caustic || clear.share == 1.0 {
+                    sum[kind as usize] += arriving;
+                } else {
+                    beside.push((way, arriving));
+                }
+            }
+        });
+        // Neighbours in the hierarchy are so in space.
+        let held = beside
+            .chunks(beside.len().div_ceil(MOST_LOOKS).max(1))
+            .filter(|some| holds(some[some.len() / 2].0))
+            .flatten();
+        sum[Kind::Scattered as usize] += held.map(|(_, arriving)| *arriving).sum::<Vec3>();
+        sum[Kind::Scattered as usize] /= clear.share;
+        sum
+    }
+
+    /// Visits the photons whose disks may reach a point, where they lie on a surface with about this normal, with their radii.
+    #[inline]
+    fn around(&self, point: Vec3, normal: Vec3, mut visit: impl FnMut(&SurfacePhoton, f32)) {
         if self.photons.is_empty() {
-            return sum;
+            return;
         }
         self.hierarchy.point_traverse(point.into(), |hierarchy, node| {
             let leaf = &hierarchy.nodes[node as usize];
             let first = leaf.first_index as usize;
             for &index in &hierarchy.primitive_indices[first..first + leaf.prim_count as usize] {
                 let photon = &self.photons[index as usize];
-                let (kind, widest) =
-                    if photon.caustic { (Kind::Focused, widest) } else { (Kind::Scattered, diffuse) };
-                let radius = self.radii[index as usize].min(widest);
-                let q2 = photon.position.distance_squared(point) / (radius * radius);
-                if q2 < 1.0 && photon.normal.dot(normal) > FLAT {
-                    sum[kind as usize] += photon.power * (2.0 * (1.0 - q2) / (PI * radius * radius));
+                if photon.normal.dot(normal) > FLAT {
+                    visit(photon, self.radii[index as usize]);
                 }
             }
             true
         });
-        sum[Kind::Scattered as usize] /= clear.share;
-        sum
     }
 }
 
@@ -164,7 +213,7 @@ mod tests {
             for index in 0..64 {
                 let mut random = Random::new([index, 1, 0, 0]);
                 let normal = normal_of(&mut random);
-                sum += map.irradiance(ball * normal, normal, &curvature, Clearance::of(radius))
+                sum += map.irradiance(ball * normal, normal, &curvature, Clearance::of(radius), |_| true)
                     [Kind::Scattered as usize]
                     .x
                     / 64.0;
@@ -200,6 +249,7 @@ mod tests {
                     Vec3::Y,
                     &Curvature::default(),
                     Clearance::of(0.0),
+                    |_| true,
                 )
             };
             (-40..40).map(|x| seen(x)[Kind::Focused as usize].x).sum()
@@ -217,7 +267,8 @@ mod tests {
         let mut sum = 0.0;
         for (row, column) in (0..cells).flat_map(|row| (0..cells).map(move |column| (row, column))) {
             let at = Vec3::new(place(row), 0.0, place(column));
-            let seen = map.irradiance(at, Vec3::Y, &Curvature::default(), Clearance::of(f32::INFINITY));
+            let seen =
+                map.irradiance(at, Vec3::Y, &Curvature::default(), Clearance::of(f32::INFINITY), |_| true);
             sum += f64::from(seen[Kind::Focused as usize].x);
         }
         let sum = sum as f32 * (side / cells as f32).powi(2);

@@ -35,6 +35,16 @@ const MOST_SIDES: u32 = 4;
 /// Turns from one place to the next: evenly around.
 const GOLDEN: f32 = 0.618_034;
 
+/// The surface around a place.
+#[derive(Clone, Copy)]
+pub(crate) struct Ground<'s> {
+    pub(crate) scene: &'s Scene,
+    /// Beside the surface.
+    pub(crate) start: Vec3,
+    /// Of the surface, on that side, unit.
+    pub(crate) normal: Vec3,
+}
+
 /// How far light that arrives diffusely may be spread around a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Clearance {
@@ -53,17 +63,18 @@ impl Clearance {
     /// At most `reach`: no farther than other surfaces are along random rays, since light varies over no less than about that (G. Ward,
     /// F. Rubinstein and R. Clear 1988 bound the gradient of irradiance by the mean distance).
     ///
-    /// - `start`: beside the surface; `normal`: of the surface, on that side, unit.
     /// - `reach`: least radius near other surfaces, and largest \[m\] > 0. Where the surface itself is narrow it is less.
+    /// - `enough`: the radius that holds enough photons; asked for where other surfaces are near. Some width is a small error there, one photon
+    ///   or none a large one.
     ///
     /// Cost: ten short rays, and at borders 48 more, or up to 144 on what is narrow.
     pub(crate) fn new(
-        scene: &Scene,
-        start: Vec3,
-        normal: Vec3,
+        ground: &Ground,
         [least, most]: [f32; 2],
         random: &mut Random,
+        enough: impl FnOnce() -> f32,
     ) -> Self {
+        let Ground { scene, start, normal } = *ground;
         let (least, mut radius) = (least.min(most), most);
         // Plain disks are narrowed by nothing.
         let rays = if least < most { CONTACT_RAYS } else { 0 };
@@ -73,10 +84,13 @@ impl Clearance {
                 radius = hit.distance.max(least);
             }
         }
+        if radius < most {
+            radius = enough().clamp(radius, most);
+        }
         let (across, aside) = normal.any_orthonormal_pair();
         let is_on = |distance: f32, turned: f32| {
             let (sin, cos) = libm::sincosf(TAU * turned);
-            goes_on(scene, start, normal, distance * (cos * across + sin * aside))
+            ground.goes_on(distance * (cos * across + sin * aside))
         };
         let turn = random.uniform();
         if (0..RING).all(|number| is_on(RING_AT * radius, turn + number as f32 / RING as f32)) {
@@ -105,20 +119,36 @@ impl Clearance {
     }
 }
 
-/// Whether the surface is also there a step further, with nothing in between.
-fn goes_on(scene: &Scene, start: Vec3, normal: Vec3, step: Vec3) -> bool {
-    // What is [`FLAT`] rises and falls by less.
-    let height = RISE * step.length();
-    let over = step + height * normal;
-    let length = over.length();
-    if length == 0.0 {
-        return true;
+impl Ground<'_> {
+    /// Whether the surface is also there a step further, with nothing in between.
+    fn goes_on(&self, step: Vec3) -> bool {
+        if step == Vec3::ZERO {
+            return true;
+        }
+        let Some((over, height)) = self.over(step) else { return false };
+        let below = nearest(self.scene, self.start + over, -self.normal, 2.0 * height);
+        below.is_some_and(|hit| facing_normal(&hit, -self.normal).dot(self.normal) > FLAT)
     }
-    if nearest(scene, start, over / length, length).is_some() {
-        return false;
+
+    /// Whether a photon, whose normal is about the same, lies on this surface, with nothing in between.
+    ///
+    /// - `way`: from the place to the photon.
+    ///
+    /// Cost: a short ray.
+    pub(crate) fn holds(&self, way: Vec3) -> bool {
+        let rise = way.dot(self.normal);
+        self.over(way - rise * self.normal).is_some_and(|(_, height)| rise.abs() <= height)
     }
-    let below = nearest(scene, start + over, -normal, 2.0 * height);
-    below.is_some_and(|hit| facing_normal(&hit, -normal).dot(normal) > FLAT)
+
+    /// The way to over the place a step further, and how high over; None: something is in between.
+    fn over(&self, step: Vec3) -> Option<(Vec3, f32)> {
+        // What is [`FLAT`] rises and falls by less.
+        let height = RISE * step.length();
+        let over = step + height * self.normal;
+        let length = over.length();
+        let is_free = length == 0.0 || nearest(self.scene, self.start, over / length, length).is_none();
+        is_free.then_some((over, height))
+    }
 }
 
 /// The nearest surface on a way but for glass, under which others have photons all the same.
@@ -161,15 +191,16 @@ mod tests {
 
     /// At a place on the floor.
     fn found(place: [f32; 2]) -> Vec<Clearance> {
-        let (scene, start) = (scene(), Vec3::new(place[0], 1e-6, place[1]));
-        let of =
-            |index| Clearance::new(&scene, start, Vec3::Y, [0.0, REACH], &mut Random::new([index, 0, 0, 0]));
+        let scene = scene();
+        let ground = Ground { scene: &scene, start: Vec3::new(place[0], 1e-6, place[1]), normal: Vec3::Y };
+        let of = |index| Clearance::new(&ground, [0.0, REACH], &mut Random::new([index, 0, 0, 0]), || 0.0);
         (0..4000).map(of).collect()
     }
 
     #[test]
     fn the_surface_is_where_it_is() {
-        assert!(goes_on(&scene(), Vec3::new(0.3, 1e-6, 0.0), Vec3::Y, Vec3::ZERO));
+        let (scene, start) = (scene(), Vec3::new(0.3, 1e-6, 0.0));
+        assert!(Ground { scene: &scene, start, normal: Vec3::Y }.goes_on(Vec3::ZERO));
     }
 
     #[test]
@@ -209,10 +240,48 @@ mod tests {
         for (start, reach) in [(on_ball, ball), (under_glass, 0.05)] {
             for index in 0..1000 {
                 let random = &mut Random::new([index, 3, 0, 0]);
-                let clear = Clearance::new(&scene, start, Vec3::Y, [reach, reach], random);
+                let ground = Ground { scene: &scene, start, normal: Vec3::Y };
+                let clear = Clearance::new(&ground, [reach, reach], random, || 0.0);
                 assert_eq!(clear, Clearance::of(reach));
             }
         }
+    }
+
+    /// What is clear at a place that faces up, and the irradiance there.
+    fn seen(scene: &Scene, map: &SurfaceMap, point: Vec3, random: &mut Random) -> (Clearance, f32) {
+        let ground = Ground { scene, start: point + 1e-6 * Vec3::Y, normal: Vec3::Y };
+        let holds = |way| ground.holds(way);
+        let enough = || map.enough(point, Vec3::Y, holds);
+        let clear = Clearance::new(&ground, map.reach().unwrap(), random, enough);
+        let seen = map.irradiance(point, Vec3::Y, &Curvature::default(), clear, holds);
+        (clear, seen[Kind::Scattered as usize].x)
+    }
+
+    /// Under the box the floor is a hundred times as bright.
+    #[test]
+    fn beside_a_wall_light_is_even_and_none_from_behind_it() {
+        const PHOTONS: u32 = 1000;
+        const MAPS: u32 = 400;
+        let scene = scene();
+        let disks = Disks { diffuse: REACH, caustic: 0.1 * REACH, crowd: Some(CROWD), within: true };
+        let seen = |number| {
+            let photon = |index| {
+                let mut random = Random::new([index, 4, number, 0]);
+                let position = Vec3::new(2.0 * random.uniform() - 1.0, 0.0, 2.0 * random.uniform() - 1.0);
+                let power = if position.x < -0.3 { 100.0 } else { 1.0 };
+                SurfacePhoton { position, normal: Vec3::Y, power: Vec3::splat(power), caustic: false }
+            };
+            let map = SurfaceMap::build((0..PHOTONS).map(photon).collect(), disks);
+            seen(&scene, &map, Vec3::new(-0.25, 0.0, 0.0), &mut Random::new([number, 5, 0, 0])).1
+        };
+        let seen: Vec<f32> =
+            (0..MAPS).map(seen).map(|irradiance| irradiance / (PHOTONS as f32 / 4.0)).collect();
+        let mean = seen.iter().sum::<f32>() / MAPS as f32;
+        let variance = seen.iter().map(|irradiance| (irradiance - mean).powi(2)).sum::<f32>() / MAPS as f32;
+        // The widest disk holds 22 photons here, each of 4/3 of a photon's variance, and its share is known to a tenth.
+        assert!(variance < 0.12, "{variance}");
+        // 1/share is 1.6 % too much, and 3 deviations of the mean are 4 %.
+        assert!((mean - 1.0).abs() < 0.06, "{mean}");
     }
 
     /// Disks that are wider than a board reach beyond it everywhere, or at its sides; light on it is as bright as if they did not.
@@ -238,9 +307,9 @@ mod tests {
         let seen = |index| {
             let random = &mut Random::new([index, 2, 0, 0]);
             let point = place(random);
-            let clear = Clearance::new(&scene, point + 1e-6 * Vec3::Y, Vec3::Y, map.reach().unwrap(), random);
+            let (clear, seen) = seen(&scene, &map, point, random);
             assert!(clear.radius > 0.01, "narrowed to {}", clear.radius);
-            map.irradiance(point, Vec3::Y, &Curvature::default(), clear)[Kind::Scattered as usize].x
+            seen
         };
         let mean = (0..8000).map(seen).sum::<f32>() / 8000.0;
         let expected = PHOTONS as f32 / (across * along);
