@@ -16,7 +16,7 @@ impl Tree<'_, '_> {
         let is_met = photon.is_lit(hit.distance) && !photon.reception.is_void();
         let material = is_met.then(|| self.transport.scene.material_at(hit))?;
         let lobes = match *material {
-            Material::Lobes(ref lobes) => lobes.clone(),
+            Material::Lobes(lobes) => lobes,
             _ => photon.reception.part.is_some().then(|| material.lobes())?,
         };
         let is_diffuse = lobes.diffuse.max(lobes.translucent) != Vec3::ZERO;
