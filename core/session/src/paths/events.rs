@@ -102,7 +102,7 @@ impl Transport<'_> {
         if record == Record::Connections {
             self.connect_diffuse(photon, hit, normal, out);
         }
-        Ways::Scattered(Scattering::Surface { hit, normal, geometric: normal, lobe: Lobe::Diffuse })
+        Ways::Scattered(Scattering::Surface { hit, normal, geometric: normal, bounce: Bounce::Diffuse })
     }
 
     #[inline]

@@ -2,8 +2,7 @@
 
 use crate::light::cosine_direction;
 use crate::scene::bounces::Bounce;
-use crate::scene::optics::reflect;
-use crate::surface::encounter::Lobe;
+use crate::scene::optics::to_side;
 use covbeam::{LightField, Medium};
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
@@ -27,7 +26,7 @@ pub(super) enum Scattering<'h> {
         normal: Vec3,
         /// The triangle's, to that side: what `normal` sends behind it is mirrored back.
         geometric: Vec3,
-        lobe: Lobe,
+        bounce: Bounce,
     },
 }
 
@@ -46,7 +45,7 @@ impl Scattering<'_> {
     pub(super) fn bounce(&self) -> Bounce {
         match self {
             Self::Medium { .. } => Bounce::Volume,
-            Self::Surface { lobe, .. } => lobe.bounce().unwrap_or(Bounce::Diffuse),
+            Self::Surface { bounce, .. } => *bounce,
         }
     }
 
@@ -66,10 +65,7 @@ impl Scattering<'_> {
     pub(super) fn direction(&self, xi: [f32; 2]) -> Vec3 {
         match *self {
             Self::Medium { fog, along, .. } => fog.sample_direction(along, xi),
-            Self::Surface { normal, geometric, .. } => {
-                let direction = cosine_direction(normal, xi);
-                if direction.dot(geometric) < 0.0 { reflect(direction, geometric) } else { direction }
-            }
+            Self::Surface { normal, geometric, .. } => to_side(cosine_direction(normal, xi), geometric),
         }
     }
 

@@ -213,6 +213,13 @@ pub fn reflect(direction: Vec3, normal: Vec3) -> Vec3 {
     (direction - 2.0 * direction.dot(normal) * normal).normalize()
 }
 
+/// A direction, mirrored back where a shading normal has sent it to the wrong side of the true surface.
+///
+/// - `geometric`: the triangle's normal, towards the right side, unit.
+pub fn to_side(direction: Vec3, geometric: Vec3) -> Vec3 {
+    if direction.dot(geometric) < 0.0 { reflect(direction, geometric) } else { direction }
+}
+
 /// The shading normal turned against `direction`; the geometric one where smoothing would turn the surface's side.
 pub fn facing_normal(hit: &Hit, direction: Vec3) -> Vec3 {
     let against = if hit.geometric_normal.dot(direction) > 0.0 { -1.0 } else { 1.0 };
@@ -243,14 +250,9 @@ impl Boundary {
         let eta = interior.eta(scene, hit, direction, &beyond);
         let geometric =
             hit.geometric_normal * if hit.geometric_normal.dot(direction) > 0.0 { -1.0 } else { 1.0 };
-        // A shading normal may send the ray to the wrong side of the true surface: mirror it back there.
-        let on_side = |d: Vec3, side: f32| {
-            let wrong = side * d.dot(geometric);
-            if wrong < 0.0 { reflect(d, geometric) } else { d }
-        };
-        let reflected = on_side(reflect(direction, normal), 1.0);
+        let reflected = to_side(reflect(direction, normal), geometric);
         let (reflectance, refracted) = refract(direction, normal, eta);
-        let refracted = refracted.map(|direction| on_side(direction, -1.0));
+        let refracted = refracted.map(|direction| to_side(direction, -geometric));
         Self { normal, reflectance, eta, reflected, refracted, beyond }
     }
 }

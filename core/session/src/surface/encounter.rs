@@ -9,7 +9,7 @@ use crate::host::Host;
 use crate::light::cosine_direction;
 use crate::material::{Asks, FOCUSING, Lobes, SHARP, microfacet};
 use crate::scene::Scene;
-use crate::scene::optics::{Interior, curvature_towards, facing_normal, reflect, refract};
+use crate::scene::optics::{Interior, curvature_towards, facing_normal, reflect, refract, to_side};
 use covbeam::{Curvature, LightField};
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
@@ -223,9 +223,7 @@ impl<'a> Encounter<'a> {
         let side = if lobe.crosses() { -1.0 } else { 1.0 };
         let is_facet = !(lobe == Lobe::Transparent || lobe.is_diffuse());
         let seen = if is_facet { self.seen(lobe, side * direction.dot(self.normal)) } else { Vec3::ONE };
-        // What a shading normal sends to the wrong side of the true surface is mirrored back.
-        let is_wrong = side * direction.dot(self.geometric) < 0.0;
-        let direction = if is_wrong { reflect(direction, self.geometric) } else { direction };
+        let direction = to_side(direction, side * self.geometric);
         let interior = match lobe {
             Lobe::GlassTransmission => beyond,
             lobe if lobe.crosses() => through,

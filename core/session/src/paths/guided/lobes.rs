@@ -6,6 +6,7 @@ use crate::paths::photon::Photon;
 use crate::paths::record::{PhotonRecord, add};
 use crate::paths::scattering::Scattering;
 use crate::scene::Material;
+use crate::scene::bounces::Bounce;
 use crate::surface::encounter::{Encounter, Lobe, Met};
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
@@ -32,19 +33,19 @@ impl Tree<'_, '_> {
         photon.arrive(scene, hit, met.normal, self.record, out);
         add(&mut out.energy.surfaces, photon.power);
         let other = met.draw_undiffused(self.transport.lobe_weights(photon, hit), sampler.uniform());
-        for (lobe, factor) in [Lobe::Diffuse, Lobe::Translucent].into_iter().zip(met.diffuse()) {
+        let ways = [(Lobe::Diffuse, Bounce::Diffuse, 1.0), (Lobe::Translucent, Bounce::Transmission, -1.0)];
+        for ((lobe, bounce, side), factor) in ways.into_iter().zip(met.diffuse()) {
             if factor == Vec3::ZERO || !photon.reception.sends(lobe) {
                 continue;
             }
             let mut part = Branch { photon: photon.clone(), sampler: sampler.branch(), depth };
             part.photon.power *= factor;
             add(&mut out.energy.surfaces, -part.photon.power);
-            let side = if lobe.crosses() { -1.0 } else { 1.0 };
             if lobe.crosses() {
                 part.photon.interior = met.beyond();
             }
             let (normal, geometric) = (side * met.normal, side * met.geometric);
-            let by = Scattering::Surface { hit, normal, geometric, lobe };
+            let by = Scattering::Surface { hit, normal, geometric, bounce };
             self.scatter_at(&mut part, &by, out);
         }
         if let Some(way) = other.filter(|way| photon.reception.sends(way.lobe)) {
