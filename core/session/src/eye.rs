@@ -322,13 +322,14 @@ impl EyeTracer<'_> {
         let start = hit.leave(normal);
         let ground = Ground { scene: self.scene, start, normal };
         let holds = |way| ground.holds(way);
+        let mut around = self.surfaces.around(hit.position, normal);
         let reach = self.surfaces.reach();
         let unbounded = Clearance::of(f32::INFINITY);
         let clear = reach.map_or(unbounded, |[least, most]| {
             let reach = [least, most.min(flat_within(&hit.curvature))];
-            Clearance::new(&ground, reach, random, || self.surfaces.enough(hit.position, normal, holds))
+            Clearance::new(&ground, reach, random, || around.enough(holds))
         });
-        let mut irradiance = self.surfaces.irradiance(hit.position, normal, &hit.curvature, clear, holds);
+        let mut irradiance = around.irradiance(&hit.curvature, clear, holds);
         let mut asked = self.lamps.on_surface(hit.position, normal, self.shift(random));
         asked.retain(|(lamp, _)| self.scene.falls_on(*lamp, hit, ray));
         irradiance[Kind::Straight as usize] =

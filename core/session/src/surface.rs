@@ -1,6 +1,7 @@
 //! Photons on diffuse surfaces and the radiance that they make visible. Light straight from a lamp is looked
 //! up by shadow rays; lamps themselves are invisible.
 
+mod around;
 pub(crate) mod clearance;
 mod crowd;
 pub(crate) mod encounter;
@@ -10,20 +11,12 @@ mod photon;
 pub(crate) use crowd::CROWD;
 pub use photon::SurfacePhoton;
 
-use crate::kind::{ByKind, Kind};
-use crate::surface::clearance::{Clearance, FLAT};
+use crate::surface::clearance::FLAT;
+use around::Around;
 use covbeam::Curvature;
 use glam::Vec3;
 use obvhs::bvh2::Bvh2;
 use photon::hierarchy;
-use std::f32::consts::PI;
-
-/// Photons of light that arrives diffusely that a disk holds near other surfaces, in those of a caustic's disk. Of 0, 1 and 2 the error along a
-/// shed's edges after 8 passes is 1, .64 and .46, that of boxes, stairs and a ball on a floor 1, .71 and .70; with 0 single pixels stand out.
-const ENOUGH: usize = 2;
-
-/// Photons of a disk whose ways are looked at, at most: of more, some stand for those beside them.
-const MOST_LOOKS: usize = 64;
 
 /// How wide the kernels of a pass' surface photons are \[m\].
 #[derive(Clone, Copy, Debug)]
@@ -77,68 +70,14 @@ impl SurfaceMap {
         (within && !self.photons.is_empty()).then_some([least, diffuse])
     }
 
-    /// Radius of the disk that ends at enough photons of light that arrives diffusely: that many but the last, evenly strewn, say without bias
-    /// how dense they are, wherever that one is. Infinite: there are fewer.
-    ///
-    /// - `holds`: whether the surface does, by the way to the photon.
-    pub(crate) fn enough(&self, point: Vec3, normal: Vec3, holds: impl Fn(Vec3) -> bool) -> f32 {
-        let Some(crowd) = self.disks.crowd else { return 0.0 };
-        let mut ways = Vec::new();
-        self.around(point, normal, |photon, radius| {
-            let way = photon.position - point;
-            if !photon.caustic && way.length_squared() < radius * radius {
-                ways.push(way);
-            }
-        });
-        ways.sort_unstable_by(|one, other| one.length_squared().total_cmp(&other.length_squared()));
-        let last = ways.iter().take(MOST_LOOKS).filter(|way| holds(**way)).nth(ENOUGH * crowd - 1);
-        last.or(ways.get(MOST_LOOKS)).map_or(f32::INFINITY, |way| way.length())
-    }
-
-    /// Irradiance \[W/m²\] at a point of a surface with this normal: 2D Epanechnikov kernel over distances, no wider than the surface is
-    /// [`FLAT`]. On a sphere that is as even as on a plane: the part of it within a distance d of a point has the area πd².
-    ///
-    /// - `clear`: of diffuse light there; `holds`: whether the surface holds a photon, by the way to it.
-    pub(crate) fn irradiance(
-        &self,
-        point: Vec3,
-        normal: Vec3,
-        curvature: &Curvature,
-        clear: Clearance,
-        holds: impl Fn(Vec3) -> bool,
-    ) -> ByKind {
-        let mut sum = ByKind::default();
-        let widest = flat_within(curvature);
-        let diffuse = widest.min(clear.radius);
-        let mut beside = Vec::new();
-        self.around(point, normal, |photon, radius| {
-            let (kind, widest) =
-                if photon.caustic { (Kind::Focused, widest) } else { (Kind::Scattered, diffuse) };
-            let radius = radius.min(widest);
-            let way = photon.position - point;
-            let q2 = way.length_squared() / (radius * radius);
-            if q2 < 1.0 {
-                let arriving = photon.power * (2.0 * (1.0 - q2) / (PI * radius * radius));
-                if photon.caustic || clear.share == 1.0 {
-                    sum[kind as usize] += arriving;
-                } else {
-                    beside.push((way, arriving));
-                }
-            }
-        });
-        // Neighbours in the hierarchy are so in space.
-        let held = beside
-            .chunks(beside.len().div_ceil(MOST_LOOKS).max(1))
-            .filter(|some| holds(some[some.len() / 2].0))
-            .flatten();
-        sum[Kind::Scattered as usize] += held.map(|(_, arriving)| *arriving).sum::<Vec3>();
-        sum[Kind::Scattered as usize] /= clear.share;
-        sum
+    /// The photons whose disks reach a point of a surface with about this normal.
+    pub(crate) fn around(&self, point: Vec3, normal: Vec3) -> Around<'_> {
+        Around::new(self, point, normal)
     }
 
     /// Visits the photons whose disks may reach a point, where they lie on a surface with about this normal, with their radii.
     #[inline]
-    fn around(&self, point: Vec3, normal: Vec3, mut visit: impl FnMut(&SurfacePhoton, f32)) {
+    fn visit(&self, point: Vec3, normal: Vec3, mut visit: impl FnMut(&SurfacePhoton, f32)) {
         if self.photons.is_empty() {
             return;
         }
@@ -171,8 +110,11 @@ fn strongest(curvature: &Curvature) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kind::Kind;
     use crate::random::Random;
+    use crate::surface::clearance::Clearance;
     use covbeam::Medium;
+    use std::f32::consts::PI;
 
     /// A random unit vector.
     fn normal_of(random: &mut Random) -> Vec3 {
@@ -213,10 +155,9 @@ mod tests {
             for index in 0..64 {
                 let mut random = Random::new([index, 1, 0, 0]);
                 let normal = normal_of(&mut random);
-                sum += map.irradiance(ball * normal, normal, &curvature, Clearance::of(radius), |_| true)
-                    [Kind::Scattered as usize]
-                    .x
-                    / 64.0;
+                let seen = map.around(ball * normal, normal);
+                let seen = seen.irradiance(&curvature, Clearance::of(radius), |_| true);
+                sum += seen[Kind::Scattered as usize].x / 64.0;
             }
             let expected = 1.0 / (4.0 * PI * ball * ball);
             // Each of 64 disks has 900 photons or more.
@@ -244,13 +185,8 @@ mod tests {
         let map = SurfaceMap::build(photons, disks);
         let on_line = |map: &SurfaceMap| -> f32 {
             let seen = |x: i32| {
-                map.irradiance(
-                    Vec3::X * (x as f32 / 100.0),
-                    Vec3::Y,
-                    &Curvature::default(),
-                    Clearance::of(0.0),
-                    |_| true,
-                )
+                let around = map.around(Vec3::X * (x as f32 / 100.0), Vec3::Y);
+                around.irradiance(&Curvature::default(), Clearance::of(0.0), |_| true)
             };
             (-40..40).map(|x| seen(x)[Kind::Focused as usize].x).sum()
         };
@@ -267,8 +203,8 @@ mod tests {
         let mut sum = 0.0;
         for (row, column) in (0..cells).flat_map(|row| (0..cells).map(move |column| (row, column))) {
             let at = Vec3::new(place(row), 0.0, place(column));
-            let seen =
-                map.irradiance(at, Vec3::Y, &Curvature::default(), Clearance::of(f32::INFINITY), |_| true);
+            let around = map.around(at, Vec3::Y);
+            let seen = around.irradiance(&Curvature::default(), Clearance::of(f32::INFINITY), |_| true);
             sum += f64::from(seen[Kind::Focused as usize].x);
         }
         let sum = sum as f32 * (side / cells as f32).powi(2);

@@ -251,9 +251,9 @@ mod tests {
     fn seen(scene: &Scene, map: &SurfaceMap, point: Vec3, random: &mut Random) -> (Clearance, f32) {
         let ground = Ground { scene, start: point + 1e-6 * Vec3::Y, normal: Vec3::Y };
         let holds = |way| ground.holds(way);
-        let enough = || map.enough(point, Vec3::Y, holds);
-        let clear = Clearance::new(&ground, map.reach().unwrap(), random, enough);
-        let seen = map.irradiance(point, Vec3::Y, &Curvature::default(), clear, holds);
+        let mut around = map.around(point, Vec3::Y);
+        let clear = Clearance::new(&ground, map.reach().unwrap(), random, || around.enough(holds));
+        let seen = around.irradiance(&Curvature::default(), clear, holds);
         (clear, seen[Kind::Scattered as usize].x)
     }
 
