@@ -1,6 +1,7 @@
 //! Eye paths: from the camera through media, which may send out light, and specular surfaces to the first diffuse or black one.
 
 mod branch;
+mod facet;
 pub mod segment;
 pub(crate) mod shown;
 pub mod sight;
@@ -8,6 +9,7 @@ pub mod starts;
 pub(crate) mod straight;
 
 use crate::eye::branch::{Branch, REFLECTED, REFRACTED};
+pub use crate::eye::facet::Facet;
 use crate::eye::segment::EyeSegment;
 pub use crate::eye::shown::SmallLamps;
 use crate::eye::starts::{EyeStart, EyeStarts};
@@ -220,7 +222,7 @@ impl EyeTracer<'_> {
                 path.add(branch.throughput, self.reflected(hit, branch, albedo, random));
             }
             Material::Lobes(ref lobes) => {
-                let xi = [random.uniform(), random.uniform()];
+                let xi = branch.facet().unwrap_or_else(|| [random.uniform(), random.uniform()]);
                 let met = Encounter::new(
                     scene,
                     hit,

@@ -5,12 +5,12 @@ mod first_hits;
 pub mod march;
 
 use crate::color::luminance;
-use crate::eye::EyeTracer;
 use crate::eye::segment::EyeSegment;
 use crate::eye::shown::Pixels;
 use crate::eye::starts::EyeStart;
 use crate::eye::straight::Straight;
 use crate::eye::straight::looks::StraightLooks;
+use crate::eye::{EyeTracer, Facet};
 use crate::film::samples::{PassImage, Room, Seen, SparseSample};
 use crate::gather::faint::{Runs, is_faint};
 use crate::kind::{Kind, MOST_LAYERS};
@@ -228,7 +228,7 @@ impl View<'_> {
         if self.straight.is_some() {
             faint.extend(segments.extract_if(.., |segment| is_faint(segment)));
         }
-        // Paths that met the same surfaces run side by side.
+        // Paths that met the same surfaces by the same facet run side by side.
         for pieces in [segments, faint] {
             pieces.sort_by_key(|piece| (piece.path(), piece.pixel));
         }
@@ -274,7 +274,9 @@ impl View<'_> {
         };
         let starts = &self.tracer.starts;
         let lens = starts.place_in_lens(self.seed, pixel, (self.pass - 1).wrapping_mul(looks) + look);
-        starts.at([wanted.x as f32 + place[0], wanted.y as f32 + place[1]], lens)
+        let start = starts.at([wanted.x as f32 + place[0], wanted.y as f32 + place[1]], lens);
+        let facet = (look == 0).then(|| Facet::of(self.seed, [wanted.x, wanted.y], self.pass));
+        EyeStart { facet, ..start }
     }
 
     /// Beams around the pieces of the eye paths. Returns the number of pairs.

@@ -1,5 +1,6 @@
 //! Branches of eye paths: straight pieces to the next surface, the ways on from there, and the roulette that ends them.
 
+use crate::eye::Facet;
 use crate::eye::segment::{EyeSegment, FIRST};
 use crate::eye::shown::Watch;
 use crate::eye::starts::EyeStart;
@@ -30,6 +31,8 @@ pub(super) struct Branch {
     /// Surfaces met.
     met: u32,
     signature: u64,
+    /// By which it goes on from a rough surface, or did, if that was the first it met.
+    facet: Option<Facet>,
     pub(super) watch: Watch,
     /// Its kind.
     pub(super) ray: Rays,
@@ -45,6 +48,7 @@ impl Branch {
             depth: 0,
             met: 0,
             signature: FIRST,
+            facet: start.facet,
             watch: Watch::new(start.origin, is_apart),
             ray: Rays::CAMERA,
         }
@@ -70,6 +74,11 @@ impl Branch {
         true
     }
 
+    /// Uniform numbers for the facet of the first surface that it meets; None: it met one, or any will do.
+    pub(super) fn facet(&self) -> Option<[f32; 2]> {
+        self.facet.filter(|_| self.depth == 0).map(|facet| facet.xi)
+    }
+
     /// The way on through what only bounds media, into `interior`: as if nothing had been met.
     #[inline]
     pub(super) fn straight_on(self, hit: &Hit, interior: Interior) -> Self {
@@ -79,10 +88,11 @@ impl Branch {
     /// The piece up to what is met, if it is in a medium.
     #[inline]
     pub(super) fn segment(&self, scene: &Scene, length: f32, pixel: u32) -> Option<EyeSegment> {
-        let Self { origin, direction, throughput, interior, signature, .. } = *self;
+        let Self { origin, direction, throughput, interior, signature, facet, .. } = *self;
         let ray = EyeRay { origin, direction, length };
         let medium = interior.medium(scene).filter(|&medium| !scene.is_hidden(medium, self.ray))?;
-        Some(EyeSegment { ray, medium, throughput, pixel, interior, signature })
+        let facet = facet.filter(|_| self.depth > 0).map_or(0, |facet| facet.number);
+        Some(EyeSegment { ray, medium, throughput, pixel, interior, signature, facet })
     }
 
     /// A way on from a surface of lobes.
@@ -99,7 +109,8 @@ impl Branch {
             _ => next.watch,
         };
         let ray = way.lobe.sent_on(self.ray);
-        Self { watch, ray, ..next }
+        let facet = self.facet.filter(|_| met.is_rough() && way.lobe != Lobe::Transparent);
+        Self { watch, ray, facet, ..next }
     }
 
     /// A way on from a surface.
@@ -122,6 +133,7 @@ impl Branch {
             interior,
             depth: self.depth + 1,
             met: self.met + 1,
+            facet: None,
             signature: mix(self.signature ^ (u64::from(hit.object) << 2) ^ kind),
             watch: self.watch.from(origin),
             ray: if kind == REFRACTED { Rays::TRANSMISSION } else { Rays::GLOSSY },

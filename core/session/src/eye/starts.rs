@@ -1,5 +1,6 @@
 //! Where eye rays start: at the camera, in its lens or in its plane, and inside of what.
 
+use crate::eye::Facet;
 use crate::random::{Random, mix};
 use crate::scene::Scene;
 use crate::scene::optics::Interior;
@@ -23,6 +24,8 @@ pub struct EyeStart {
     pub place: [f32; 2],
     /// Whether it is there: a picture may have dark places, see [`Camera::sees`](crate::camera::Camera::sees).
     pub sees: bool,
+    /// By which it goes on from a rough surface, if that is the first it meets; None: by any.
+    pub facet: Option<Facet>,
 }
 
 /// Where eye rays of a scene start.
@@ -52,7 +55,7 @@ impl<'a> EyeStarts<'a> {
         let sees = if host.is_some() { own.is_some() } else { camera.sees(x, y) };
         // What is too near to be seen bounds media all the same.
         let (origin, interior) = self.camera.beside(self.scene, origin, direction);
-        EyeStart { origin, direction, interior, place: [x, y], sees }
+        EyeStart { origin, direction, interior, place: [x, y], sees, facet: None }
     }
 
     /// Where an eye ray of a pinhole starts that goes along an offset of any length, and what it is inside of there.

@@ -38,7 +38,7 @@ const SHADOW_RAY: f32 = 0.1;
 const PAIRS_OF_A_PASS: f32 = 0.35;
 
 /// Paths get this many times what the formula says: the variance of straight light and of edges falls faster than with the passes, as
-/// they fill lines and pixels evenly. With 1 voxels of smoke have 1.2 times the error.
+/// they fill lines and pixels evenly. With 1 voxels of smoke have 1.2 times the error; with 2 as many seconds leave leaves and posts 1.15 times.
 const IN_FAVOUR: f32 = 1.5;
 
 /// And no fewer branches than this.
