@@ -1,7 +1,7 @@
 //! Eye paths: from the camera through media, which may send out light, and specular surfaces to the first diffuse or black one.
 
 mod branch;
-mod facet;
+pub mod facet;
 pub mod segment;
 pub(crate) mod shown;
 pub mod sight;
@@ -9,7 +9,6 @@ pub mod starts;
 pub(crate) mod straight;
 
 use crate::eye::branch::{Branch, REFLECTED, REFRACTED};
-pub use crate::eye::facet::Facet;
 use crate::eye::segment::EyeSegment;
 pub use crate::eye::shown::SmallLamps;
 use crate::eye::starts::{EyeStart, EyeStarts};
@@ -22,9 +21,9 @@ use crate::scene::media;
 use crate::scene::optics::{Boundary, Interior, facing_normal, reflect};
 use crate::scene::passage::{Looks, clear, passage};
 use crate::scene::{Light, Material, Rays, Scene, SceneMedium};
-use crate::surface::clearance::{Clearance, Ground};
+use crate::surface::clearance::{Clearance, Ground, flat_within};
 use crate::surface::encounter::{Encounter, Met};
-use crate::surface::{SurfaceMap, flat_within};
+use crate::surface::{Around, SurfaceMap};
 use covbeam::{Knot, Medium};
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
@@ -324,7 +323,7 @@ impl EyeTracer<'_> {
         let start = hit.leave(normal);
         let ground = Ground { scene: self.scene, start, normal };
         let holds = |way| ground.holds(way);
-        let mut around = self.surfaces.around(hit.position, normal);
+        let mut around = Around::new(self.surfaces, hit.position, normal);
         let reach = self.surfaces.reach();
         let unbounded = Clearance::of(f32::INFINITY);
         let clear = reach.map_or(unbounded, |[least, most]| {

@@ -5,12 +5,13 @@ mod first_hits;
 pub mod march;
 
 use crate::color::luminance;
+use crate::eye::EyeTracer;
+use crate::eye::facet::Facet;
 use crate::eye::segment::EyeSegment;
 use crate::eye::shown::Pixels;
 use crate::eye::starts::EyeStart;
 use crate::eye::straight::Straight;
 use crate::eye::straight::looks::StraightLooks;
-use crate::eye::{EyeTracer, Facet};
 use crate::film::samples::{PassImage, Room, Seen, SparseSample};
 use crate::gather::faint::{Runs, is_faint};
 use crate::kind::{Kind, MOST_LAYERS};

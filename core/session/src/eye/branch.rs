@@ -1,6 +1,6 @@
 //! Branches of eye paths: straight pieces to the next surface, the ways on from there, and the roulette that ends them.
 
-use crate::eye::Facet;
+use crate::eye::facet::Facet;
 use crate::eye::segment::{EyeSegment, FIRST};
 use crate::eye::shown::Watch;
 use crate::eye::starts::EyeStart;

@@ -1,6 +1,6 @@
 //! Where eye rays start: at the camera, in its lens or in its plane, and inside of what.
 
-use crate::eye::Facet;
+use crate::eye::facet::Facet;
 use crate::random::{Random, mix};
 use crate::scene::Scene;
 use crate::scene::optics::Interior;

@@ -1,8 +1,9 @@
 //! The photons around a place on a surface: how wide a disk holds enough of them, and the light that they bring.
 
+use super::clearance::{Clearance, flat_within};
+use super::map::SurfaceMap;
+use super::photon::SurfacePhoton;
 use crate::kind::{ByKind, Kind};
-use crate::surface::clearance::Clearance;
-use crate::surface::{SurfaceMap, SurfacePhoton, flat_within};
 use covbeam::Curvature;
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -44,7 +45,8 @@ pub(crate) struct Around<'m> {
 }
 
 impl<'m> Around<'m> {
-    pub(super) fn new(map: &'m SurfaceMap, point: Vec3, normal: Vec3) -> Self {
+    /// At a point of a surface with this normal: photons count where theirs is about the same.
+    pub(crate) fn new(map: &'m SurfaceMap, point: Vec3, normal: Vec3) -> Self {
         Self { map, point, normal, kept: None }
     }
 
@@ -122,5 +124,98 @@ impl<'m> Around<'m> {
         }
         sum[Kind::Scattered as usize] /= clear.share;
         sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+    use crate::surface::{CROWD, Disks};
+    use covbeam::Medium;
+
+    /// A random unit vector.
+    fn normal_of(random: &mut Random) -> Vec3 {
+        // Isotropic.
+        Medium::default().phase.sample(Vec3::Z, [random.uniform(), random.uniform()])
+    }
+
+    /// A ball lit evenly from all sides by a watt: 1/(4πρ²) everywhere, however wide the kernel.
+    #[test]
+    fn light_on_a_small_ball_is_all_there() {
+        const PHOTONS: u32 = 40_000;
+        let ball = 0.1;
+        let photons = (0..PHOTONS).map(|index| {
+            let mut random = Random::new([index, 0, 0, 0]);
+            let normal = normal_of(&mut random);
+            let power = Vec3::splat(1.0 / PHOTONS as f32);
+            SurfacePhoton { position: ball * normal, normal, power, caustic: false }
+        });
+        let photons: Vec<SurfacePhoton> = photons.collect();
+        let curvature = Curvature { along: 1.0 / ball, across: 1.0 / ball, ..Curvature::default() };
+        for radius in [0.03, 0.05, 0.2] {
+            let map = SurfaceMap::build(
+                photons.clone(),
+                Disks { diffuse: radius, caustic: radius, crowd: None, within: false },
+            );
+            let mut sum = 0.0;
+            for index in 0..64 {
+                let mut random = Random::new([index, 1, 0, 0]);
+                let normal = normal_of(&mut random);
+                let seen = Around::new(&map, ball * normal, normal);
+                let seen = seen.irradiance(&curvature, Clearance::of(radius), |_| true);
+                sum += seen[Kind::Scattered as usize].x / 64.0;
+            }
+            let expected = 1.0 / (4.0 * PI * ball * ball);
+            // Each of 64 disks has 900 photons or more.
+            assert!((sum / expected - 1.0).abs() < 0.02, "{sum} for {expected} with a radius of {radius}");
+        }
+    }
+
+    /// As a caustic: a thousandth of the floor holds half of the light.
+    #[test]
+    fn disks_that_follow_the_photons_lose_and_make_no_light() {
+        const PHOTONS: u32 = 2000;
+        let photon = |index| {
+            let mut random = Random::new([index, 2, 0, 0]);
+            let [x, z] = [random.uniform() - 0.5, random.uniform() - 0.5];
+            let scale = if index % 2 == 0 { Vec3::new(1.0, 0.0, 0.001) } else { Vec3::ONE };
+            let position = scale * Vec3::new(x, 0.0, z);
+            let power = Vec3::splat(random.uniform());
+            SurfacePhoton { position, normal: Vec3::Y, power, caustic: true }
+        };
+        let photons: Vec<SurfacePhoton> = (0..PHOTONS).map(photon).collect();
+        let power: f32 = photons.iter().map(|photon| photon.power.x).sum();
+        let widest = 0.1;
+        let disks = Disks { diffuse: widest, caustic: widest, crowd: Some(CROWD), within: false };
+        let even = SurfaceMap::build(photons.clone(), Disks { crowd: None, ..disks });
+        let map = SurfaceMap::build(photons, disks);
+        let on_line = |map: &SurfaceMap| -> f32 {
+            let seen = |x: i32| {
+                let around = Around::new(map, Vec3::X * (x as f32 / 100.0), Vec3::Y);
+                around.irradiance(&Curvature::default(), Clearance::of(0.0), |_| true)
+            };
+            (-40..40).map(|x| seen(x)[Kind::Focused as usize].x).sum()
+        };
+        // A disk's profile across a line is 4/(πr): 250 W along 1 m, narrowest and widest, and 250 W/m² that are everywhere.
+        let expected = (250.0 * 4.0 / (PI * 0.1 * widest) + 250.0) / (250.0 * 4.0 / (PI * widest) + 250.0);
+        let ratio = on_line(&map) / on_line(&even);
+        assert!((ratio / expected - 1.0).abs() < 0.1, "{ratio} for {expected}");
+        let narrowed = map.radii.iter().filter(|radius| **radius < 0.5 * widest).count();
+        assert!(narrowed > PHOTONS as usize / 3, "{narrowed} of {PHOTONS} disks are narrower");
+        // Cells of a third of the narrowest disk, over all that any disk reaches.
+        let cells = 400;
+        let side = 1.0 + 2.0 * widest;
+        let place = |cell: i32| side * ((cell as f32 + 0.5) / cells as f32 - 0.5);
+        let mut sum = 0.0;
+        for (row, column) in (0..cells).flat_map(|row| (0..cells).map(move |column| (row, column))) {
+            let at = Vec3::new(place(row), 0.0, place(column));
+            let around = Around::new(&map, at, Vec3::Y);
+            let seen = around.irradiance(&Curvature::default(), Clearance::of(f32::INFINITY), |_| true);
+            sum += f64::from(seen[Kind::Focused as usize].x);
+        }
+        let sum = sum as f32 * (side / cells as f32).powi(2);
+        // A disk of three cells' radius counts to 2 %, at random; there are 1,000 of them.
+        assert!((sum / power - 1.0).abs() < 2e-3, "{sum} for {power}");
     }
 }

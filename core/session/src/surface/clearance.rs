@@ -4,6 +4,7 @@ use crate::light::cosine_direction;
 use crate::random::Random;
 use crate::scene::Scene;
 use crate::scene::optics::facing_normal;
+use covbeam::Curvature;
 use covbeam_geometry::hit::Hit;
 use glam::Vec3;
 use std::f32::consts::TAU;
@@ -164,14 +165,36 @@ fn nearest(scene: &Scene, mut start: Vec3, direction: Vec3, mut length: f32) -> 
     None
 }
 
+/// How far a surface is [`FLAT`] around a place \[m\].
+pub(crate) fn flat_within(curvature: &Curvature) -> f32 {
+    // cos θ = 1 - d²/2 of points of a unit sphere at a distance of d.
+    (2.0 * (1.0 - FLAT)).sqrt() / strongest(curvature)
+}
+
+/// The larger of the two principal curvatures, in size.
+fn strongest(curvature: &Curvature) -> f32 {
+    let Curvature { along, across, twist, .. } = *curvature;
+    (0.5 * (along + across)).abs() + libm::hypotf(0.5 * (along - across), twist)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::kind::Kind;
     use crate::scene::Material;
     use crate::scene::made::{Made, camera, cuboid, point, rectangle, sphere};
-    use crate::surface::{CROWD, Disks, SurfaceMap, SurfacePhoton, flat_within};
-    use covbeam::Curvature;
+    use crate::surface::{Around, CROWD, Disks, SurfaceMap, SurfacePhoton};
+
+    #[test]
+    fn the_strongest_curvature_is_that_of_the_principal_axes() {
+        // A cylinder of radius ½ with axes turned by φ: 2 cos²φ, 2 sin²φ, 2 sinφ cosφ; and a saddle.
+        let (sin, cos) = 0.7_f32.sin_cos();
+        let tensor = |along, across, twist| Curvature { along, across, twist, ..Curvature::default() };
+        let cylinder = tensor(2.0 * cos * cos, 2.0 * sin * sin, 2.0 * sin * cos);
+        assert!((strongest(&cylinder) - 2.0).abs() < 1e-6);
+        assert_eq!(strongest(&tensor(-3.0, 1.0, 0.0)), 3.0);
+        assert_eq!(strongest(&Curvature::default()), 0.0);
+    }
 
     const REACH: f32 = 0.2;
 
@@ -251,7 +274,7 @@ mod tests {
     fn seen(scene: &Scene, map: &SurfaceMap, point: Vec3, random: &mut Random) -> (Clearance, f32) {
         let ground = Ground { scene, start: point + 1e-6 * Vec3::Y, normal: Vec3::Y };
         let holds = |way| ground.holds(way);
-        let mut around = map.around(point, Vec3::Y);
+        let mut around = Around::new(map, point, Vec3::Y);
         let clear = Clearance::new(&ground, map.reach().unwrap(), random, || around.enough(holds));
         let seen = around.irradiance(&Curvature::default(), clear, holds);
         (clear, seen[Kind::Scattered as usize].x)
