@@ -221,7 +221,7 @@ impl EyeTracer<'_> {
                 path.add(branch.throughput, self.reflected(hit, branch, albedo, random));
             }
             Material::Lobes(ref lobes) => {
-                let xi = branch.facet().unwrap_or_else(|| [random.uniform(), random.uniform()]);
+                let xi = branch.facet.map_or_else(|| [random.uniform(), random.uniform()], |facet| facet.xi);
                 let met = Encounter::new(
                     scene,
                     hit,

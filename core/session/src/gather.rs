@@ -229,7 +229,7 @@ impl View<'_> {
         if self.straight.is_some() {
             faint.extend(segments.extract_if(.., |segment| is_faint(segment)));
         }
-        // Paths that met the same surfaces by the same facet run side by side.
+        // Paths that met the same surfaces run side by side.
         for pieces in [segments, faint] {
             pieces.sort_by_key(|piece| (piece.path(), piece.pixel));
         }

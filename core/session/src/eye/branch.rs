@@ -31,8 +31,8 @@ pub(super) struct Branch {
     /// Surfaces met.
     met: u32,
     signature: u64,
-    /// By which it goes on from a rough surface, or did, if that was the first it met.
-    facet: Option<Facet>,
+    /// By which it goes on from the first surface that it meets, if that is rough; None: it has met one, or any will do.
+    pub(super) facet: Option<Facet>,
     pub(super) watch: Watch,
     /// Its kind.
     pub(super) ray: Rays,
@@ -74,11 +74,6 @@ impl Branch {
         true
     }
 
-    /// Uniform numbers for the facet of the first surface that it meets; None: it met one, or any will do.
-    pub(super) fn facet(&self) -> Option<[f32; 2]> {
-        self.facet.filter(|_| self.depth == 0).map(|facet| facet.xi)
-    }
-
     /// The way on through what only bounds media, into `interior`: as if nothing had been met.
     #[inline]
     pub(super) fn straight_on(self, hit: &Hit, interior: Interior) -> Self {
@@ -88,17 +83,19 @@ impl Branch {
     /// The piece up to what is met, if it is in a medium.
     #[inline]
     pub(super) fn segment(&self, scene: &Scene, length: f32, pixel: u32) -> Option<EyeSegment> {
-        let Self { origin, direction, throughput, interior, signature, facet, .. } = *self;
+        let Self { origin, direction, throughput, interior, signature, .. } = *self;
         let ray = EyeRay { origin, direction, length };
         let medium = interior.medium(scene).filter(|&medium| !scene.is_hidden(medium, self.ray))?;
-        let facet = facet.filter(|_| self.depth > 0).map_or(0, |facet| facet.number);
-        Some(EyeSegment { ray, medium, throughput, pixel, interior, signature, facet })
+        Some(EyeSegment { ray, medium, throughput, pixel, interior, signature })
     }
 
     /// A way on from a surface of lobes.
     #[inline]
     pub(super) fn follow(&self, hit: &Hit, met: &Encounter, way: &Way) -> Self {
-        let kind = (way.lobe as u64 + 1) << 40;
+        // Ways by one facet go on about alike.
+        let is_turned = met.is_rough() && way.lobe != Lobe::Transparent;
+        let facet = self.facet.filter(|_| is_turned).map_or(0, |facet| facet.number);
+        let kind = u64::from(facet) << 48 | (way.lobe as u64 + 1) << 40;
         let next = self.next(hit, way.direction, way.factor * met.narrowing(way.lobe), way.interior, kind);
         let watch = match way.lobe {
             Lobe::Transparent => self.watch,
@@ -109,8 +106,7 @@ impl Branch {
             _ => next.watch,
         };
         let ray = way.lobe.sent_on(self.ray);
-        let facet = self.facet.filter(|_| met.is_rough() && way.lobe != Lobe::Transparent);
-        Self { watch, ray, facet, ..next }
+        Self { watch, ray, ..next }
     }
 
     /// A way on from a surface.

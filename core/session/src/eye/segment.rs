@@ -22,8 +22,6 @@ pub struct EyeSegment {
     pub interior: Interior,
     /// Equal for paths that have met the same surfaces in the same way; those that only bound media do not count.
     pub signature: u64,
-    /// Number of the facet of the rough surface that its path met first; 0: it met none, or any.
-    pub facet: u32,
 }
 
 impl EyeSegment {
@@ -32,8 +30,8 @@ impl EyeSegment {
         self.signature == FIRST
     }
 
-    /// Equal for pieces in one medium that have met the same surfaces in the same way, by the same facet: what lies around them is alike.
-    pub(crate) fn path(&self) -> (u32, u64, u32) {
-        (self.medium, self.signature, self.facet)
+    /// Equal for pieces in one medium that have met the same surfaces in the same way: what lies around them is alike.
+    pub(crate) fn path(&self) -> (u32, u64) {
+        (self.medium, self.signature)
     }
 }

@@ -337,8 +337,7 @@ mod tests {
             let direction = (CENTRE + Vec3::new(number(), number(), number()) - origin).normalize();
             let interior = Interior::at(&scene, origin);
             let ray = EyeRay { origin, direction, length: 3.0 };
-            let segment =
-                EyeSegment { ray, medium: 0, throughput: Vec3::ONE, pixel, interior, signature: 0, facet: 0 };
+            let segment = EyeSegment { ray, medium: 0, throughput: Vec3::ONE, pixel, interior, signature: 0 };
             let straight =
                 |pass| Straight { scene: &scene, fogs: &fogs, lamps: &lamps, seed: 3, pass, near: None };
             let drawn: Vec<f64> = (0..400)

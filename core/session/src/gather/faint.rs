@@ -106,7 +106,6 @@ mod tests {
             pixel,
             interior: Interior::default(),
             signature: 2 + u64::from(pixel * 3 / count),
-            facet: 0,
         };
         (0..count).map(piece).collect()
     }
