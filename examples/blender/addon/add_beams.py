@@ -6,6 +6,12 @@ import bpy
 from . import beam_render, compositor, latest, requirements, text
 
 
+#: Noise of beams (passes.noise_of) from which a denoiser helps them. Of pictures of people.md's scenes after 4 and 16 CPU-seconds it lowers the
+#: error of all above: sixty spots with .09 to .86, a cloud with .07 to a half. The others are below .04, and come to .9 to 3.5 times their error by
+#: it, which takes the finest light for noise. Single passes come to .34 to 1.0, wine in a glass to 1.28.
+NOISY = 0.05
+
+
 def _problem(context):
     """Why beams cannot be added, as text for artists, or None."""
     scene = context.scene
@@ -142,7 +148,8 @@ def _replace(operator, render, foggy):
         return {"CANCELLED"}
     advice = latest.get().advice
     advice += [f'The view layer "{name}" has no light in fog: it stays as it is.' for name in render.view_layers if name not in foggy]
-    advice += compositor.add(scene, view_layers, render)
+    noisy = {name for name in foggy if latest.noise(name) > NOISY}
+    advice += compositor.add(scene, view_layers, render, noisy)
     operator.report({"INFO"}, f"Beams added: {render.path(render.first)}")
     return {"FINISHED"}
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Nodes that put covbeam's fog light in the place of Cycles', in each view layer:
 
-    (noisy) image of Cycles - volume direct - volume indirect [-> denoise] + in-scattered light of covbeam
+    (noisy) image of Cycles - volume direct - volume indirect [-> denoise] + in-scattered light of covbeam [-> denoise]
 
 Cycles' fog is subtracted, not switched off: that is exact whatever the scene has, and undone by taking nodes away. In frames that have no
 beams, or whose file is not there, a switch behind the sum lets Cycles' image through as it is.
@@ -135,10 +135,11 @@ def _targets(layers):
     return [link.to_socket for node in layers if source in node.outputs for link in node.outputs[source].links]
 
 
-def add(scene, view_layers, beams):
+def add(scene, view_layers, beams, noisy):
     """Sets up the nodes of view layers, in the place of all from an earlier call. Returns what the artist should know.
 
-    The first view layer that is rendered goes to the output if nothing does, as it does without a compositor.
+    noisy: names of view layers whose beams are better denoised, where Cycles' picture is. The first view layer that is rendered goes to the output if
+    nothing does, as it does without a compositor.
     """
     advice = []
     if not scene.render.use_compositing:
@@ -152,11 +153,11 @@ def add(scene, view_layers, beams):
         if not _targets(first):
             tree.links.new(first[0].outputs["Image"], output)
     for view_layer in view_layers:
-        advice += _add(tree, scene, view_layer, beams)
+        advice += _add(tree, scene, view_layer, beams, view_layer.name in noisy)
     return advice
 
 
-def _add(tree, scene, view_layer, beams):
+def _add(tree, scene, view_layer, beams, is_noisy):
     """Sets up the nodes of one view layer. Returns what the artist should know."""
     advice = []
     all_layers = _render_layers(tree, scene, view_layer)
@@ -183,23 +184,23 @@ def _add(tree, scene, view_layer, beams):
         tree.links.new(volume, b)
         nodes.append(node)
         light = result
-    # Beams are added behind the denoiser, which may change how bright they are: of pure blue it takes a tenth.
+    # Beams are added behind the denoiser, which may change how bright they are: of pure blue it takes a tenth. Noisy ones have one of their own.
     if denoised:
-        node = tree.nodes.new("CompositorNodeDenoise")
-        node[_ROLE] = "denoise"
-        tree.links.new(light, node.inputs["Image"])
-        for name, guide in _GUIDE_SOCKETS.items():
-            tree.links.new(layers.outputs[guide], node.inputs[name])
-        nodes.append(node)
-        light = node.outputs["Image"]
+        nodes.append(_denoise(tree, layers, light))
+        light = nodes[-1].outputs["Image"]
         advice.append(
             "Cycles denoises this scene: the nodes take its noisy image, remove Cycles' fog light from it, and denoise "
             "what is left, guided by Cycles' denoising data."
         )
     image = _image_node(tree, beams, view_layer)
+    of_beams, fog = [image], image.outputs[_PASS]
+    if denoised and is_noisy:
+        of_beams.append(_denoise(tree, layers, fog))
+        fog = of_beams[-1].outputs["Image"]
+        advice.append(f'The light in fog of "{view_layer.name}" is noisy, so the nodes denoise it, too: more time or passes do without.')
     node, _, a, b, result = _mix(tree, "sum", "ADD", "Add Light in Fog")
     tree.links.new(light, a)
-    tree.links.new(image.outputs[_PASS], b)
+    tree.links.new(fog, b)
     nodes.append(node)
     node, factor, a, b, switched = _mix(tree, _SWITCH, "MIX", _label(beams.frames))
     tree.links.new(layers.outputs[source], a)
@@ -211,12 +212,21 @@ def _add(tree, scene, view_layer, beams):
     nodes.append(node)
     for target in targets:
         tree.links.new(switched, target)
-    for index, node in enumerate(nodes):
-        node.location = (x + 200 * index, y)
-        node[_LAYER] = view_layer.name
-    image.location = (x, y - 300)
-    image[_LAYER] = view_layer.name
+    for row, of_row in ((0, nodes), (-300, of_beams)):
+        for index, node in enumerate(of_row):
+            node.location = (x + 200 * index, y + row)
+            node[_LAYER] = view_layer.name
     return advice
+
+
+def _denoise(tree, layers, light):
+    """A denoiser of what a socket gives, guided by what the render layers know of surfaces."""
+    node = tree.nodes.new("CompositorNodeDenoise")
+    node[_ROLE] = "denoise"
+    tree.links.new(light, node.inputs["Image"])
+    for name, guide in _GUIDE_SOCKETS.items():
+        tree.links.new(layers.outputs[guide], node.inputs[name])
+    return node
 
 
 def _label(frames):

@@ -95,6 +95,7 @@ class CovbeamEngine(bpy.types.RenderEngine):
             # What has been shown is kept, cancelled or not.
             self.end_result(result)
         job.record.figures += passes.figures()
+        latest.note_noise(job.view_layer, passes.noise)
         job.record.outcome = latest.Outcome.CANCELLED if passes.cancelled else latest.Outcome.DONE
 
     def view_update(self, context, depsgraph):

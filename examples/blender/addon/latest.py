@@ -6,6 +6,7 @@ Plain Python: a render runs in a thread of Blender's in which Blender's own data
 
 from dataclasses import dataclass, field
 from enum import Enum
+from statistics import median
 
 
 class Outcome(Enum):
@@ -49,9 +50,9 @@ class Latest:
 
 _latest = Latest()
 
-#: Of all renders since `clear`: what of the light in fog is missing, a dict as an ordered set; names of view layers that had any; and the
-#: record of the first render that has failed, or None.
-_missing_in_fog, _foggy, _failed = {}, set(), None
+#: Of all renders since `clear`: what of the light in fog is missing, a dict as an ordered set; names of view layers that had any, with the noise of
+#: each frame; and the record of the first render that has failed, or None.
+_missing_in_fog, _foggy, _failed = {}, {}, None
 
 
 def clear():
@@ -74,7 +75,17 @@ def missing_in_fog():
 
 def note_fog_light(view_layer):
     """Notes that a render of the view layer of this name has light in fog."""
-    _foggy.add(view_layer)
+    _foggy.setdefault(view_layer, [])
+
+
+def note_noise(view_layer, noise):
+    """Notes how noisy the light in fog of a frame is, as passes.noise_of gives it."""
+    _foggy[view_layer].append(noise)
+
+
+def noise(view_layer):
+    """How noisy the light in fog of the view layer of this name is: in half of its frames since `clear` it is more, in half less."""
+    return median(_foggy.get(view_layer) or [0.0])
 
 
 def had_fog_light(view_layer):

@@ -7,6 +7,7 @@ import numpy as np
 
 from . import text
 from .host import Cancelled
+from .host.groups import LUMINANCE
 from .pass_names import group_pass
 
 #: Share of the time that may go into showing what there is so far.
@@ -36,12 +37,12 @@ class Passes:
 
     - result: Blender's render result, with the layer that is rendered.
     - start: when the scene began to be read, of perf_counter; threads: of the session.
-    - cancelled: whether the artist has stopped it. What was shown last is kept.
+    - cancelled: whether the artist has stopped it. What was shown last is kept; noise: how noisy that is, as of `noise_of`.
     """
 
     def __init__(self, engine, session, budget, result, start, threads):
         self.engine, self.session, self.budget, self.result = engine, session, budget, result
-        self.cancelled = False
+        self.cancelled, self.noise = False, 0.0
         self._start, self._told, self._threads = start, perf_counter(), threads
         # Seconds spent on pictures; those that the latest pass and picture took; and the passes that the latest picture shows.
         self._display = self._pass = self._picture = 0.0
@@ -129,11 +130,22 @@ class Passes:
     def _show(self, poll):
         """Hands the picture so far to Blender."""
         start = perf_counter()
-        put(self.engine, self.result, self.session.picture(poll))
+        picture = self.session.picture(poll)
+        put(self.engine, self.result, picture)
+        self.noise = noise_of(picture, self.session.passes)
         taken = perf_counter() - start
         self._picture = taken
         self._display += taken
         self._shown = self.session.passes
+
+
+def noise_of(picture, passes):
+    """Root of the mean square of a host.session.Picture's standard error, over that of its light's luminance: infinite after a single pass, which
+    tells of no error; 0 of a black picture."""
+    light, error = (np.square(values, dtype=np.float64).mean() for values in (picture.in_scattered @ LUMINANCE, picture.error))
+    if not light > 0:
+        return 0.0
+    return float(np.sqrt(error / light)) if passes > 1 else np.inf
 
 
 def put(engine, result, picture):

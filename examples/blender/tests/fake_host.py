@@ -58,19 +58,20 @@ class Scene:
         return bool(self.lights) or any(getattr(volume, "glow", None) is not None for volume in self.volumes)
 
 
-def picture(width, height, passes=1):
-    """Channels: red grows to the right, green downwards, from the first to the last pixel; blue counts passes."""
+def picture(width, height, passes=1, error=0.01):
+    """Channels: red grows to the right, green downwards, from the first to the last pixel; blue counts passes. error: standard one, of red light."""
     values = np.zeros((height, width, 3), np.float32)
     values[..., 0] = np.linspace(0, 1, width)
     values[..., 1] = np.linspace(0, 1, height)[:, None]
     values[..., 2] = passes
-    return Picture(values, values / 2, values[..., 0] + 2, values[..., 1] + 3, values[..., 0] / 4)
+    return Picture(values, values / 2, values[..., 0] + 2, values[..., 1] + 3, error * values[..., 0])
 
 
 class Session:
-    """seconds: how long a pass takes, in sleeps of `nap` between polls. open: sessions that have not been closed."""
+    """seconds: how long a pass takes, in sleeps of `nap` between polls; error: of pictures. open: sessions that have not been closed."""
 
     seconds = 0.0
+    error = 0.01
     nap = 0.02
     open = 0
     settings = []
@@ -100,7 +101,7 @@ class Session:
         self.passes, self.photons = 0, min(photons, self._most)
 
     def picture(self, poll=None):
-        return picture(self.scene.camera.width, self.scene.camera.height, self.passes)
+        return picture(self.scene.camera.width, self.scene.camera.height, self.passes, self.error)
 
     def close(self):
         Session.open -= 1

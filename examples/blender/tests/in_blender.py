@@ -28,7 +28,7 @@ class InBlender(unittest.TestCase):
     def setUp(self):
         bpy.ops.wm.read_homefile(use_factory_startup=True)
         self.folder = harness.folder_of(self)
-        fake_host.Session.seconds = 0.0
+        fake_host.Session.seconds, fake_host.Session.error = 0.0, 0.01
         fake_host.Session.settings.clear()
         self.scene = bpy.context.scene
         render = self.scene.render

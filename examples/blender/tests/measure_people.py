@@ -5,7 +5,7 @@
 
 Of each scene, the light of the fog before the first surface, two pictures by each of
 
-- covbeam: Add Beams' picture;
+- covbeam: Add Beams' picture, through the same node where Add Beams puts one behind noisy beams;
 - Cycles, not denoised, without clamping and adaptive sampling;
 - OIDN: Cycles' fog light through Blender's Denoise node, guided by albedo and normal of Cycles' denoising data, prefiltered;
 - plain: beams with the same radius everywhere, paths that learn nothing, an eye ray through every pixel.
@@ -39,6 +39,8 @@ from measure_tutorials import rendered_plainly, with_beams, with_cycles
 from people import PEOPLE, make
 
 import addon
+from addon import latest
+from addon.add_beams import NOISY
 from addon.export.scene import export
 from addon.host.session import described
 from addon.settings import session_settings
@@ -63,27 +65,49 @@ def _plain(scene, seconds, seed):
         with_plain.close()
 
 
-def _denoised(scene, seconds, seed):
-    """Cycles' fog light through the compositor's Denoise node."""
+def _through_denoiser(scene, seconds, seed, light):
+    """What the compositor's Denoise node makes of what `light` gives: of the tree and its render layers, a socket."""
     layer = scene.view_layers[0]
     layer.cycles.denoising_store_passes = True
     tree = bpy.data.node_groups.new("Denoise", "CompositorNodeTree")
     tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
     kept, scene.compositing_node_group = scene.compositing_node_group, tree
     layers, denoise, output = (tree.nodes.new(kind) for kind in ("CompositorNodeRLayers", "CompositorNodeDenoise", "NodeGroupOutput"))
-    total = tree.nodes.new("ShaderNodeMix")
-    total.data_type, total.blend_type = "RGBA", "ADD"
-    factor, a, b = [socket for socket in total.inputs if socket.enabled][:3]
-    factor.default_value = 1.0
-    tree.links.new(layers.outputs["Volume Direct"], a)
-    tree.links.new(layers.outputs["Volume Indirect"], b)
-    tree.links.new(next(socket for socket in total.outputs if socket.enabled), denoise.inputs["Image"])
+    tree.links.new(light(tree, layers), denoise.inputs["Image"])
     for guide in ("Albedo", "Normal"):
         tree.links.new(layers.outputs[f"Denoising {guide}"], denoise.inputs[guide])
     tree.links.new(denoise.outputs["Image"], output.inputs[0])
     channels, _ = rendered_plainly(scene, seconds, seed, False)
     scene.compositing_node_group = kept
     return np.stack([channels[c] for c in "RGB"], axis=-1).astype(np.float64)
+
+
+def _fog_of_cycles(tree, layers):
+    total = tree.nodes.new("ShaderNodeMix")
+    total.data_type, total.blend_type = "RGBA", "ADD"
+    factor, a, b = [socket for socket in total.inputs if socket.enabled][:3]
+    factor.default_value = 1.0
+    tree.links.new(layers.outputs["Volume Direct"], a)
+    tree.links.new(layers.outputs["Volume Indirect"], b)
+    return next(socket for socket in total.outputs if socket.enabled)
+
+
+def _denoised(scene, seconds, seed):
+    """Cycles' fog light through the compositor's Denoise node."""
+    return _through_denoiser(scene, seconds, seed, _fog_of_cycles)
+
+
+def _denoised_beams(scene, beams):
+    """A picture of beams through the node. Its guides are those of the surfaces, which Cycles renders whatever is done for their fog."""
+    opaque = np.concatenate([beams[::-1], np.ones((*beams.shape[:2], 1))], axis=-1)
+    image = fog_light.picture("Beams", opaque)
+
+    def light(tree, layers):
+        node = tree.nodes.new("CompositorNodeImage")
+        node.image = image
+        return node.outputs[0]
+
+    return _through_denoiser(scene, 1.0, 1, light)
 
 
 def _cycles(scene, seconds, seed):
@@ -102,11 +126,15 @@ _RENDER = dict(zip(METHODS, (_covbeam, _cycles, _denoised, _plain)))
 
 
 def timed(method, scene, cpu, seed):
-    """A picture of about so many seconds of CPU, and how many it took."""
+    """A picture of about so many seconds of CPU, and how many it took; those of surfaces alone are nobody's."""
     # All threads are busy most of the time; what is off is told.
     seconds = cpu / os.cpu_count()
     before = fog_light.cpu_seconds()
-    return _RENDER[method](scene, seconds, seed), fog_light.cpu_seconds() - before
+    picture = _RENDER[method](scene, seconds, seed)
+    spent = fog_light.cpu_seconds() - before
+    if method == "covbeam" and latest.noise(scene.view_layers[0].name) > NOISY:
+        picture = _denoised_beams(scene, picture)
+    return picture, spent
 
 
 def parts(pictures):

@@ -105,6 +105,59 @@ class Composite(AddBeams):
         # The denoiser gets a black picture, to rounding, and may leave as much.
         np.testing.assert_allclose(self.final()[..., :3], expected, rtol=0, atol=1e-3)
 
+    def denoisers_of_beams(self):
+        nodes = [node for node in self.tree().nodes if node.bl_idname == "CompositorNodeDenoise"]
+        return [node for node in nodes if node.inputs["Image"].links[0].from_socket.name == "In-Scattered"]
+
+    def test_noisy_beams_of_a_denoised_scene_have_a_denoiser_of_their_own(self):
+        # A tenth of the light, of which red has .3.
+        fake_host.Session.error = 0.3
+        bpy.ops.covbeam.add_beams()
+        # Nothing is denoised that Cycles does not denoise.
+        self.assertEqual(self.denoisers_of_beams(), [])
+        self.scene.cycles.use_denoising = True
+        bpy.ops.covbeam.add_beams()
+        (denoise,) = self.denoisers_of_beams()
+        self.assertEqual(self.names().count("CompositorNodeDenoise"), 2)
+        guides = {name: denoise.inputs[name].links[0].from_socket.name for name in ("Albedo", "Normal")}
+        self.assertEqual(guides, {"Albedo": "Denoising Albedo", "Normal": "Denoising Normal"})
+        self.assertEqual(denoise.outputs["Image"].links[0].to_node.label, "Add Light in Fog")
+        self.assertTrue(any(f'"{self.layer.name}" is noisy' in line for line in latest.get().advice))
+        # What is smooth stays, but for what a denoiser takes of saturated light, and at borders.
+        found, expected = self.final()[..., :3], fake_host.picture(40, 20, passes=3).first
+        self.assertLess(np.sqrt(np.mean((found - expected) ** 2)), 0.05 * np.sqrt(np.mean(expected**2)))
+        # With more passes they are no longer noisy.
+        fake_host.Session.error = 0.01
+        bpy.ops.covbeam.add_beams()
+        self.assertEqual((self.denoisers_of_beams(), self.names().count("CompositorNodeDenoise")), ([], 1))
+        bpy.ops.covbeam.remove_beams()
+        self.assertNotIn("CompositorNodeDenoise", self.names())
+
+    def test_half_of_an_animations_frames_say_whether_it_is_noisy(self):
+        self.scene.cycles.use_denoising = True
+        self.scene.frame_start, self.scene.frame_end = 1, 3
+        for errors, count in (((0.01, 0.01, 0.9), 0), ((0.01, 0.9, 0.9), 1)):
+            session_init, left = fake_host.Session.__init__, iter(errors)
+
+            def init(session, *given):
+                session_init(session, *given)
+                session.error = next(left)
+
+            with mock.patch.object(fake_host.Session, "__init__", init):
+                bpy.ops.covbeam.add_beams(animation=True)
+            self.assertEqual((list(left), len(self.denoisers_of_beams())), ([], count))
+
+    def test_noise_is_the_error_over_the_light(self):
+        from addon.passes import noise_of
+
+        grey = np.full((2, 3, 3), 0.5, np.float32)
+        picture = fake_host.Picture(grey, grey, grey[..., 0], grey[..., 0], np.float32([[0.3, 0.0, 0.0], [0.4, 0.0, 0.0]]))
+        self.assertAlmostEqual(noise_of(picture, 2), np.sqrt(0.25 / 6) / 0.5, places=6)
+        # One pass tells of no error.
+        self.assertEqual(noise_of(picture, 1), np.inf)
+        picture.in_scattered = np.zeros_like(grey)
+        self.assertEqual([noise_of(picture, passes) for passes in (1, 2)], [0, 0])
+
     def test_denoising_data_is_switched_off_again_if_it_was_off(self):
         self.scene.cycles.use_denoising = True
         for was_on in (False, True):

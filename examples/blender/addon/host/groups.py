@@ -8,7 +8,7 @@ import numpy as np
 from .session import Picture, Session
 
 #: Weights of linear Rec. 709 in luminance, float32.
-_LUMINANCE = np.float32([0.2126, 0.7152, 0.0722])
+LUMINANCE = np.float32([0.2126, 0.7152, 0.0722])
 
 
 def split(scenes, names):
@@ -96,7 +96,7 @@ class GroupSession:
     def picture(self, poll=None):
         """The Picture of the passes done, at least one, with the light of each group: their sum with the rest is that of all."""
         pictures = [part.session.picture(poll) for part in self._parts]
-        weights = [picture.first @ _LUMINANCE for picture in pictures]
+        weights = [picture.first @ LUMINANCE for picture in pictures]
         total = np.maximum(sum(weights), np.finfo(np.float32).tiny)
         groups = {part.name: picture.first for part, picture in zip(self._parts, pictures) if part.name}
         return Picture(
