@@ -4,8 +4,8 @@
 //! Clusters are merged as obvhs merges them (locally ordered clustering). Its own builder cannot be stopped,
 //! and takes quadratic time over many equal boxes.
 
-use super::cancel::{Poll, Stop};
-use super::room::{fitted, grow, with_room};
+use super::cancel::{Poll, STRETCH, Stop};
+use super::room::{Pieces, grow, release, with_room};
 use super::simd::{LANES, Vectors};
 use super::sub_beams::{Cut, MortonCode, ROOM, SubBeam};
 use crate::beam::{BLOCK, Beam};
@@ -110,9 +110,7 @@ impl Bvh {
         poll: &mut Poll,
     ) -> Result<Self, Stop> {
         let padding = max_radius * ROOM;
-        let mut wide = BinaryBvh::new(beams, cut, codes, padding, poll)?.widen(padding, poll)?;
-        wide.nodes = fitted(&wide.nodes, poll)?;
-        Ok(wide)
+        BinaryBvh::new(beams, cut, codes, padding, poll)?.widen(padding, poll)
     }
 }
 
@@ -145,12 +143,15 @@ impl BinaryBvh {
         let mut roots: Vec<Node> = with_room(chunks)?;
         let mut sub_beams = with_room(largest)?;
         for chunk in codes.chunks(largest) {
-            poll.spend(chunk.len(), 60)?;
             sub_beams.clear();
-            sub_beams.extend(chunk.iter().map(|code| cut.sub_beam(beams, code)));
+            for stretch in chunk.chunks(STRETCH) {
+                poll.spend(stretch.len(), 200)?;
+                sub_beams.extend(stretch.iter().map(|code| cut.sub_beam(beams, code)));
+            }
             clusters
                 .build((0..).zip(&sub_beams).map(|(i, sub_beam)| Node::around(sub_beam, padding, i)), poll)?;
             clusters.collapse();
+            poll.spend(chunk.len(), 60)?;
             roots.push(tree.append(&clusters.tree, &sub_beams)?);
         }
         clusters.build((0..).zip(&roots).map(|(i, root)| Node { first: i, count: 1, ..*root }), poll)?;
@@ -162,13 +163,12 @@ impl BinaryBvh {
 
     /// Gives each node the eight largest boxes below it.
     fn widen(self, padding: f32, poll: &mut Poll) -> Result<Bvh, Stop> {
-        let sub_beams = with_room(self.sub_beams.len())?;
-        let mut wide = Bvh { nodes: Vec::new(), sub_beams, padding, most_waiting: 1 };
+        let mut sub_beams = with_room(self.sub_beams.len())?;
+        let (mut nodes, mut most_waiting) = (Pieces::new(), 1);
         // Nodes still to be made: of which subtree, and where they go.
         let mut stack = with_room(1)?;
         if let Some(root) = self.nodes.first() {
-            grow(&mut wide.nodes, 1)?;
-            wide.nodes.push(WideNode::default());
+            nodes.push(WideNode::default())?;
             stack.push((*root, 0));
         }
         while let Some((root, slot)) = stack.pop() {
@@ -189,23 +189,24 @@ impl BinaryBvh {
             for (lane, child) in children[..count].iter_mut().enumerate() {
                 let first = child.first as usize;
                 if child.count > 0 {
-                    child.first = wide.sub_beams.len() as u32;
-                    wide.sub_beams.extend_from_slice(&self.sub_beams[first..first + child.count as usize]);
+                    child.first = sub_beams.len() as u32;
+                    sub_beams.extend_from_slice(&self.sub_beams[first..first + child.count as usize]);
                 }
                 node.set(lane, child);
             }
             // The last is taken from the stack first: a walk and this loop meet the nodes in the same order.
             for lane in (0..count).rev().filter(|lane| children[*lane].count == 0) {
-                node.first[lane] = u32::try_from(wide.nodes.len()).map_err(|_| Stop::TooMany)?;
-                grow(&mut wide.nodes, 1)?;
+                node.first[lane] = u32::try_from(nodes.len()).map_err(|_| Stop::TooMany)?;
                 grow(&mut stack, 1)?;
-                stack.push((children[lane], wide.nodes.len()));
-                wide.nodes.push(WideNode::default());
+                stack.push((children[lane], nodes.len()));
+                nodes.push(WideNode::default())?;
             }
-            wide.most_waiting = wide.most_waiting.max(stack.len());
-            wide.nodes[slot] = node;
+            most_waiting = most_waiting.max(stack.len());
+            nodes.set(slot, node);
         }
-        Ok(wide)
+        release(self.nodes, poll)?;
+        release(self.sub_beams, poll)?;
+        Ok(Bvh { nodes: nodes.joined(poll)?, sub_beams, padding, most_waiting })
     }
 
     /// Appends what is below the root of a chunk's tree, depth first, and returns the root.
@@ -273,7 +274,7 @@ impl Clusters {
         tree.resize(free, Node::default());
         while list.len() > 1 {
             let count = list.len();
-            poll.spend(count, 10)?;
+            poll.spend(count, 30)?;
             back.clear();
             let mut before = f32::INFINITY;
             for pair in list.windows(2) {

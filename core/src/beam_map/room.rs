@@ -32,11 +32,64 @@ fn out_of_memory<T>(elements: usize) -> Stop {
 /// The elements of a vector, in no more memory than they need.
 pub(super) fn fitted<T: Copy>(elements: &[T], poll: &mut Poll) -> Result<Vec<T>, Stop> {
     let mut fitted = with_room(elements.len())?;
-    for stretch in elements.chunks(STRETCH) {
-        poll.spend(stretch.len(), 1 + size_of::<T>() / 16)?;
-        fitted.extend_from_slice(stretch);
-    }
+    append(&mut fitted, elements, poll)?;
     Ok(fitted)
+}
+
+/// Appends elements for which there is room.
+fn append<T: Copy>(to: &mut Vec<T>, elements: &[T], poll: &mut Poll) -> Result<(), Stop> {
+    for stretch in elements.chunks(STRETCH) {
+        poll.spend(stretch.len(), 1 + size_of::<T>() / 4)?;
+        to.extend_from_slice(stretch);
+    }
+    Ok(())
+}
+
+/// Gives memory back, and asks: the system takes its time for it.
+pub(super) fn release<T>(elements: Vec<T>, poll: &mut Poll) -> Result<(), Stop> {
+    let pages = elements.capacity() * size_of::<T>() / 4096;
+    drop(elements);
+    poll.spend(pages, 100)
+}
+
+/// A vector in pieces of [`STRETCH`] elements: of a long one only the last piece moves when it grows.
+pub(super) struct Pieces<T> {
+    pieces: Vec<Vec<T>>,
+}
+
+impl<T: Copy> Pieces<T> {
+    pub(super) fn new() -> Self {
+        Self { pieces: Vec::new() }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.pieces.last().map_or(0, |last| (self.pieces.len() - 1) * STRETCH + last.len())
+    }
+
+    pub(super) fn push(&mut self, element: T) -> Result<(), Stop> {
+        if self.len() == self.pieces.len() * STRETCH {
+            grow(&mut self.pieces, 1)?;
+            self.pieces.push(Vec::new());
+        }
+        let last = self.pieces.last_mut().expect("one that is not full");
+        grow(last, 1)?;
+        last.push(element);
+        Ok(())
+    }
+
+    pub(super) fn set(&mut self, index: usize, element: T) {
+        self.pieces[index / STRETCH][index % STRETCH] = element;
+    }
+
+    /// All of them one after the other, in no more memory than they need.
+    pub(super) fn joined(self, poll: &mut Poll) -> Result<Vec<T>, Stop> {
+        let mut joined = with_room(self.len())?;
+        for piece in self.pieces {
+            append(&mut joined, &piece, poll)?;
+            release(piece, poll)?;
+        }
+        Ok(joined)
+    }
 }
 
 /// Appends the knots of the table along a ray.

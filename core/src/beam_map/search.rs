@@ -268,7 +268,7 @@ fn meet<S: Simd>(
                 }
             }
         }
-        poll.spend(blocks.len() + 20 * met, 5)?;
+        poll.spend(blocks.len() + 60 * met, 5)?;
     }
     Ok(())
 }

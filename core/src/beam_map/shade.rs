@@ -96,6 +96,7 @@ impl OurMedium<'_> {
         if !tables.has(ray) {
             poll.spend(tables.make(ray, &rays[ray], medium)?, 100)?;
         }
+        poll.spend(pairs.accepted.count_ones() as usize, 200)?;
         let along_ray = density.column(origin, direction, tables.of(ray));
         let (ray_distance, beam_distance): (Floats, Floats) =
             (pairs.ray_distance.into(), pairs.beam_distance.into());

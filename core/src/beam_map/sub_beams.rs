@@ -2,7 +2,7 @@
 //! neighbours in space.
 
 use super::cancel::{Poll, STRETCH, Stop};
-use super::room::{grow, with_room};
+use super::room::{grow, release, with_room};
 use crate::beam::Beam;
 use glam::Vec3;
 use std::vec::Vec;
@@ -162,7 +162,7 @@ fn sorted(mut codes: Vec<MortonCode>, poll: &mut Poll) -> Result<Vec<MortonCode>
             next[i] = next[i - 1] + counts[i - 1];
         }
         for stretch in codes.chunks(STRETCH) {
-            poll.spend(stretch.len(), 4)?;
+            poll.spend(stretch.len(), 16)?;
             for code in stretch {
                 let slot = &mut next[usize::from(code.code.to_le_bytes()[digit])];
                 other[*slot as usize] = *code;
@@ -171,5 +171,6 @@ fn sorted(mut codes: Vec<MortonCode>, poll: &mut Poll) -> Result<Vec<MortonCode>
         }
         std::mem::swap(&mut codes, &mut other);
     }
+    release(other, poll)?;
     Ok(codes)
 }
