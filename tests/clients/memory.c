@@ -234,6 +234,8 @@ static void limit(void)
 int main(void)
 {
     const int64_t before = scarce_live;
+    /* Left to itself the C library keeps ever larger pieces of what was freed, between others where no trim takes them. */
+    if (!mallopt(M_MMAP_THRESHOLD, 1 << 17)) fail("mallopt", COVBEAM_OK);
     furnish();
     refuse(&fog);
     refuse(&smoke);
