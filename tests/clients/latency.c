@@ -3,10 +3,10 @@
  *
  * BEAMS, a million unless told, through the unit cube are committed and gathered, in a homogeneous medium and in voxels.
  * Measured: the longest time without a question to poll (from the call's start and to its end too), and the time from a
- * cancel request, made by another thread at some moment, to the call's return. The requirement is 50 ms. What the library answers for is the processor time
- * between questions: that must keep to it; the time on the clock, which other programs prolong, gets ten times as long before
- * this fails. Other programs prolong the processor's time, too (pages that the system has to find, shared caches): what is too long
- * is measured again, and what the library does, it does each time.
+ * cancel request, made by another thread at some moment, to the call's return. The requirement is 50 ms. What the library
+ * answers for is the processor time between questions: that must keep to it; the time on the clock, which other programs
+ * prolong, gets ten times as long before this fails. Other programs prolong the processor's time, too (pages that the system
+ * has to find, shared caches): what is too long is measured again, and what the library does, it does each time.
  * After the cancelled calls the map is committed and gathers the same bits as one that was never disturbed.
  */
 #define _POSIX_C_SOURCE 200809L

@@ -25,8 +25,9 @@ const SEQUENCE: u32 = 0x7e57;
 const HALF: f64 = 0.5;
 
 /// Plain paths that leave fewer beams than this, of those that leave any, are not scattered dozens of times: guided ones are worth more, and more
-/// evenly than two thousand of them show. Error x CPU time of guided paths over that of plain ones: around a corner or two and through a window
-/// .001 to .1 (2 to 5 beams), in hazy rooms with white walls .25 (6), in thick fog .4 (8), 3 (13) and 4 (56), between mirrors 1.6 (5) and 25 (25).
+/// evenly than two thousand of them show. Error x CPU time of guided paths over that of plain ones (and beams of a plain path): lit through a window
+/// .07 (2); around one corner .07 (3) and .23 (5), around two .02 (3) and .7 (5); a ball of milk .44 (6); hazy rooms with white walls .25 (6); thick
+/// fog .4 (8), 3 (13) and 4 (56); between mirrors 1.6 (5) and 25 (25).
 const FEW: f64 = 8.0;
 
 /// Whether guided paths are worth more than plain ones.
@@ -45,9 +46,9 @@ pub(super) fn pays(
     let plain = (0..PATHS).take_while(|_| !cancelled()).map(|index| {
         let mut record = PhotonRecord::default();
         tracer.trace(SEQUENCE, index, PATHS, Record::Beams, &mut record);
-        let beams = record.beams.iter().filter(|path| is_gathered(path)).count();
-        beams_of_plain += beams;
-        leave_any += u32::from(beams > 0);
+        let left = record.beams.iter().filter(|path| is_gathered(path)).count();
+        beams_of_plain += left;
+        leave_any += u32::from(left > 0);
         worth(guidance, fogs, &record, [0, 0])
     });
     let [of_guided, of_plain] = [evenness(guided), evenness(&plain.collect::<Vec<f32>>())];
