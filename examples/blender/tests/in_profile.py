@@ -29,6 +29,15 @@ zip_path = {str(ZIP)!r}
 def install():
     bpy.ops.extensions.package_install_files(filepath=zip_path, repo="user_default", enable_on_install=True)
 
+def refused():
+    # Blender loses the last words of its tool for zips if the tool ends between its last read and its question whether
+    # the tool has ended (seen once, on a loaded machine); three tries in a row do not lose them all.
+    for attempt in range(3):
+        try:
+            install()
+        except Exception as error:
+            print("raised:", type(error).__name__, error)
+
 def enable():
     # What Blender does when it starts; the bpy package does not read preferences.
     import addon_utils
