@@ -12,7 +12,8 @@ Of each scene, the light of the fog before the first surface, two pictures by ea
 
 The error of a picture is the mean of (picture - a)(picture - b) over that of the reference's squared brightness, with a tenth of its mean added: a and b
 are two long renders by others with seeds of their own, which share no noise with it: what they have between them falls out. Where Cycles finds
-next to none of the light they are plain beams, else Cycles'. Also that of the worst of 4 x 4 blocks.
+next to none of the light they are plain beams of a quarter of the radius, else Cycles': with beams of the same radius, plain beams' blur would be
+in picture and reference alike, and no error. Also that of the worst of 4 x 4 blocks.
 
 Prints a line a scene and time: the errors, in brackets those of the worst block and the seconds of CPU, of all threads, reading the scene in them; and
 covbeam's over the least of the others. Writes them to people.md, and NAME.png: covbeam, Cycles, OIDN, plain at the last of the times, and the reference.
@@ -23,6 +24,7 @@ import argparse
 import os
 import sys
 import tempfile
+from contextlib import closing
 from dataclasses import fields, replace
 from pathlib import Path
 
@@ -52,17 +54,27 @@ BLOCKS = 4
 METHODS = ("covbeam", "Cycles", "OIDN", "plain")
 
 
-def _plain(scene, seconds, seed):
-    """The fog's light by plain beams, after so many seconds by the clock."""
+def _plain_session(scene, seed, radius=0.0):
+    """Of plain beams: of a radius in the first pass [m]; 0: the scene's own."""
     made, _ = export(bpy.context.evaluated_depsgraph_get())
-    chosen = replace(session_settings(scene), beyond=False, seed=seed)
+    chosen = replace(session_settings(scene), beyond=False, seed=seed, radius=radius)
     given = {each.name: getattr(chosen, each.name) for each in fields(chosen)}
-    with_plain = session.Session(described(made), **given, method=Method.PLAIN)
-    try:
-        with_plain.until(seconds=seconds)
-        return with_plain.picture(Layer.ALL).astype(np.float64)
-    finally:
-        with_plain.close()
+    return closing(session.Session(described(made), **given, method=Method.PLAIN))
+
+
+def _plain(scene, seconds, seed, radius=0.0):
+    """The fog's light by plain beams, after so many seconds by the clock."""
+    with _plain_session(scene, seed, radius) as beams:
+        beams.until(seconds=seconds)
+        return beams.picture(Layer.ALL).astype(np.float64)
+
+
+def _sharp(scene, seconds, seed):
+    """Plain beams of a quarter of their radius: a sixteenth of their blur, and more noise, which falls out of the errors."""
+    with _plain_session(scene, seed) as beams:
+        beams.until(passes=1)
+        radius = beams.picture(Layer.RADIUS).max()
+    return _plain(scene, seconds, seed, float(radius) / 4)
 
 
 def _through_denoiser(scene, seconds, seed, light):
@@ -122,7 +134,7 @@ def _covbeam(scene, seconds, seed):
     return made
 
 
-_RENDER = dict(zip(METHODS, (_covbeam, _cycles, _denoised, _plain)))
+_RENDER = dict(zip(METHODS, (_covbeam, _cycles, _denoised, _plain)), reference=_sharp)
 
 
 def timed(method, scene, cpu, seed):
@@ -169,7 +181,7 @@ def table(rows):
 def measure(name, width, times, reference, folder):
     """Renders a scene and prints what there is to say."""
     scene = make(name, width)
-    by = "plain" if PEOPLE[name].focuses else "Cycles"
+    by = "reference" if PEOPLE[name].focuses else "Cycles"
     references = np.array([timed(by, scene, reference, seed)[0] for seed in (101, 102)])
     shown, rows = [], []
     for cpu in times:

@@ -25,9 +25,9 @@ const CAUSTIC_RADIUS_FACTOR: f32 = 2.0;
 const DIFFUSE_RADIUS_FACTOR: f32 = 10.0;
 
 /// Smallest kernel radius of focused light in a pass' own, where filters smooth the noise: guided photons are dense in a caustic, and its borders
-/// sharp. Of .25, .5 and 1 the error after 16 passes is 1, .59 and .81 of a headlight's, 1, .66 and 1.4 under a wine glass; of .25 and .5 1 and .68
-/// beside a glass figurine, 1 and .88 under water. Without filters it is noise that decides: up to 1.7 times the error where much light came
-/// through glass.
+/// sharp. Of .25, .5 and 1 the error after 8 CPU-seconds is 1, .66 and 1.8 of a headlight's, 1, 1.35 and 5.7 under a wine glass, 1, 1.0 and 3.5 beside
+/// a glass figurine, 1, .72 and .60 under water; after 4, 1, 1.0 and 3.1 under the glass. Without filters it is noise that decides: up to 1.7 times
+/// the error where much light came through glass.
 const FOCUSED_SHARE: f32 = 0.5;
 
 /// Kernel radius of scattered light in a pass' own, where straight light, whose borders are sharp, has shadow rays and no beams. Of 1, 2 and 3 times
