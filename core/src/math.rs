@@ -40,6 +40,20 @@ pub(crate) fn exp(x: f32) -> f32 {
     }
 }
 
+/// (e^x - 1)/x, the mean of e^t for t from 0 to x: 1 at 0.
+///
+/// Guarantee: a relative error below 4e-7 for x in \[-1e30, 87\], without cancellation at small x; above 87, infinity; NaN for NaN and infinity. (Test
+/// `the_mean_of_the_exponential_…`.)
+// Eight-wide twin: beam_map/simd.rs.
+#[inline(always)]
+pub(crate) fn exp_mean(x: f32) -> f32 {
+    if x.abs() <= SERIES_LIMIT {
+        EXP_SERIES.into_iter().reduce(|sum, term| sum * x + term).unwrap_or(0.0) * x + 1.0
+    } else {
+        (exp(x) - 1.0) / x
+    }
+}
+
 /// 1.5 · 2²³: numbers this large have no fraction, so that adding it rounds.
 pub(crate) const ROUND: f32 = 12_582_912.0;
 
@@ -49,6 +63,9 @@ pub(crate) const LN_2: [f32; 2] = [0.693_359_4, -2.121_944_4e-4];
 /// (e^r - 1 - r)/r² for |r| <= ln 2 / 2, highest power first.
 pub(crate) const EXP_SERIES: [f32; 6] =
     [1.987_569_2e-4, 1.398_2e-3, 8.333_452e-3, 4.166_579_6e-2, 1.666_666_5e-1, 5e-1];
+
+/// ln 2 / 2.
+pub(crate) const SERIES_LIMIT: f32 = 0.346_573_6;
 
 /// Beyond it [`exp`] is 0 or infinite.
 pub(crate) const EXP_LIMIT: f32 = 87.0;

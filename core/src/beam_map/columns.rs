@@ -70,6 +70,14 @@ impl Bunch {
     }
 }
 
+/// The column up to `distance` on beam `index`. (A column that is returned is put together in memory, which costs a pair 15 ns.)
+#[inline(always)]
+pub(super) fn up_to(bunches: &[Bunch], distance: f32, index: usize) -> f32 {
+    let Bunch { knots, first } = &bunches[index / BUNCH];
+    let at = index % BUNCH;
+    along_beam(&Column::Knots(&knots[first[at] as usize..first[at + 1] as usize]), distance)
+}
+
 impl BeamColumns {
     pub(super) fn new(beams: &[Beam], medium: &Medium, poll: &mut Poll) -> Result<Self, Stop> {
         let density = &medium.density;
@@ -90,24 +98,6 @@ impl BeamColumns {
                 }
                 Ok(Self::Tables(bunches))
             }
-        }
-    }
-
-    /// The column up to `distance` on one of the beams. (A column that is returned is put together in memory,
-    /// which costs a pair 15 ns.)
-    #[inline(always)]
-    pub(super) fn up_to(&self, distance: f32, index: usize, beam: &Beam, density: &Density) -> f32 {
-        match (self, density) {
-            (Self::Exponential(densities), Density::Exponential(exponential)) => {
-                let rate = exponential.rate(beam.direction);
-                along_beam(&Column::Exponential { density: densities[index], rate }, distance)
-            }
-            (Self::Tables(bunches), _) => {
-                let Bunch { knots, first } = &bunches[index / BUNCH];
-                let at = index % BUNCH;
-                along_beam(&Column::Knots(&knots[first[at] as usize..first[at + 1] as usize]), distance)
-            }
-            _ => along_beam(&Column::Uniform, distance),
         }
     }
 

@@ -47,6 +47,12 @@ impl Block {
         }
     }
 
+    /// Directions of the beams.
+    #[inline(always)]
+    pub(super) fn directions<S: Simd>(&self, simd: S) -> Vec3x8<S> {
+        Vec3x8::load(simd, &self.lines.direction)
+    }
+
     /// The places of the pair in a lane, which runs along the ray.
     pub(super) fn along(&self, lane: usize, ray: &EyeRay, beams: &[Beam], kernel: &Kernel) -> Option<Along> {
         let beam = &beams[self.beams[lane] as usize];

@@ -90,7 +90,7 @@ fn gather(level: Level, map: &BeamMap, medium: &Medium, rays: &[EyeRay], kernel:
     let (mut gathered, tables) = (std::vec![Gathered::default(); rays.len()], &mut RayTables::default());
     tables.clear().unwrap();
     let (beams, columns) = (&map.beams, &map.columns);
-    let mut shade = OurMedium { beams, columns, rays, medium, gathered: &mut gathered, tables };
+    let mut shade = OurMedium { columns, rays, medium, gathered: &mut gathered, tables };
     let query = Query { level, beams, bvh: &map.bvh, rays, kernel };
     let go_on = &mut || true;
     let mut poll = Poll::new(go_on).unwrap();

@@ -4,6 +4,7 @@ mod bvh;
 mod cancel;
 mod columns;
 mod eight;
+mod exponential;
 mod packet;
 mod rays;
 mod room;
@@ -192,8 +193,7 @@ impl BeamMap {
         }
         let GatherScratch { search, tables, .. } = scratch;
         tables.clear()?;
-        let mut shade =
-            OurMedium { beams: &self.beams, columns: &self.columns, rays, medium, gathered, tables };
+        let mut shade = OurMedium { columns: &self.columns, rays, medium, gathered, tables };
         self.search(rays, kernel, search, go_on, &mut shade)
     }
 

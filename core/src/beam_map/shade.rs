@@ -1,8 +1,9 @@
 //! What pairs add to their rays, in a medium of the core's or of the host's.
 
 use super::cancel::{Poll, Stop};
-use super::columns::BeamColumns;
+use super::columns::{BeamColumns, Bunch, up_to};
 use super::eight::{Pairs, phases, transmittance, vector};
+use super::exponential;
 use super::rays::RayTables;
 use super::room::make_room;
 use super::search::Shade;
@@ -47,7 +48,6 @@ const CONTACTS: usize = 256;
 
 /// Adds pairs in a medium that the core knows.
 pub(super) struct OurMedium<'a> {
-    pub(super) beams: &'a [Beam],
     pub(super) columns: &'a BeamColumns,
     pub(super) rays: &'a [EyeRay],
     pub(super) medium: &'a Medium<'a>,
@@ -62,12 +62,19 @@ impl Shade for OurMedium<'_> {
             return Ok(());
         }
         let mut scale = phases(simd, self.medium, pairs.cos_theta);
-        let column = if matches!(self.medium.density, Density::Uniform) {
-            pairs.beam_distance + pairs.ray_distance
-        } else {
-            let (column, density) = self.columns(ray, pairs, poll)?;
-            scale = scale.map(|scale| load(simd, &density) * scale);
-            load(simd, &column)
+        let column = match (&self.medium.density, self.columns) {
+            (Density::Exponential(exponential), BeamColumns::Exponential(at_origins)) => {
+                let (column, density) =
+                    exponential::columns(simd, exponential, &self.rays[ray], at_origins, pairs);
+                scale = scale.map(|scale| density * scale);
+                column
+            }
+            (_, BeamColumns::Tables(bunches)) => {
+                let (column, density) = self.tabulated(ray, pairs, bunches, poll)?;
+                scale = scale.map(|scale| load(simd, &density) * scale);
+                load(simd, &column)
+            }
+            _ => pairs.beam_distance + pairs.ray_distance,
         };
         let Medium { scattering, .. } = *self.medium;
         let transmittance = transmittance(simd, self.medium, column);
@@ -82,15 +89,16 @@ impl Shade for OurMedium<'_> {
 }
 
 impl OurMedium<'_> {
-    /// The columns along both ways of pairs, and the density where they meet, where it varies.
+    /// The columns along both ways of pairs, and the density where they meet, in a grid.
     #[inline(never)]
-    fn columns<S: Simd>(
+    fn tabulated<S: Simd>(
         &mut self,
         ray: usize,
         pairs: &Pairs<S>,
+        bunches: &[Bunch],
         poll: &mut Poll,
     ) -> Result<(Floats, Floats), Stop> {
-        let Self { beams, columns, rays, medium, ref mut tables, .. } = *self;
+        let Self { rays, medium, ref mut tables, .. } = *self;
         let density = &medium.density;
         let EyeRay { origin, direction, .. } = rays[ray];
         if !tables.has(ray) {
@@ -104,8 +112,7 @@ impl OurMedium<'_> {
         let (mut column, mut here) = ([0.0; LANES], [0.0; LANES]);
         for lane in bits(pairs.accepted) {
             let index = pairs.block.beams[lane] as usize;
-            column[lane] = columns.up_to(beam_distance[lane], index, &beams[index], density)
-                + along_ray.at(ray_distance[lane]);
+            column[lane] = up_to(bunches, beam_distance[lane], index) + along_ray.at(ray_distance[lane]);
             here[lane] = density.at(vector(&positions, lane));
         }
         Ok((column, here))

@@ -11,7 +11,7 @@ use crate::math::{SIX, exp};
 use glam::Vec3;
 
 /// Largest magnitude of the logarithm of an exponential density: e^±80 is near the ends of what `f32` holds.
-const LARGEST_LOGARITHM: f32 = 80.0;
+pub(crate) const LARGEST_LOGARITHM: f32 = 80.0;
 
 /// Relative density that falls exponentially with height, such as the air's.
 #[repr(C)]
@@ -26,7 +26,8 @@ pub struct ExponentialDensity {
 }
 
 impl ExponentialDensity {
-    fn at(&self, position: Vec3) -> f32 {
+    // Eight-wide twin: beam_map/exponential.rs.
+    pub(crate) fn at(&self, position: Vec3) -> f32 {
         let mut height = (position - self.origin).dot(self.up);
         if height.is_nan() {
             // At the ends of what `f32` holds: inf - inf, or inf x 0.

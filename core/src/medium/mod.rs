@@ -9,6 +9,8 @@ mod voxel_density;
 
 use column::OPAQUE_DEPTH;
 pub use column::{Column, Knot};
+#[cfg(feature = "bvh")]
+pub(crate) use density::LARGEST_LOGARITHM;
 pub use density::{Density, ExponentialDensity};
 pub use derivatives::Derivatives;
 pub use mixture::PhaseShare;
